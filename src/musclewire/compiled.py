@@ -1,0 +1,77 @@
+"""Compile a function with Numba, with an on-disk cache that cannot go stale.
+
+Numba's own cache notices an edit of the file a function stands in, but not of another file whose function it
+calls (numba issue 1833): the old machine code runs on. Here the cache folder is named by a hash over every
+Python source of the package that may hold compiled code, so an edit anywhere starts a new folder.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+import numba.core.config
+
+__all__ = ["compiled"]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+ROOMS_WITH_KERNELS = ("physics", "simulate", "controllers", "sensing")
+
+
+@cache
+def kernel_source_hash() -> str:
+    """Return a short hash over every source file that may hold compiled code."""
+    package = Path(__file__).parent
+    digest = hashlib.sha256()
+    for room in ROOMS_WITH_KERNELS:
+        for path in sorted((package / room).rglob("*.py")):
+            digest.update(path.relative_to(package).as_posix().encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_root() -> Path:
+    """Return the user's cache folder for compiled kernels (``NUMBA_CACHE_DIR`` wins where it is set)."""
+    if numba.core.config.CACHE_DIR:
+        return Path(numba.core.config.CACHE_DIR)
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "musclewire" / "kernels"
+
+
+@cache
+def cache_folder() -> str | None:
+    """Return this version's kernel folder, or None where nothing can be written (compiling still works)."""
+    folder = cache_root() / kernel_source_hash()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return str(folder) if os.access(folder, os.W_OK) else None
+
+
+def compiled(function: Function) -> Function:
+    """Compile ``function`` with Numba on its first call, cached on disk by the hash of all kernel sources.
+
+    Floating-point rules stay those of IEEE 754 but for one: sums may be reordered, so that loops over
+    grains use vector instructions. On one machine the result is the same to the bit from run to run.
+    """
+    folder = cache_folder()
+    before = numba.core.config.CACHE_DIR
+    # Numba chooses the folder while it decorates, so the setting is ours for that moment only.
+    numba.core.config.CACHE_DIR = folder or before
+    try:
+        dispatcher = numba.njit(
+            cache=folder is not None, error_model="numpy", fastmath={"reassoc", "contract", "nsz"}
+        )(function)
+    finally:
+        numba.core.config.CACHE_DIR = before
+    return dispatcher  # type: ignore[no-any-return]

@@ -1,0 +1,71 @@
+"""Whose fault it is and what to do about it.
+
+Every error musclewire raises on purpose belongs to one owner: the caller, the recording, the rig or the
+numerics. The owner decides the exit code of the command line, so that a script can react without
+reading text. A message is one line that says what is wrong, where, and what to do.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+__all__ = [
+    "MusclewireError",
+    "CallerError",
+    "MissingExtraError",
+    "RecordingError",
+    "RigError",
+    "NumericsError",
+    "FitRejectedError",
+    "nearest_hint",
+]
+
+
+class MusclewireError(Exception):
+    """Anything musclewire reports on purpose. ``exit_code`` is what the command line ends with."""
+
+    exit_code = 1
+
+
+class CallerError(MusclewireError, ValueError):
+    """The caller asked for something that makes no sense: a wrong name, range, unit or key."""
+
+    exit_code = 2
+
+
+class MissingExtraError(CallerError):
+    """An optional dependency is needed and not installed; the message names the extra."""
+
+    def __init__(self, what: str, extra: str) -> None:
+        """Say that ``what`` needs the optional extra ``extra``."""
+        super().__init__(f"{what} needs the extra '{extra}': pip install 'musclewire[{extra}]'")
+
+
+class RecordingError(MusclewireError, ValueError):
+    """The recording cannot be used: missing column, unknown unit, NaN, clock running back, no transformation."""
+
+    exit_code = 2
+
+
+class RigError(MusclewireError):
+    """The rig failed or said something impossible. It has been made safe before this is raised."""
+
+    exit_code = 3
+
+
+class NumericsError(MusclewireError):
+    """A computation did not converge or lost meaning; the message names the remedy."""
+
+
+class FitRejectedError(NumericsError):
+    """A fit ran and its result does not hold (it is not invertible, for one)."""
+
+
+def nearest_hint(name: str, known: Iterable[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` for the nearest known name, or the list of names when none is near."""
+    names = sorted(known)
+    near = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    if near:
+        return f"; did you mean '{near[0]}'?"
+    return f"; known: {', '.join(names)}" if names else ""
