@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 import numba
 import numba.core.config
 
-__all__ = ["compiled"]
+__all__ = ["compiled", "compiled_with_reordered_sums"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 ROOMS_WITH_KERNELS = ("physics", "simulate", "controllers", "sensing")
@@ -58,20 +58,26 @@ def cache_folder() -> str | None:
     return str(folder) if os.access(folder, os.W_OK) else None
 
 
-def compiled(function: Function) -> Function:
-    """Compile ``function`` with Numba on its first call, cached on disk by the hash of all kernel sources.
-
-    Floating-point rules stay those of IEEE 754 but for one: sums may be reordered, so that loops over
-    grains use vector instructions. On one machine the result is the same to the bit from run to run.
-    """
+def _compile(function: Function, fastmath: set[str] | bool) -> Function:
     folder = cache_folder()
     before = numba.core.config.CACHE_DIR
     # Numba chooses the folder while it decorates, so the setting is ours for that moment only.
     numba.core.config.CACHE_DIR = folder or before
     try:
-        dispatcher = numba.njit(
-            cache=folder is not None, error_model="numpy", fastmath={"reassoc", "contract", "nsz"}
-        )(function)
+        dispatcher = numba.njit(cache=folder is not None, error_model="numpy", fastmath=fastmath)(function)
     finally:
         numba.core.config.CACHE_DIR = before
     return dispatcher  # type: ignore[no-any-return]
+
+
+def compiled(function: Function) -> Function:
+    """Compile ``function`` on its first call, in strict IEEE 754 arithmetic: the same digits as plain Python."""
+    return _compile(function, fastmath=False)
+
+
+def compiled_with_reordered_sums(function: Function) -> Function:
+    """Compile ``function`` so that sums over grains may be reordered and products fused: vector instructions.
+
+    On one machine the result is still the same to the bit from run to run.
+    """
+    return _compile(function, fastmath={"reassoc", "contract", "nsz"})
