@@ -1,0 +1,41 @@
+"""Fuzzy-tuned PID, drive limits and target trajectories: state in, state out; no clock, no hardware.
+
+A controller takes a number, so it runs alike on a sensor and on an estimate from the wire's own resistance.
+"""
+
+from musclewire.controllers.fuzzy import FuzzyRatios, RatioSurface, infer_ratios, infer_surface
+from musclewire.controllers.fuzzy_pid import ControllerState, FuzzyPid, FuzzyPidSettings, StepResult
+from musclewire.controllers.limits import DriveLimits
+from musclewire.controllers.plots import plot_rule_surfaces
+from musclewire.controllers.references import (
+    Reference,
+    SampledReference,
+    Staircase,
+    Step,
+    sampled_reference,
+    staircase,
+)
+from musclewire.controllers.rules import RuleBase, load_rule_base, parse_rule_base, rule_base_names
+
+__all__ = [
+    "FuzzyPid",
+    "FuzzyPidSettings",
+    "ControllerState",
+    "StepResult",
+    "DriveLimits",
+    "staircase",
+    "Staircase",
+    "Step",
+    "sampled_reference",
+    "SampledReference",
+    "Reference",
+    "rule_base_names",
+    "load_rule_base",
+    "parse_rule_base",
+    "RuleBase",
+    "infer_ratios",
+    "infer_surface",
+    "FuzzyRatios",
+    "RatioSurface",
+    "plot_rule_surfaces",
+]

@@ -1,0 +1,159 @@
+"""Fuzzy inference: from the error and its change to the three gain ratios of the paper's Eq. 6.
+
+Inputs are ratios in [-1, 1] (clipped), outputs ratios in [0, 1]. What the rules say and how they are
+combined is in ``rules``; the compiled arithmetic is in ``kernels`` and is loaded on first use, because Numba
+takes a moment to import.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from musclewire.controllers.rules import (
+    SET_NAMES,
+    ConstantRules,
+    MamdaniRules,
+    MembershipSet,
+    RuleBase,
+    SetName,
+    ZhaoRules,
+)
+from musclewire.errors import CallerError, NumericsError
+
+__all__ = ["FuzzyRatios", "RatioSurface", "infer_ratios", "infer_surface", "input_grades", "pack_rules"]
+
+ALPHA_WEAKEST, ALPHA_STRONGEST = 5.0, 2.0  # the range of Zhao's alpha; a smaller alpha integrates more
+
+
+class FuzzyRatios(NamedTuple):
+    """K_p', K_I' and K_D' of Eq. 6, each in [0, 1]."""
+
+    kp: float
+    ki: float
+    kd: float
+
+
+class RatioSurface(NamedTuple):
+    """K_p', K_I' and K_D' over arrays of inputs, each in [0, 1] and of the inputs' common shape."""
+
+    kp: NDArray[np.float64]
+    ki: NDArray[np.float64]
+    kd: NDArray[np.float64]
+
+
+def infer_ratios(rule_base: RuleBase, error_ratio: float, change_ratio: float) -> FuzzyRatios:
+    """Return the three gain ratios for one error and one change of error, each a ratio clipped to [-1, 1].
+
+    Raises:
+        NumericsError: an input is NaN.
+    """
+    from musclewire.controllers import kernels
+
+    if math.isnan(error_ratio) or math.isnan(change_ratio):
+        raise NumericsError(
+            f"fuzzy inputs are {error_ratio} and {change_ratio}; NaN has no place in a rule table"
+        )
+    return FuzzyRatios(*kernels.infer(pack_rules(rule_base), float(error_ratio), float(change_ratio)))
+
+
+def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: ArrayLike) -> RatioSurface:
+    """Return the three gain ratios over arrays of inputs, which are broadcast against each other.
+
+    Raises:
+        CallerError: the shapes do not fit each other.
+        NumericsError: an input is NaN.
+    """
+    from musclewire.controllers import kernels
+
+    try:
+        errors, changes = np.broadcast_arrays(
+            np.asarray(error_ratio, dtype=np.float64), np.asarray(change_ratio, dtype=np.float64)
+        )
+    except ValueError:
+        shapes = f"{np.shape(error_ratio)} and {np.shape(change_ratio)}"
+        raise CallerError(
+            f"error_ratio and change_ratio have shapes {shapes}, which do not broadcast"
+        ) from None
+    if np.isnan(errors).any() or np.isnan(changes).any():
+        raise NumericsError("fuzzy inputs hold NaN, which has no place in a rule table")
+    ratios = np.empty((3, errors.size))
+    kernels.infer_many(
+        pack_rules(rule_base),
+        np.ascontiguousarray(errors.ravel()),
+        np.ascontiguousarray(changes.ravel()),
+        ratios,
+    )
+    return RatioSurface(*(ratio.reshape(errors.shape) for ratio in ratios))
+
+
+def input_grades(rule_base: RuleBase, ratio: float) -> dict[str, float]:
+    """Return the grade of one input in [-1, 1] in each input set; a rule base without sets gives none."""
+    from musclewire.controllers import kernels
+
+    if not rule_base.input_sets:
+        return {}
+    grades = np.empty(len(SET_NAMES))
+    kernels.grade_inputs(pack_rules(rule_base), float(ratio), grades)
+    return {name: float(grade) for name, grade in zip(SET_NAMES, grades, strict=True)}
+
+
+def pack_rules(rule_base: RuleBase) -> NDArray[np.float64]:
+    """Return a rule base as the flat array the compiled kernels read; its layout stands in ``kernels``."""
+    from musclewire.controllers import kernels
+
+    values = np.zeros(kernels.RULE_VALUES)
+    rules = rule_base.rules
+    values[kernels.AT_KIND] = {
+        "constant": kernels.CONSTANT,
+        "product-weighted-sum": kernels.PRODUCT_WEIGHTED_SUM,
+        "min-max-centroid": kernels.MIN_MAX_CENTROID,
+    }[rules.inference]
+    values[kernels.AT_MIRRORED] = {"no": 0.0, "positive-error": 1.0, "negative-error": -1.0}[
+        rule_base.mirrored
+    ]
+    values[kernels.AT_TABLES : kernels.AT_OUTPUT_SETS] = np.stack(_tables(rules)).ravel()
+    if not isinstance(rules, ConstantRules):
+        sets = [_set_values(rule_base.input_sets[name]) for name in SET_NAMES]
+        values[kernels.AT_INPUT_SETS : kernels.AT_TABLES] = np.ravel(sets)
+    if isinstance(rules, MamdaniRules):
+        values[kernels.AT_OUTPUT_SETS :] = _sampled_output_sets(rules).ravel()
+    return values
+
+
+def _tables(rules: ZhaoRules | MamdaniRules | ConstantRules) -> list[NDArray[np.float64]]:
+    if isinstance(rules, ConstantRules):
+        return [np.full((7, 7), ratio) for ratio in (rules.kp, rules.ki, rules.kd)]
+    if isinstance(rules, MamdaniRules):
+        return [_set_indices(table) for table in (rules.kp, rules.ki, rules.kd)]
+    alpha = np.array(rules.alpha)
+    integral = (1.0 / alpha - 1.0 / ALPHA_WEAKEST) / (1.0 / ALPHA_STRONGEST - 1.0 / ALPHA_WEAKEST)
+    kp, kd = (
+        np.array([[float(cell == "B") for cell in row] for row in table]) for table in (rules.kp, rules.kd)
+    )
+    return [kp, np.clip(integral, 0.0, 1.0), kd]
+
+
+def _set_indices(table: tuple[tuple[SetName, ...], ...]) -> NDArray[np.float64]:
+    return np.array([[float(SET_NAMES.index(cell)) for cell in row] for row in table])
+
+
+def _set_values(fuzzy_set: MembershipSet) -> tuple[float, float, float, float]:
+    from musclewire.controllers import kernels
+
+    shape = {"triangle": kernels.TRIANGLE, "z": kernels.FALLING, "s": kernels.RISING}[fuzzy_set.shape]
+    first, second, third = (*fuzzy_set.points, 0.0)[:3]
+    return shape, first, second, third
+
+
+def _sampled_output_sets(rules: MamdaniRules) -> NDArray[np.float64]:
+    from musclewire.controllers import kernels
+
+    universe = np.linspace(-kernels.UNIVERSE_END, kernels.UNIVERSE_END, kernels.UNIVERSE_POINTS)
+    sets = [_set_values(rules.output_sets[name]) for name in SET_NAMES]
+    return np.array(
+        [[kernels.membership(*values, float(x)) for x in universe] for values in sets], dtype=np.float64
+    )

@@ -1,0 +1,220 @@
+"""The fuzzy-tuned PID of the paper's section III (Fig. 10, Eq. 6): state in, state out.
+
+The paper prints gain ranges (K_p 0.01..0.11, K_I 0.02..0.06, K_D 0.0005..0.001) but neither their units nor
+the form of the law. The reading chosen here is the velocity form, with the error e in percent strain:
+
+    du = input_scale * [ K_p (e_k - e_(k-1)) + K_I dt e_k + K_D/dt (e_k - 2 e_(k-1) + e_(k-2)) ]   volts
+
+K_p has no unit, K_I is per second, K_D in seconds, and ``input_scale`` is one number of volts per percent
+strain, the same for every step and every rig. Why: read literally, as volts per 50 ms sample without a
+scale, the printed gains are 10 to 20 times too small to follow 0.3 % steps in six seconds, or they
+oscillate. One scale keeps the printed ranges and their proportions.
+
+Four decisions the paper leaves open:
+
+- The derivative acts on the measured value, so a target step gives no kick, and passes a first-order filter
+  of time constant ``derivative_filter_s``. The proportional part acts on the error. With a constant target
+  and no filter the law is exactly the one above.
+- The change of error that enters the fuzzy tables is the error's rate through the same kind of filter;
+  target steps are part of it, as in the paper's Fig. 10.
+- Anti-windup is inherent: the state holds the drive as it was clamped, and nothing else integrates. So the
+  drive leaves a limit at the latest in the very tick in which the error changes its sign, however long it had
+  been there. (Later only if the measured value brakes hard in that tick: the derivative part then wants
+  more.)
+- A missing measurement is bridged by ``hold``: the drive stays, the rates are forgotten. The next step still
+  sees the whole change of the error since, so its proportional part catches up, while its derivative starts
+  from rest.
+
+The fuzzy ratios only choose gains inside their ranges, and in the velocity form a gain multiplies an
+increment, so a change of gains does not move the drive by itself.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, field_validator
+
+from musclewire.controllers.fuzzy import pack_rules
+from musclewire.controllers.limits import DriveLimits
+from musclewire.controllers.rules import DEFAULT_RULE_BASE, RuleBase, load_rule_base
+from musclewire.controllers.schema import StrictModel
+from musclewire.errors import CallerError, NumericsError
+
+__all__ = ["ControllerState", "FuzzyPid", "FuzzyPidSettings", "StepResult", "pack_settings"]
+
+Range: TypeAlias = tuple[Annotated[float, Field(ge=0.0)], Annotated[float, Field(ge=0.0)]]
+Positive: TypeAlias = Annotated[float, Field(gt=0.0)]
+
+
+class FuzzyPidSettings(StrictModel):
+    """The numbers of the controller; the gain ranges default to the paper's.
+
+    Attributes:
+        kp_range: least and greatest K_p, no unit.
+        ki_range: least and greatest K_I, per second.
+        kd_range: least and greatest K_D, seconds.
+        input_scale: volts per error unit at a gain of one.
+        error_unit: what the controlled quantity calls one percent strain: 0.01 for strain as a fraction; for
+            a displacement in metres or a force in newtons the amount that goes with 1 % strain.
+        error_range: the error, in error units, that is +-1 for the fuzzy tables.
+        change_range: the rate of the error, in error units per second, that is +-1 for the fuzzy tables.
+        derivative_filter_s: time constant of the rate filters; 0 for none.
+        rule_base: a name from ``rule_base_names()`` or the path of a .toml file; "fixed" turns the tuning
+            off, and with both ends of each range equal the gains are that number.
+
+    Raises:
+        CallerError: an unknown key (the message names the nearest), a range upside down, a number that is
+            not positive.
+    """
+
+    kp_range: Range = (0.01, 0.11)
+    ki_range: Range = (0.02, 0.06)
+    kd_range: Range = (0.0005, 0.001)
+    input_scale: Positive = 20.0
+    error_unit: Positive = 0.01
+    error_range: Positive = 0.3
+    change_range: Positive = 0.3
+    derivative_filter_s: Annotated[float, Field(ge=0.0)] = 0.1
+    rule_base: str = DEFAULT_RULE_BASE
+
+    @field_validator("kp_range", "ki_range", "kd_range")
+    @classmethod
+    def _range_is_the_right_way_up(cls, ends: tuple[float, float]) -> tuple[float, float]:
+        if ends[0] > ends[1]:
+            raise ValueError(f"the least gain comes first, not {ends[0]} before {ends[1]}")
+        return ends
+
+
+class ControllerState(NamedTuple):
+    """All the controller remembers; errors and measurements in the controlled quantity's own unit.
+
+    ``rates_known`` is False after a hold: the last measurement is then too old to make a rate with.
+    """
+
+    drive_voltage_v: float
+    error: float
+    measured: float
+    measured_rate: float
+    error_rate: float
+    rates_known: bool
+
+
+class StepResult(NamedTuple):
+    """One tick's outcome: the next state, the drive to send in volts, and the gains that were used."""
+
+    state: ControllerState
+    drive_voltage_v: float
+    kp: float
+    ki: float
+    kd: float
+
+
+class FuzzyPid:
+    """Fuzzy-tuned PID with drive limits.
+
+    It holds no state: ``start`` makes one, ``step`` and ``hold`` return the next.
+
+    Building it compiles the tick (or loads it from the cache), so that no step has to wait for that.
+
+    Args:
+        settings: gains, scales and the name of the rule base.
+        limits: the drive range in volts.
+        rule_base: a rule base already loaded, instead of the one that ``settings`` names.
+
+    Raises:
+        CallerError: the settings name no known rule base.
+    """
+
+    def __init__(
+        self,
+        settings: FuzzyPidSettings,
+        limits: DriveLimits,
+        rule_base: RuleBase | None = None,
+    ) -> None:
+        """Load the rule base and compile the tick."""
+        from musclewire.controllers import kernels
+
+        self.settings = settings
+        self.limits = limits
+        self.rule_base = rule_base or load_rule_base(self.settings.rule_base)
+        self._tick: Any = kernels.tick
+        self._setting_values = pack_settings(self.settings, limits)
+        self._rule_values = pack_rules(self.rule_base)
+        self.step(self.start(limits.sense_voltage_v, 0.0, 0.0), 0.0, 0.0, 1.0)
+
+    def __repr__(self) -> str:
+        """Show limits, settings and rule base."""
+        return f"FuzzyPid({self.settings!r}, {self.limits!r}, rule_base={self.rule_base.name!r})"
+
+    def start(self, drive_voltage_v: float, measured: float, target: float) -> ControllerState:
+        """Return the state that takes over from a drive already applied, without a jump.
+
+        A first step with the same measurement and target changes the drive by its integral part only. A
+        drive outside the limits is brought to the nearest one.
+
+        Raises:
+            NumericsError: an input is not finite.
+        """
+        if not (math.isfinite(drive_voltage_v) and math.isfinite(measured) and math.isfinite(target)):
+            raise NumericsError(
+                f"cannot start the controller from drive {drive_voltage_v} V, measured {measured}, "
+                f"target {target}: wait for a valid measurement"
+            )
+        drive = self.limits.clamp(float(drive_voltage_v))
+        return ControllerState(drive, float(target) - float(measured), float(measured), 0.0, 0.0, True)
+
+    def step(self, state: ControllerState, target: float, measured: float, dt_s: float) -> StepResult:
+        """Advance by ``dt_s`` seconds: return the next state, the drive in volts and the gains.
+
+        ``target`` and ``measured`` are in the same unit, the one whose percent-strain worth is
+        ``error_unit``.
+
+        Raises:
+            NumericsError: an input is not finite, or so large that the result is not; call ``hold`` instead.
+            CallerError: dt_s is not above zero.
+        """
+        target, measured, dt_s = float(target), float(measured), float(dt_s)
+        if not (math.isfinite(measured) and math.isfinite(target) and math.isfinite(dt_s)):
+            raise NumericsError(
+                f"controller step with target {target}, measured {measured}, dt_s {dt_s}: "
+                "every input must be finite; hold the drive until the measurement is back"
+            )
+        if dt_s <= 0.0:
+            raise CallerError(
+                f"controller step with dt_s {dt_s}: the time since the last step must be above zero"
+            )
+        drive, error, measured, measured_rate, error_rate, known, kp, ki, kd = self._tick(
+            *state, target, measured, dt_s, self._setting_values, self._rule_values
+        )
+        if not math.isfinite(measured_rate + error_rate):
+            raise NumericsError(
+                f"controller step with target {target}, measured {measured} overflows; check the units"
+            )
+        next_state = ControllerState(drive, error, measured, measured_rate, error_rate, known)
+        return StepResult(next_state, drive, kp, ki, kd)
+
+    def hold(self, state: ControllerState) -> ControllerState:
+        """Return the state for a tick without a measurement: same drive, rates forgotten."""
+        return state._replace(measured_rate=0.0, error_rate=0.0, rates_known=False)
+
+
+def pack_settings(settings: FuzzyPidSettings, limits: DriveLimits) -> NDArray[np.float64]:
+    """Return settings and limits as the flat array the compiled tick reads (layout: ``kernels``)."""
+    return np.array(
+        [
+            *settings.kp_range,
+            *settings.ki_range,
+            *settings.kd_range,
+            settings.input_scale,
+            settings.error_unit,
+            settings.error_range,
+            settings.change_range,
+            settings.derivative_filter_s,
+            limits.sense_voltage_v,
+            limits.maximum_voltage_v,
+        ]
+    )

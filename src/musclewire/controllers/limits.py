@@ -1,0 +1,52 @@
+"""What the drive may be while the wire is being sensed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from musclewire.errors import CallerError, NumericsError
+
+__all__ = ["DriveLimits"]
+
+
+@dataclass(frozen=True, slots=True)
+class DriveLimits:
+    """The range of the drive voltage: from the sense voltage, which is above zero, to the maximum.
+
+    The paper's Eq. 1 divides by the shunt voltage: without current there is no resistance, and without
+    resistance no estimate to control with. So the controller never asks for less than ``sense_voltage_v``.
+
+    Raises:
+        CallerError: unless 0 < sense_voltage_v < maximum_voltage_v, both finite.
+    """
+
+    sense_voltage_v: float
+    maximum_voltage_v: float
+
+    def __post_init__(self) -> None:
+        """Check the range."""
+        if not (math.isfinite(self.sense_voltage_v) and math.isfinite(self.maximum_voltage_v)):
+            raise CallerError(
+                f"drive limits must be finite, not {self.sense_voltage_v} V and {self.maximum_voltage_v} V"
+            )
+        if self.sense_voltage_v <= 0.0:
+            raise CallerError(
+                f"sense_voltage_v is {self.sense_voltage_v} V and must be above zero: "
+                "without current the resistance cannot be measured (Eq. 1)"
+            )
+        if self.sense_voltage_v >= self.maximum_voltage_v:
+            raise CallerError(
+                f"sense_voltage_v ({self.sense_voltage_v} V) must be below "
+                f"maximum_voltage_v ({self.maximum_voltage_v} V)"
+            )
+
+    def clamp(self, drive_voltage_v: float) -> float:
+        """Return the nearest allowed drive in volts.
+
+        Raises:
+            NumericsError: the drive is NaN.
+        """
+        if math.isnan(drive_voltage_v):
+            raise NumericsError("the drive voltage is NaN; look for the step that made it")
+        return min(max(drive_voltage_v, self.sense_voltage_v), self.maximum_voltage_v)

@@ -1,0 +1,207 @@
+"""Target trajectories as pure functions of time.
+
+``staircase`` is the paper's step experiment (Fig. 11, Table 2): 1.5, 1.8, ... 3.0 % strain and back, six
+seconds each. Targets are in the unit of whatever is controlled: strain as a fraction, metres or newtons.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from musclewire.errors import CallerError
+
+__all__ = [
+    "Direction",
+    "Reference",
+    "SampledReference",
+    "Staircase",
+    "Step",
+    "sampled_reference",
+    "staircase",
+]
+
+Direction: TypeAlias = Literal["rise", "return"]
+# A clock that adds up ticks may fall a rounding error short of the moment of a step; it means that moment.
+CLOCK_TOLERANCE_S = 1e-9
+
+
+class Reference(Protocol):
+    """Anything that knows its target at any time."""
+
+    @property
+    def duration_s(self) -> float:
+        """How long it lasts, in seconds."""
+
+    def target_at(self, time_s: float) -> float:
+        """Return the target at one time."""
+
+    def targets_at(self, time_s: ArrayLike) -> NDArray[np.float64]:
+        """Return the targets at many times."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One level of a staircase, held from ``start_s`` (included) to ``stop_s``."""
+
+    index: int
+    target: float
+    direction: Direction
+    start_s: float
+    stop_s: float
+
+
+@dataclass(frozen=True)
+class Staircase:
+    """Levels held for the same time each, from time zero on.
+
+    Before time zero the target is the first level, after the end the last.
+
+    Raises:
+        CallerError: no level, a level that is not finite, or a hold time that is not above zero.
+    """
+
+    levels: tuple[float, ...]
+    hold_s: float
+
+    def __post_init__(self) -> None:
+        """Keep the levels as plain numbers and check them."""
+        levels = np.asarray(self.levels, dtype=np.float64)
+        if levels.ndim != 1 or levels.size == 0 or not np.isfinite(levels).all():
+            raise CallerError(f"a staircase needs a list of finite levels, not {self.levels}")
+        if not (math.isfinite(self.hold_s) and self.hold_s > 0.0):
+            raise CallerError(f"hold_s is {self.hold_s} and must be above zero")
+        object.__setattr__(self, "levels", tuple(levels.tolist()))
+
+    @property
+    def duration_s(self) -> float:
+        """The end of the last level, in seconds."""
+        return len(self.levels) * self.hold_s
+
+    @cached_property
+    def steps(self) -> tuple[Step, ...]:
+        """Every level with its direction and times; a level equal to the one before keeps its direction."""
+        steps: list[Step] = []
+        direction: Direction = "rise"
+        for index, level in enumerate(self.levels):
+            if steps and level != steps[-1].target:
+                direction = "rise" if level > steps[-1].target else "return"
+            steps.append(Step(index, level, direction, index * self.hold_s, (index + 1) * self.hold_s))
+        return tuple(steps)
+
+    @cached_property
+    def _starts_s(self) -> list[float]:
+        return [step.start_s for step in self.steps]
+
+    def target_at(self, time_s: float) -> float:
+        """Return the level at ``time_s`` seconds."""
+        index = bisect_right(self._starts_s, _checked_time(time_s) + CLOCK_TOLERANCE_S) - 1
+        return self.levels[max(index, 0)]
+
+    def targets_at(self, time_s: ArrayLike) -> NDArray[np.float64]:
+        """Return the levels at an array of times in seconds, in the shape of that array."""
+        return _zero_order_hold(np.asarray(self._starts_s), np.asarray(self.levels), time_s)
+
+
+@dataclass(frozen=True, eq=False)
+class SampledReference:
+    """A target given at certain times and held until the next (zero-order hold).
+
+    Before the first time the target is the first value, after the last time the last.
+    """
+
+    time_s: NDArray[np.float64]
+    target: NDArray[np.float64]
+
+    @property
+    def duration_s(self) -> float:
+        """The last given time, in seconds."""
+        return float(self.time_s[-1])
+
+    def target_at(self, time_s: float) -> float:
+        """Return the target at ``time_s`` seconds."""
+        index = bisect_right(self.time_s, _checked_time(time_s) + CLOCK_TOLERANCE_S) - 1
+        return float(self.target[max(index, 0)])
+
+    def targets_at(self, time_s: ArrayLike) -> NDArray[np.float64]:
+        """Return the targets at an array of times in seconds, in the shape of that array."""
+        return _zero_order_hold(self.time_s, self.target, time_s)
+
+
+def staircase(
+    start: float = 0.015,
+    stop: float = 0.030,
+    increment: float = 0.003,
+    hold_s: float = 6.0,
+    return_trip: bool = True,
+) -> Staircase:
+    """Return the paper's staircase (Fig. 11): ``start`` to ``stop`` in equal increments and back.
+
+    The top belongs to the rise and appears once. Levels are rounded to 12 digits, so 0.018 is 0.018.
+
+    Raises:
+        CallerError: increment or hold not above zero, stop not above start, or increments that miss ``stop``.
+    """
+    if not all(math.isfinite(value) for value in (start, stop, increment)):
+        raise CallerError(f"staircase from {start} to {stop} by {increment}: every number must be finite")
+    if increment <= 0.0 or stop <= start:
+        raise CallerError(
+            f"staircase from {start} to {stop} by {increment}: "
+            "stop must be above start and the increment above zero"
+        )
+    count = round((stop - start) / increment)
+    if count < 1 or abs(start + count * increment - stop) > 1e-9 * (abs(start) + abs(stop)):
+        nearest = (stop - start) / max(count, 1)
+        raise CallerError(
+            f"staircase from {start} to {stop}: increments of {increment} miss the stop; try {nearest:.6g}"
+        )
+    rise = [float(f"{start + index * increment:.12g}") for index in range(count + 1)]
+    return Staircase(tuple(rise + rise[-2::-1] if return_trip else rise), float(hold_s))
+
+
+def sampled_reference(time_s: ArrayLike, target: ArrayLike) -> SampledReference:
+    """Return a reference from two columns: increasing times in seconds, and the target from each on.
+
+    Raises:
+        CallerError: columns of different or no length, a value not finite, or times that do not increase.
+    """
+    times = np.array(time_s, dtype=np.float64)
+    targets = np.array(target, dtype=np.float64)
+    if times.ndim != 1 or times.shape != targets.shape or times.size == 0:
+        raise CallerError(
+            f"a reference needs two columns of one length, not shapes {times.shape} and {targets.shape}"
+        )
+    if not (np.isfinite(times).all() and np.isfinite(targets).all()):
+        row = int(np.argmin(np.isfinite(times) & np.isfinite(targets)))
+        raise CallerError(
+            f"the reference holds a value that is not finite, first in row {row}; remove that row"
+        )
+    if (np.diff(times) <= 0.0).any():
+        row = int(np.argmax(np.diff(times) <= 0.0)) + 1
+        raise CallerError(
+            f"the times of the reference must increase; row {row} has {times[row]} s; sort the rows"
+        )
+    return SampledReference(times, targets)
+
+
+def _checked_time(time_s: float) -> float:
+    if not math.isfinite(time_s):
+        raise CallerError(f"asked for the target at time {time_s} s; give a finite time")
+    return time_s
+
+
+def _zero_order_hold(
+    starts_s: NDArray[np.float64], levels: NDArray[np.float64], time_s: ArrayLike
+) -> NDArray[np.float64]:
+    times = np.asarray(time_s, dtype=np.float64)
+    if not np.isfinite(times).all():
+        raise CallerError("asked for the target at a time that is not finite; give finite times")
+    indices = np.searchsorted(starts_s, times + CLOCK_TOLERANCE_S, side="right") - 1
+    held: NDArray[np.float64] = levels[np.maximum(indices, 0)]
+    return held

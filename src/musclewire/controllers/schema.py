@@ -1,0 +1,43 @@
+"""Data from outside, checked before it is used: unknown keys are errors that name the nearest known one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+
+from musclewire.errors import CallerError, nearest_hint
+
+__all__ = ["StrictModel", "caller_error"]
+
+
+class StrictModel(BaseModel):
+    """A frozen record that takes no unknown key; what is wrong is reported as ``CallerError``."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def __init__(self, **values: Any) -> None:
+        """Check and keep ``values``; a ``CallerError`` says in one line which key is wrong and why."""
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise caller_error(type(self).__name__, error) from None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _unknown_keys_name_the_nearest(cls, values: Any) -> Any:
+        # Pydantic would say only "extra inputs are not permitted"; a typo deserves the word that was meant.
+        if isinstance(values, dict):
+            for key in values:
+                if key not in cls.model_fields:
+                    raise ValueError(f"unknown key '{key}'{nearest_hint(str(key), cls.model_fields)}")
+        return values
+
+
+def caller_error(where: str, error: ValidationError) -> CallerError:
+    """Return the first complaint of ``error`` as one line that starts with ``where``."""
+    first = error.errors(include_url=False)[0]
+    place = ".".join(str(part) for part in first["loc"])
+    message = first["msg"].removeprefix("Value error, ")
+    more = f" ({error.error_count() - 1} more)" if error.error_count() > 1 else ""
+    return CallerError(f"{where}: {place + ': ' if place else ''}{message}{more}")

@@ -1,0 +1,217 @@
+"""The rule files say what the literature says, and a wrong file is refused with the right word."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from musclewire.controllers import load_rule_base, parse_rule_base, rule_base_names
+from musclewire.controllers.rules import SET_NAMES, ConstantRules, MamdaniRules, ZhaoRules
+from musclewire.errors import CallerError
+
+CONSTANT = """
+name = "mine"
+title = "t"
+source = "s"
+licence = "l"
+[rules]
+inference = "constant"
+kp = 0.0
+ki = 1.0
+kd = 0.25
+"""
+
+
+def zhao_rules() -> ZhaoRules:
+    rules = load_rule_base("zhao-1993").rules
+    assert isinstance(rules, ZhaoRules)
+    return rules
+
+
+def liu_rules() -> MamdaniRules:
+    rules = load_rule_base("liu-7x7").rules
+    assert isinstance(rules, MamdaniRules)
+    return rules
+
+
+def cell(table: tuple[tuple[object, ...], ...], error: str, change: str) -> object:
+    return table[SET_NAMES.index(error)][SET_NAMES.index(change)]
+
+
+def test_the_default_comes_first_and_every_listed_rule_base_loads_with_a_source() -> None:
+    assert rule_base_names() == ("zhao-1993", "fixed", "liu-7x7", "liu-7x7-mirrored")
+    for name in rule_base_names():
+        rule_base = load_rule_base(name)
+        assert rule_base.name == name
+        assert rule_base.source
+        assert rule_base.licence
+        assert rule_base.notes
+        assert name in str(rule_base)
+
+
+@pytest.mark.parametrize(
+    ("table", "error", "change", "published"),
+    [
+        ("kp", "NB", "ZO", "B"),
+        ("kp", "NM", "NB", "S"),
+        ("kp", "NS", "NM", "S"),
+        ("kp", "ZO", "ZO", "B"),
+        ("kp", "ZO", "PS", "S"),
+        ("kp", "PM", "PB", "S"),
+        ("kd", "NB", "ZO", "S"),
+        ("kd", "NM", "NM", "B"),
+        ("kd", "NM", "NS", "S"),
+        ("kd", "ZO", "PB", "B"),
+        ("kd", "PS", "ZO", "S"),
+        ("alpha", "NB", "PB", 2.0),
+        ("alpha", "NM", "NM", 3.0),
+        ("alpha", "NS", "NB", 4.0),
+        ("alpha", "ZO", "NB", 5.0),
+        ("alpha", "ZO", "ZO", 3.0),
+        ("alpha", "PS", "PB", 4.0),
+    ],
+)
+def test_zhao_cells_equal_the_published(table: str, error: str, change: str, published: object) -> None:
+    assert cell(getattr(zhao_rules(), table), error, change) == published
+
+
+def test_zhao_counts_equal_the_published_and_every_table_is_symmetric() -> None:
+    rules = zhao_rules()
+    kp, kd = (np.array(table) == "B" for table in (rules.kp, rules.kd))
+    alpha = np.array(rules.alpha)
+    assert [int(row.sum()) for row in kp] == [7, 5, 3, 1, 3, 5, 7]
+    assert [int(row.sum()) for row in kd] == [0, 4, 6, 7, 6, 4, 0]
+    assert [int((alpha == value).sum()) for value in (2.0, 3.0, 4.0, 5.0)] == [22, 19, 6, 2]
+    for table in (kp, kd, alpha):
+        assert (table == table[::-1, ::-1]).all()
+        assert (table == table[:, ::-1]).all()
+
+
+@pytest.mark.parametrize(
+    ("table", "error", "change", "published"),
+    [
+        ("kp", "NB", "NB", "PB"),
+        ("kp", "NB", "PB", "ZO"),
+        ("kp", "NM", "PS", "PS"),
+        ("kp", "ZO", "ZO", "ZO"),
+        ("kp", "PM", "NB", "PS"),
+        ("kp", "PB", "PS", "NM"),
+        ("kp", "PB", "PB", "NB"),
+        ("ki", "NB", "NB", "NB"),
+        ("ki", "NS", "NM", "NM"),
+        ("ki", "ZO", "PM", "PM"),
+        ("ki", "PS", "PB", "PB"),
+        ("ki", "PB", "NB", "ZO"),
+        ("kd", "NB", "NB", "PS"),
+        ("kd", "NB", "ZO", "NB"),
+        ("kd", "NM", "PB", "ZO"),
+        ("kd", "PS", "NS", "ZO"),
+        ("kd", "PM", "NM", "PS"),
+        ("kd", "PB", "NM", "PM"),
+    ],
+)
+def test_liu_cells_equal_the_published(table: str, error: str, change: str, published: str) -> None:
+    assert cell(getattr(liu_rules(), table), error, change) == published
+
+
+@pytest.mark.parametrize(
+    ("table", "counts"),
+    [
+        ("kp", [3, 10, 7, 9, 8, 8, 4]),
+        ("ki", [5, 7, 7, 11, 8, 6, 5]),
+        ("kd", [4, 5, 11, 12, 10, 3, 4]),
+    ],
+)
+def test_liu_label_counts_equal_those_of_the_published_matlab_listing(table: str, counts: list[int]) -> None:
+    labels = np.array(getattr(liu_rules(), table))
+    assert [int((labels == name).sum()) for name in SET_NAMES] == counts
+
+
+def test_liu_kp_and_ki_are_antisymmetric_in_all_but_a_few_cells_and_never_far_from_it() -> None:
+    for table, exceptions in ((liu_rules().kp, 8), (liu_rules().ki, 2)):
+        index = np.array([[SET_NAMES.index(name) - 3 for name in row] for row in table])
+        residue = index + index[::-1, ::-1]
+        assert np.count_nonzero(residue) == exceptions
+        assert np.abs(residue).max() == 1
+
+
+def test_the_mirrored_rule_base_takes_its_tables_from_the_original() -> None:
+    mirrored = load_rule_base("liu-7x7-mirrored")
+    assert mirrored.rules == liu_rules()
+    assert mirrored.input_sets == load_rule_base("liu-7x7").input_sets
+    assert mirrored.mirrored == "positive-error"
+
+
+def test_fixed_is_the_middle_of_every_range() -> None:
+    rules = load_rule_base("fixed").rules
+    assert isinstance(rules, ConstantRules)
+    assert (rules.kp, rules.ki, rules.kd) == (0.5, 0.5, 0.5)
+
+
+def test_an_unknown_name_gets_the_nearest_one() -> None:
+    with pytest.raises(CallerError, match="did you mean 'zhao-1993'"):
+        load_rule_base("zhao1993")
+
+
+def test_a_missing_file_is_named() -> None:
+    with pytest.raises(CallerError, match=r"cannot read the rule base /nowhere/mine\.toml"):
+        load_rule_base("/nowhere/mine.toml")
+
+
+def test_a_users_own_rules_are_read() -> None:
+    rules = parse_rule_base(CONSTANT).rules
+    assert isinstance(rules, ConstantRules)
+    assert rules.ki == 1.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("licence =", "license =", "unknown key 'license'; did you mean 'licence'"),
+        ("ki =", "kii =", "rules.*unknown key 'kii'; did you mean 'ki'"),
+        ("kp = 0.0", "kp = 1.5", "rules.*kp.*less than or equal to 1"),
+        ("kd = 0.25", "kd = nan", "rules.*kd"),
+        ('"constant"', '"constnat"', "inference"),
+        ("[rules]", "[rules", "not valid TOML"),
+        ('name = "mine"', 'derives_from = "liu"', "unknown rule base 'liu'"),
+    ],
+)
+def test_a_wrong_file_is_refused_in_one_line_that_names_the_place(old: str, new: str, message: str) -> None:
+    with pytest.raises(CallerError, match=message) as raised:
+        parse_rule_base(CONSTANT.replace(old, new), where="mine.toml")
+    assert str(raised.value).startswith("mine.toml: ")
+    assert "\n" not in str(raised.value)
+
+
+DERIVED = 'name = "mine"\nderives_from = "{parent}"\n'
+LIU_TABLE = '["ZO ZO ZO ZO ZO ZO ZO"' + ', "ZO ZO ZO ZO ZO ZO ZO"' * 6 + "]"
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        (LIU_TABLE.replace('["ZO ZO', '["ZO'), r"kp: must be 7 rows of 7 cells, not 7 rows of \[6, 7\]"),
+        (LIU_TABLE.replace('["ZO ZO ZO ZO ZO ZO ZO", ', "["), "kp: must be 7 rows of 7 cells, not 6 rows"),
+        (LIU_TABLE.replace('["ZO', '["ZE'), "kp.0.0"),
+        ("3", "kp"),
+    ],
+)
+def test_a_table_that_is_not_seven_by_seven_set_names_is_refused(table: str, message: str) -> None:
+    text = DERIVED.format(parent="liu-7x7") + f'[rules]\ninference = "min-max-centroid"\nkp = {table}\n'
+    with pytest.raises(CallerError, match=message):
+        parse_rule_base(text)
+
+
+@pytest.mark.parametrize(
+    ("sets", "message"),
+    [
+        ('NB = { shape = "triangle", points = [-1, 0] }', "a triangle needs 3 points, not 2"),
+        ('NB = { shape = "z", points = [1, -1] }', "the points must increase"),
+        ('NB = { shap = "z", points = [-1, 1] }', "unknown key 'shap'; did you mean 'shape'"),
+        ('NB = { shape = "z", points = [-3, -1] }', "input_sets lacks NM, NS, ZO, PS, PM, PB"),
+    ],
+)
+def test_input_sets_are_checked(sets: str, message: str) -> None:
+    text = DERIVED.format(parent="liu-7x7") + f"[input_sets]\n{sets}\n"
+    with pytest.raises(CallerError, match=message):
+        parse_rule_base(text)
