@@ -1,0 +1,137 @@
+"""What a parameter is, and which parameters a wire, an alloy and a rig have.
+
+A parameter file states each number with its SI unit, its source and its kind. A value without a source is an
+error, and so is a key nobody knows: a typo must not become a silent default.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+__all__ = ["Alloy", "Kind", "Parameter", "ParameterGroup", "Bench", "Wire"]
+
+Kind = Literal["measured", "datasheet", "fitted", "derived", "assumed"]
+
+
+class Parameter(BaseModel):
+    """One number: value, SI unit, where it comes from and how far to trust it."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    value: float = Field(allow_inf_nan=False)
+    unit: str
+    kind: Kind
+    source: str = Field(min_length=3)
+    note: str = ""
+
+
+def parameter(unit: str, description: str) -> Any:
+    """Declare a parameter of a group with the unit its file must state."""
+    return Field(description=description, json_schema_extra={"unit": unit})
+
+
+class ParameterGroup(BaseModel):
+    """A named set of parameters read from one TOML file; every field but the texts is a Parameter."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    name: str
+    description: str
+
+    @model_validator(mode="after")
+    def _units_are_as_declared(self) -> ParameterGroup:
+        for key, field in type(self).model_fields.items():
+            extra = field.json_schema_extra
+            value = getattr(self, key)
+            if isinstance(extra, dict) and isinstance(value, Parameter) and value.unit != extra["unit"]:
+                raise ValueError(f"{key} has the unit '{value.unit}', it must be given in '{extra['unit']}'")
+        return self
+
+    def values(self) -> dict[str, float]:
+        """Return the bare numbers, by name."""
+        return {key: item.value for key, item in self.items()}
+
+    def items(self) -> list[tuple[str, Parameter]]:
+        """Return all parameters in the order of the schema."""
+        pairs = ((key, getattr(self, key)) for key in type(self).model_fields)
+        return [(key, item) for key, item in pairs if isinstance(item, Parameter)]
+
+
+class Alloy(ParameterGroup):
+    """What the metal is, whatever the wire's size. Symbols as in docs/reference/symbols.md."""
+
+    martensite_temperature_k: Parameter = parameter("K", "T_M0: austenite and martensite in balance, no stress")
+    martensite_stress_rate_pa_per_k: Parameter = parameter("Pa/K", "C_M: Clausius-Clapeyron slope of martensite")
+    martensite_barrier_k: Parameter = parameter("K", "h_M: half the hysteresis between austenite and martensite")
+    martensite_barrier_per_pa: Parameter = parameter("K/Pa", "change of h_M with stress")
+    martensite_spread_k: Parameter = parameter("K", "w_M: spread of T_M0 over the grains")
+    grain_skew: Parameter = parameter("1", "g of the g-and-h distribution")
+    grain_tail: Parameter = parameter("1", "h of the g-and-h distribution")
+    r_phase_temperature_k: Parameter = parameter("K", "T_R0: austenite and R-phase in balance, no stress")
+    r_phase_stress_rate_pa_per_k: Parameter = parameter("Pa/K", "C_R: Clausius-Clapeyron slope of the R-phase")
+    r_phase_spread_k: Parameter = parameter("K", "w_R: spread of T_R0 over the grains")
+    r_phase_entropy_ratio: Parameter = parameter("1", "r: entropy of A to R over that of A to M")
+    r_phase_barrier_k: Parameter = parameter("K", "h_R: barrier between austenite and R-phase")
+    r_to_m_barrier_k: Parameter = parameter("K", "h_RM: barrier between R-phase and martensite")
+    strain_at_no_stress: Parameter = parameter("1", "H_0: transformation strain of martensite at no stress")
+    strain_saturated: Parameter = parameter("1", "H_sat: transformation strain at high stress")
+    strain_stress_scale_pa: Parameter = parameter("Pa", "sigma_k: stress over which H saturates")
+    r_phase_strain: Parameter = parameter("1", "H_R: strain of the R-phase")
+    austenite_modulus_pa: Parameter = parameter("Pa", "E_A")
+    martensite_modulus_pa: Parameter = parameter("Pa", "E_M")
+    austenite_expansion_per_k: Parameter = parameter("1/K", "thermal expansion of austenite")
+    martensite_expansion_per_k: Parameter = parameter("1/K", "thermal expansion of martensite")
+    austenite_resistivity_ohm_m: Parameter = parameter("ohm m", "rho_A at 20 C")
+    austenite_resistivity_per_k: Parameter = parameter("1/K", "temperature coefficient of rho_A")
+    r_phase_resistivity_ohm_m: Parameter = parameter("ohm m", "rho_R at 20 C")
+    r_phase_resistivity_per_k: Parameter = parameter("1/K", "temperature coefficient of rho_R")
+    martensite_resistivity_ohm_m: Parameter = parameter("ohm m", "rho_M at 20 C, oriented martensite")
+    martensite_resistivity_per_k: Parameter = parameter("1/K", "temperature coefficient of rho_M")
+    specific_heat_j_per_kg_k: Parameter = parameter("J/(kg K)", "c")
+    density_kg_per_m3: Parameter = parameter("kg/m^3", "density")
+    latent_heat_j_per_kg: Parameter = parameter("J/kg", "heat of the transformation austenite to martensite")
+    shakedown_cycles: Parameter = parameter("1", "cycles over which a new wire settles")
+    shakedown_strain: Parameter = parameter("1", "lasting strain a new wire gains")
+    shakedown_resistivity: Parameter = parameter("1", "excess of rho_M in a new wire, relative")
+    shakedown_barrier: Parameter = parameter("1", "excess of h_M in a new wire, relative")
+
+
+class Wire(ParameterGroup):
+    """One wire off one spool: an alloy drawn to a diameter."""
+
+    alloy: str
+    diameter_m: Parameter = parameter("m", "diameter")
+    resistance_per_metre_ohm_per_m: Parameter = parameter("ohm/m", "as sold, martensite, room temperature")
+    resistivity_factor: Parameter = parameter("1", "this spool's resistivity over the alloy's")
+    maximum_force_n: Parameter = parameter("N", "largest force allowed, one leg pair as the paper's Table 1 has it")
+    nominal_force_n: Parameter = parameter("N", "force that stretches the cold wire")
+    convection_factor: Parameter = parameter("1", "measured or fitted convection over Churchill and Chu's")
+
+
+class Bench(ParameterGroup):
+    """The test bench around a wire: mechanics, circuit, acquisition, reference instruments."""
+
+    wire_length_m: Parameter = parameter("m", "overall length of the V-shaped wire")
+    legs: Parameter = parameter("1", "wires in parallel that share the force: 2 for a V")
+    spring_stiffness_n_per_m: Parameter = parameter("N/m", "bias spring")
+    pretension_n: Parameter = parameter("N", "F_p, both legs together, set by the linear stage")
+    guide_friction_n: Parameter = parameter("N", "Coulomb friction of the guide")
+    guide_presliding_m: Parameter = parameter("m", "elastic travel before the guide slides")
+    drive_amplitude_v: Parameter = parameter("V", "amplitude of the slow sine")
+    sense_voltage_v: Parameter = parameter("V", "lowest drive voltage, so that resistance stays measurable")
+    maximum_voltage_v: Parameter = parameter("V", "highest drive voltage allowed")
+    shunt_resistance_ohm: Parameter = parameter("ohm", "R of Eq. 1")
+    lead_resistance_ohm: Parameter = parameter("ohm", "leads and clamps outside the measured voltages")
+    amplifier_resolution_v: Parameter = parameter("V", "step of the output converter behind the buffer amplifier")
+    acquisition_range_v: Parameter = parameter("V", "half of the input range")
+    acquisition_bits: Parameter = parameter("1", "resolution of the input converter")
+    acquisition_noise_v: Parameter = parameter("V", "input noise, rms per reading")
+    acquisition_readings: Parameter = parameter("1", "readings averaged into one sample")
+    sample_period_s: Parameter = parameter("s", "time between samples")
+    displacement_noise_m: Parameter = parameter("m", "LVDT noise, rms per sample")
+    force_noise_n: Parameter = parameter("N", "load cell noise, rms per sample")
+    ambient_temperature_k: Parameter = parameter("K", "temperature of the still air around the wire")
+    time_step_s: Parameter = parameter("s", "step of the simulation")
+    grains: Parameter = parameter("1", "grain classes of the simulated ensemble")

@@ -1,0 +1,46 @@
+"""Turn pydantic's report on a file into one line that a person can act on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from musclewire.errors import CallerError, nearest_hint
+
+__all__ = ["first_problem", "validated"]
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def validated(model: type[Model], data: Any, where: str) -> Model:
+    """Return ``data`` as ``model``; CallerError naming the first wrong key, and the nearest right one."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise CallerError(f"{where}: {first_problem(error, model)}") from None
+
+
+def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
+    """Return the first problem of a validation as one line."""
+    problem = error.errors(include_url=False)[0]
+    place = ".".join(str(part) for part in problem["loc"])
+    if problem["type"] == "extra_forbidden":
+        return f"unknown key '{place}'{nearest_hint(str(problem['loc'][-1]), known_keys(model, problem['loc']))}"
+    message = str(problem["msg"]).removeprefix("Value error, ").replace("\n", " ")
+    if problem["type"] == "missing":
+        return f"the key '{place}' is missing"
+    return f"{place}: {message}" if place else message
+
+
+def known_keys(model: type[BaseModel], place: Iterable[Any]) -> list[str]:
+    """Return the keys allowed where the wrong one stands, following nested models as far as they go."""
+    current: type[BaseModel] = model
+    for part in list(place)[:-1]:
+        field = current.model_fields.get(str(part))
+        annotation = field.annotation if field else None
+        if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
+            break
+        current = annotation
+    return list(current.model_fields)

@@ -1,0 +1,91 @@
+"""From the word ``simulated`` or a TOML file to an open rig."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters.library import load_alloy, load_bench, load_wire
+from musclewire.parameters.schema import Bench
+from musclewire.parameters.validation import validated
+from musclewire.signals.units import parse_quantity
+
+if TYPE_CHECKING:
+    from musclewire.rigs.simulated import SimulatedRig
+
+__all__ = ["RigConfiguration", "open_rig", "read_rig_file"]
+
+
+class RigConfiguration(BaseModel):
+    """A rig file. ``bench`` names a bench that comes with musclewire; ``settings`` changes numbers of it."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    kind: Literal["simulated"] = "simulated"
+    wire: str = "paper-100um"
+    bench: str = "paper"
+    new_wire: bool = False
+    seed: int = 1
+    settings: dict[str, float | str] = {}
+
+
+def read_rig_file(path: str | Path) -> RigConfiguration:
+    """Return a rig file, checked. Raises CallerError naming the file, the key and the nearest right key."""
+    file = Path(path)
+    try:
+        data: dict[str, Any] = tomllib.loads(file.read_text("utf-8"))
+    except FileNotFoundError:
+        raise CallerError(f"there is no rig file {file}; use the word 'simulated' for the simulated rig") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise CallerError(f"rig file {file} cannot be read: {error}") from None
+    return validated(RigConfiguration, data, f"rig file {file}")
+
+
+def bench_with(bench: Bench, settings: dict[str, float | str], where: str) -> Bench:
+    """Return a bench with some of its numbers set by the user, in SI or as text with a unit ("1.7 N")."""
+    known = dict(bench.items())
+    changed = {}
+    for key, given in settings.items():
+        if key not in known:
+            raise CallerError(f"{where}: unknown setting '{key}'{nearest_hint(key, known)}")
+        value = parse_quantity(given, known[key].unit) if isinstance(given, str) else float(given)
+        changed[key] = known[key].model_copy(
+            update={"value": value, "kind": "measured", "source": where, "note": "set by the user"}
+        )
+    return bench.model_copy(update=changed)
+
+
+def open_rig(
+    rig: str | Path | RigConfiguration = "simulated",
+    *,
+    seed: int | None = None,
+    real_time: bool = False,
+    **settings: float | str,
+) -> SimulatedRig:
+    """Open a rig: ``"simulated"`` for the paper's bench, or the path of a TOML rig file.
+
+    ``settings`` change numbers of the bench by name, in SI or as text with a unit, as in
+    ``open_rig("simulated", pretension_n=1.7)``. Raises CallerError for unknown names and impossible numbers.
+    """
+    from musclewire.rigs.simulated import SimulatedRig
+
+    if isinstance(rig, RigConfiguration):
+        configuration, where = rig, "rig"
+    elif str(rig) == "simulated":
+        configuration, where = RigConfiguration(), "simulated"
+    else:
+        configuration, where = read_rig_file(rig), f"rig file {rig}"
+    wire = load_wire(configuration.wire)
+    bench = bench_with(load_bench(configuration.bench), {**configuration.settings, **settings}, where)
+    return SimulatedRig(
+        load_alloy(wire.alloy),
+        wire,
+        bench,
+        seed=configuration.seed if seed is None else seed,
+        new_wire=configuration.new_wire,
+        real_time=real_time,
+    )

@@ -1,0 +1,93 @@
+"""What every rig can do, simulated or real."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Protocol, Self, runtime_checkable
+
+from musclewire.signals.samples import RawSample
+
+__all__ = ["HasStage", "Metadata", "Rig"]
+
+Metadata = dict[str, str | int | float | bool | None]
+
+
+class Rig(Protocol):
+    """Anything with a clock that takes a drive voltage and hands back what its wires carry.
+
+    The rig owns the clock: ``exchange`` returns when the sample is due. Leaving the ``with`` block switches
+    the drive off, whatever happened inside.
+    """
+
+    @property
+    def sample_period_s(self) -> float:
+        """Time between samples."""
+        ...
+
+    @property
+    def sense_voltage_v(self) -> float:
+        """Drive voltage that heats the wire by little and still lets its resistance be measured."""
+        ...
+
+    @property
+    def maximum_voltage_v(self) -> float:
+        """Highest drive voltage this rig allows."""
+        ...
+
+    @property
+    def drive_amplitude_v(self) -> float:
+        """Amplitude at which this rig's wire completes its transformation in a slow sine."""
+        ...
+
+    @property
+    def shunt_resistance_ohm(self) -> float:
+        """R of Eq. 1."""
+        ...
+
+    @property
+    def leg_length_m(self) -> float:
+        """Length whose relative shortening is the strain: one leg of the V."""
+        ...
+
+    @property
+    def drive_voltage_v(self) -> float:
+        """Drive voltage that is out now."""
+        ...
+
+    def metadata(self) -> Metadata:
+        """Return what a recording should say about this rig."""
+        ...
+
+    def exchange(self, drive_voltage_v: float) -> RawSample:
+        """Put out a drive voltage for one sample period and return the sample at its end.
+
+        Raises RigError, after the drive has been switched off, for a voltage outside 0 to the maximum.
+        """
+        ...
+
+    def make_safe(self) -> None:
+        """Go to the sense voltage at once; never raises."""
+        ...
+
+    def close(self) -> None:
+        """Switch the drive off and let go of the hardware."""
+        ...
+
+    def __enter__(self) -> Self:
+        """Return the rig itself."""
+        ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Switch the drive off."""
+        ...
+
+
+@runtime_checkable
+class HasStage(Protocol):
+    """A rig whose linear stage can be set by software."""
+
+    def set_pretension(self, pretension_n: float) -> None:
+        """Move the stage until the cold wire carries this force, both legs together."""
+        ...

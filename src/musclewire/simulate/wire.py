@@ -1,0 +1,136 @@
+"""From parameter files to a wire that can run: constants and the state of a wire at rest."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from musclewire.errors import CallerError
+from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.physics.heat import convection_coefficient_w_per_m2_k
+from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
+from musclewire.simulate.grains import FloatArray, spread_grains
+from musclewire.simulate.kernel import WireConstants, WireState, cool_grains, drives_at, resistance_of, total_strain
+
+__all__ = ["constants_from", "resting_state", "with_ambient", "with_pretension"]
+
+HOTTEST_START_K = 500.0
+COOLING_STEP_K = 0.25
+TABLE_START_K = 200.0
+TABLE_STEP_K = 2.0
+TABLE_POINTS = 301
+
+
+def convection_table(diameter_m: float, ambient_temperature_k: float) -> FloatArray:
+    """Return the convection coefficient every 2 K from 200 K to 800 K for one ambient, (301,)."""
+    walls = TABLE_START_K + TABLE_STEP_K * np.arange(TABLE_POINTS)
+    return np.array([convection_coefficient_w_per_m2_k(t, ambient_temperature_k, diameter_m) for t in walls])
+
+
+def constants_from(alloy: Alloy, wire: Wire, rig: Bench, *, new_wire: bool = False) -> WireConstants:
+    """Return the constants of a wire on a rig; the cold reference strain is found by cooling it there.
+
+    A new wire has yet to see its first cycles; otherwise its shakedown is over and leaves no trace.
+    Raises CallerError where the numbers cannot belong to a wire (no length, no grains).
+    """
+    material, spool, bench = alloy.values(), wire.values(), rig.values()
+    length, legs, diameter = bench["wire_length_m"], bench["legs"], spool["diameter_m"]
+    if min(length, legs, diameter) <= 0.0:
+        raise CallerError("wire_length_m, legs and diameter_m must be above 0: there is no wire otherwise")
+    area = 0.25 * math.pi * diameter**2
+    mass = area * length * material["density_kg_per_m3"]
+    spread = spread_grains(int(bench["grains"]), material["grain_skew"], material["grain_tail"])
+    same = {name: material[name] for name in WireConstants._fields if name in material}
+    if not new_wire:
+        same |= {"shakedown_strain": 0.0, "shakedown_resistivity": 0.0, "shakedown_barrier": 0.0}
+    for name in ("austenite", "martensite", "r_phase"):
+        same[f"{name}_resistivity_ohm_m"] *= spool["resistivity_factor"]
+    constants = WireConstants(
+        **same,
+        wire_length_m=length,
+        leg_length_m=length / legs,
+        legs=legs,
+        austenite_length_m=length,
+        area_m2=area,
+        surface_m2=math.pi * diameter * length,
+        heat_capacity_j_per_k=mass * material["specific_heat_j_per_kg_k"],
+        latent_heat_j=mass * material["latent_heat_j_per_kg"],
+        series_resistance_ohm=bench["shunt_resistance_ohm"] + bench["lead_resistance_ohm"],
+        shunt_resistance_ohm=bench["shunt_resistance_ohm"],
+        ambient_temperature_k=bench["ambient_temperature_k"],
+        convection_factor=spool["convection_factor"],
+        convection_table_start_k=TABLE_START_K,
+        convection_table_step_k=TABLE_STEP_K,
+        convection_table_w_per_m2_k=convection_table(diameter, bench["ambient_temperature_k"]),
+        pretension_n=bench["pretension_n"],
+        spring_stiffness_n_per_m=bench["spring_stiffness_n_per_m"],
+        friction_n=bench["guide_friction_n"],
+        friction_presliding_m=bench["guide_presliding_m"],
+        cold_strain=0.0,
+        grain_middle=spread.middle,
+        grain_inverse_width=1.0 / spread.width,
+    )
+    return with_pretension(constants, bench["pretension_n"])
+
+
+def with_pretension(constants: WireConstants, pretension_n: float) -> WireConstants:
+    """Return the constants for another setting of the linear stage; contraction counts from cold there."""
+    if pretension_n < 0.0:
+        raise CallerError(f"pretension is {pretension_n} N: a wire cannot be pushed, give 0 or more")
+    stress = pretension_n / (constants.legs * constants.area_m2)
+    _, _, martensite, r_phase = cooled_grains(constants, stress)
+    cold = total_strain(constants, stress, martensite, r_phase, constants.ambient_temperature_k)
+    return constants._replace(
+        pretension_n=pretension_n,
+        cold_strain=cold,
+        austenite_length_m=constants.wire_length_m / (1.0 + cold),
+    )
+
+
+def with_ambient(constants: WireConstants, ambient_temperature_k: float) -> WireConstants:
+    """Return the constants in air of another temperature; the cold reference strain stays as it was."""
+    diameter = constants.surface_m2 / (math.pi * constants.wire_length_m)
+    return constants._replace(
+        ambient_temperature_k=ambient_temperature_k,
+        convection_table_w_per_m2_k=convection_table(diameter, ambient_temperature_k),
+    )
+
+
+def cooled_grains(constants: WireConstants, stress_pa: float) -> tuple[FloatArray, FloatArray, float, float]:
+    """Return grains and phase fractions of a wire cooled from hot austenite to ambient at one stress."""
+    grains = constants.grain_middle.shape[0]
+    grain_martensite, grain_r_phase = np.zeros(grains), np.zeros(grains)
+    steps = max(int((HOTTEST_START_K - constants.ambient_temperature_k) / COOLING_STEP_K), 1)
+    martensite = r_phase = 0.0
+    for temperature in np.linspace(HOTTEST_START_K, constants.ambient_temperature_k, steps + 1):
+        drives = drives_at(constants, float(temperature), stress_pa, 1.0)
+        martensite, r_phase = cool_grains(constants, drives, grain_martensite, grain_r_phase)
+    return grain_martensite, grain_r_phase, martensite, r_phase
+
+
+def resting_state(constants: WireConstants) -> WireState:
+    """Return a wire at rest, cooled to ambient under its pretension."""
+    stress = constants.pretension_n / (constants.legs * constants.area_m2)
+    grain_martensite, grain_r_phase, martensite, r_phase = cooled_grains(constants, stress)
+    temperature = constants.ambient_temperature_k
+    transformed = martensite + constants.r_phase_entropy_ratio * r_phase
+    return WireState(
+        time_s=0.0,
+        temperature_k=temperature,
+        stress_pa=stress,
+        contraction=0.0,
+        friction_n=0.0,
+        enthalpy_j=constants.heat_capacity_j_per_k * (temperature - REFERENCE_TEMPERATURE_K)
+        - constants.latent_heat_j * transformed,
+        heat_in_j=0.0,
+        heat_out_j=0.0,
+        cycles=0.0,
+        martensite_fraction=martensite,
+        r_phase_fraction=r_phase,
+        resistance_ohm=resistance_of(constants, stress, martensite, r_phase, temperature, 1.0),
+        capacity_j_per_k=constants.heat_capacity_j_per_k,
+        stress_slope_pa_per_k=0.0,
+        grain_martensite=grain_martensite,
+        grain_r_phase=grain_r_phase,
+    )
