@@ -1,1 +1,11 @@
 """The nouns everyone shares: a raw sample, a recording, and how recordings are read and written."""
+
+from __future__ import annotations
+
+from musclewire.signals.columns import COLUMNS
+from musclewire.signals.hdf5 import RecordingWriter
+from musclewire.signals.reading import read_recording, understand
+from musclewire.signals.recording import Recording
+from musclewire.signals.samples import RawSample
+
+__all__ = ["RawSample", "Recording", "RecordingWriter", "read_recording", "understand", "COLUMNS"]

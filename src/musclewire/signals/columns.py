@@ -1,0 +1,107 @@
+"""The columns a recording may have: one name, one SI unit, one meaning each.
+
+Foreign files call the same things otherwise; ``data/synonyms.toml`` lists the other names we recognise.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.resources
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal
+
+from musclewire.errors import CallerError, nearest_hint
+
+__all__ = [
+    "Column",
+    "ColumnKind",
+    "COLUMNS",
+    "known_column",
+    "key_of_header",
+    "columns_called",
+    "BRANCH_TABLE",
+]
+
+ColumnKind = Literal["time", "electrical", "reference", "control", "table"]
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column: its name, SI unit as pint spells it ("" when dimensionless), meaning and kind."""
+
+    name: str
+    unit: str
+    description: str
+    kind: ColumnKind
+
+
+_ALL = (
+    Column("time_s", "s", "time since the recording began", "time"),
+    Column("drive_voltage_v", "V", "voltage commanded across wire and shunt", "electrical"),
+    Column("wire_voltage_v", "V", "voltage measured across the wire (V_SMA)", "electrical"),
+    Column("shunt_voltage_v", "V", "voltage measured across the shunt resistor (V_R)", "electrical"),
+    Column("wire_current_a", "A", "current through the wire", "electrical"),
+    Column("wire_resistance_ohm", "ohm", "resistance of the wire", "electrical"),
+    Column("reference_strain", "", "strain from an instrument, contraction positive", "reference"),
+    Column("displacement_m", "m", "displacement from an instrument, contraction positive", "reference"),
+    Column("force_n", "N", "force from a load cell", "reference"),
+    Column("stress_pa", "Pa", "tensile stress in the wire", "reference"),
+    Column("wire_temperature_k", "K", "temperature of the wire", "reference"),
+    Column("ambient_temperature_k", "K", "temperature of the air around the wire", "reference"),
+    Column("target_strain", "", "strain asked of the controller", "control"),
+    Column("target_displacement_m", "m", "displacement asked of the controller", "control"),
+    Column("target_force_n", "N", "force asked of the controller", "control"),
+    Column("estimated_strain", "", "strain estimated from resistance", "control"),
+    Column("estimated_displacement_m", "m", "displacement estimated from resistance", "control"),
+    Column("estimated_force_n", "N", "force estimated from resistance", "control"),
+    Column("estimated_strain_std", "", "standard deviation of the estimated strain", "control"),
+    Column("valid", "", "1 where the estimate holds, 0 where it does not", "control"),
+    Column("proportional_gain", "", "proportional gain in force at this tick", "control"),
+    Column("integral_gain", "", "integral gain in force at this tick", "control"),
+    Column("derivative_gain", "", "derivative gain in force at this tick", "control"),
+    Column("cycle", "", "number of the cycle this row belongs to", "control"),
+    Column("resistance_ohm", "ohm", "resistance at which both branches are given", "table"),
+    Column("strain_heating", "", "strain on the heating branch at this resistance", "table"),
+    Column("strain_cooling", "", "strain on the cooling branch at this resistance", "table"),
+)
+
+COLUMNS: Mapping[str, Column] = MappingProxyType({column.name: column for column in _ALL})
+
+# A printed loop has no clock: these three columns stand in for one.
+BRANCH_TABLE = ("resistance_ohm", "strain_heating", "strain_cooling")
+
+
+def known_column(name: str) -> Column:
+    """Return the column called ``name``; CallerError with the nearest name when there is none."""
+    try:
+        return COLUMNS[name]
+    except KeyError:
+        raise CallerError(f"unknown column '{name}'{nearest_hint(str(name), COLUMNS)}") from None
+
+
+def key_of_header(text: str) -> str:
+    """Reduce a header to what is compared: letters and digits only, lower case."""
+    return "".join(character for character in text.lower() if character.isalnum())
+
+
+def columns_called(header_name: str) -> tuple[Column, ...]:
+    """Return the columns a foreign name (without its unit) may mean, the likeliest first.
+
+    A name can mean several ("T" is a time or a temperature); its unit then decides.
+    """
+    return _synonyms().get(key_of_header(header_name), ())
+
+
+@functools.cache
+def _synonyms() -> dict[str, tuple[Column, ...]]:
+    file = importlib.resources.files("musclewire.signals").joinpath("data/synonyms.toml")
+    table = tomllib.loads(file.read_text(encoding="utf-8"))
+    found: dict[str, tuple[Column, ...]] = {}
+    for name, other_names in table.items():
+        for other in other_names:
+            key = key_of_header(other)
+            found[key] = (*found.get(key, ()), COLUMNS[name])
+    return found

@@ -1,0 +1,220 @@
+"""Reading a recording from any file we know, ours or foreign, and saying what was understood."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.signals.columns import BRANCH_TABLE, COLUMNS
+from musclewire.signals.headers import Ignored, Taken, understand_headers
+from musclewire.signals.metadata import MetadataValue
+from musclewire.signals.recording import Recording
+from musclewire.signals.tables import Table
+
+__all__ = ["Understanding", "read_recording", "understand"]
+
+# Where an estimator had no answer our own runs hold NaN; everywhere else NaN is a hole in the data.
+_MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
+
+# A wire that shortens by its whole length does not exist: larger numbers are percent, not fractions.
+_STRAINS = frozenset({"reference_strain", "target_strain", "strain_heating", "strain_cooling"})
+
+
+@dataclass(frozen=True)
+class Understanding:
+    """What a file was understood as: which header became which column, and what was left out."""
+
+    path: str
+    layout: str
+    row_count: int
+    taken: tuple[Taken, ...]
+    ignored: tuple[Ignored, ...]
+    metadata: Mapping[str, MetadataValue]
+
+    def as_dict(self) -> dict[str, object]:
+        """Return plain values for JSON."""
+        return {
+            "path": self.path,
+            "layout": self.layout,
+            "rows": self.row_count,
+            "taken": [asdict(item) for item in self.taken],
+            "ignored": [asdict(item) for item in self.ignored],
+            "metadata": dict(self.metadata),
+        }
+
+    def __str__(self) -> str:
+        """Say it in lines for a person."""
+        lines = [f"{self.path}: {self.layout}, {self.row_count} rows"]
+        lines += [
+            f"  '{item.header}' -> {item.column}{_arithmetic(item)} ({item.how})" for item in self.taken
+        ]
+        lines += [f"  '{item.header}' ignored: {item.reason}" for item in self.ignored]
+        lines += [f"  {key} = {value}" for key, value in self.metadata.items()]
+        return "\n".join(lines)
+
+
+def read_recording(
+    path: str | Path,
+    columns: Mapping[str, str] | None = None,
+    metadata: Mapping[str, MetadataValue] | None = None,
+) -> Recording:
+    """Read a recording from .h5, .hdf5, .csv, .tsv, .txt or .parquet.
+
+    Parameters
+    ----------
+    path: the file
+    columns: NAME -> "HEADER" or "HEADER:UNIT" for headers that are not recognised by themselves, such as
+        ``{"wire_voltage_v": "Vw:mV"}``; HEADER may itself carry a unit
+    metadata: added to what the file says, and preferred to it
+
+    Raises
+    ------
+    RecordingError: the file cannot be used; one line with file, column and row
+    CallerError: a NAME in ``columns`` that is no column, or metadata no file could keep
+    MissingExtraError: .parquet without pyarrow
+    """
+    path = Path(path)
+    table = _table(path)
+    taken, _ = understand_headers(table.headers, columns, str(path))
+    _check_has_clock(taken, table, path)
+    if table.row_count < 2:
+        raise RecordingError(f"{path}: has {table.row_count} rows; a recording needs 2 or more")
+    values = {item.column: _values(item, table, path) for item in taken}
+    if "time_s" in values:
+        _check_clock_rises(values["time_s"], table, path)
+    return _recording(values, table.metadata, path).with_metadata(metadata)
+
+
+def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> Understanding:
+    """Say what each header of the file is taken as, its unit and factor, and what is ignored.
+
+    The numbers themselves are not judged. Raises as ``read_recording`` for the file and its headers.
+    """
+    path = Path(path)
+    table = _table(path)
+    taken, ignored = understand_headers(table.headers, columns, str(path))
+    return Understanding(str(path), table.layout, table.row_count, taken, ignored, table.metadata)
+
+
+@dataclass(frozen=True)
+class _RecordingTable:
+    """One of our HDF5 recordings, seen as a table."""
+
+    recording: Recording
+
+    @property
+    def layout(self) -> str:
+        return "musclewire HDF5"
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        return self.recording.names
+
+    @property
+    def metadata(self) -> Mapping[str, MetadataValue]:
+        return self.recording.metadata
+
+    @property
+    def row_count(self) -> int:
+        return len(self.recording)
+
+    def numbers(self, index: int) -> NDArray[np.float64]:
+        return self.recording[self.headers[index]]
+
+    def place(self, row: int) -> str:
+        return f"row {row + 1}"
+
+
+def _table(path: Path) -> Table:
+    read = _reader_for(path)
+    if not path.is_file():
+        what = "is a folder" if path.is_dir() else "no such file"
+        raise RecordingError(f"{path}: {what}; give the path of a recording")
+    return read(path)
+
+
+def _reader_for(path: Path) -> Callable[[Path], Table]:
+    # Imported here: h5py and pyarrow are slow to load, and most commands read no file.
+    suffix = path.suffix.lower()
+    if suffix in {".h5", ".hdf5"}:
+        from musclewire.signals.hdf5 import read_hdf5
+
+        return lambda file: _RecordingTable(read_hdf5(file))
+    if suffix in {".csv", ".tsv", ".txt"}:
+        from musclewire.signals.text_tables import read_text_table
+
+        return read_text_table
+    if suffix == ".parquet":
+        from musclewire.signals.parquet import read_parquet_table
+
+        return read_parquet_table
+    known = ".h5, .hdf5, .csv, .tsv, .txt or .parquet"
+    raise RecordingError(f"{path}: files ending in '{suffix}' are not read; export it as {known}")
+
+
+def _check_has_clock(taken: tuple[Taken, ...], table: Table, path: Path) -> None:
+    found = {item.column for item in taken}
+    if "time_s" in found or found.issuperset(BRANCH_TABLE):
+        return
+    headers = ", ".join(f"'{header}'" for header in table.headers)
+    raise RecordingError(
+        f"{path}: no column is the time (there are {headers}): "
+        "name one 'time [s]' or map it: time_s=HEADER:s; a printed loop needs " + ", ".join(BRANCH_TABLE)
+    )
+
+
+def _values(item: Taken, table: Table, path: Path) -> NDArray[np.float64]:
+    written = table.numbers(item.index)
+    where = f"column '{item.header}'"
+    bad = np.isinf(written) if item.column in _MAY_BE_NAN else ~np.isfinite(written)
+    if bad.any():
+        row = int(np.argmax(bad))
+        message = f"{table.place(row)}, {where}: {written[row]:g} is not a finite number"
+        raise RecordingError(f"{path}: {message}; correct it or remove the row")
+    _check_strain_is_a_fraction(item, written, table, path)
+    return item.conversion.apply(written)
+
+
+def _check_strain_is_a_fraction(item: Taken, written: NDArray[np.float64], table: Table, path: Path) -> None:
+    too_large = np.abs(written) > 1.0
+    if item.column not in _STRAINS or item.unit_given or not too_large.any():
+        return
+    row = int(np.argmax(too_large))
+    raise RecordingError(
+        f"{path}: {table.place(row)}, column '{item.header}': {written[row]:g} is no strain as a fraction: "
+        f"write '{item.header} [%]' in the header or map it: {item.column}={item.header}:%"
+    )
+
+
+def _check_clock_rises(time_s: NDArray[np.float64], table: Table, path: Path) -> None:
+    stuck = np.diff(time_s) <= 0.0
+    if not stuck.any():
+        return
+    row = int(np.argmax(stuck)) + 1
+    before, after = float(time_s[row - 1]), float(time_s[row])
+    raise RecordingError(
+        f"{path}: {table.place(row)}, column time_s: the clock does not rise, {before!r} s is followed by "
+        f"{after!r} s; remove the repeated rows or cut the file there"
+    )
+
+
+def _recording(
+    values: Mapping[str, NDArray[np.float64]], metadata: Mapping[str, MetadataValue], path: Path
+) -> Recording:
+    try:
+        return Recording(values, metadata)
+    except CallerError as problem:
+        # What the file says about itself is the file's fault, not the caller's.
+        raise RecordingError(f"{path}: {problem}") from None
+
+
+def _arithmetic(item: Taken) -> str:
+    if item.factor == 1.0 and not item.offset:
+        return f" [{item.unit}]" if item.unit else ""
+    offset = f" + {item.offset:g}" if item.offset else ""
+    return f" [{item.unit}] x {item.factor:g}{offset}"

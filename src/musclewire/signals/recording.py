@@ -1,0 +1,223 @@
+"""A recording: columns of numbers over time, and what is known about how they were taken."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from musclewire.errors import CallerError, MissingExtraError, RecordingError
+from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, known_column
+from musclewire.signals.metadata import MetadataValue, checked_metadata
+from musclewire.signals.whole_files import write_whole
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Recording", "MetadataValue"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording:
+    """Columns of equal length in SI units, with metadata. It never changes; ``with_...`` makes another.
+
+    Parameters
+    ----------
+    columns: name -> values of shape (n_times,); the names and their units are those of ``COLUMNS``
+    metadata: wire, wire_length_m, shunt_resistance_ohm, pretension_n, rig, software_version, ..., ended
+
+    A recording has a clock, ``time_s``; the one exception is a printed loop (``is_branch_table``), whose rows
+    are resistances.
+
+    Raises
+    ------
+    CallerError: an unknown column name, or a metadata key or value no file could keep
+    RecordingError: columns of unequal length, or neither a clock nor a table of two branches
+    """
+
+    columns: Mapping[str, FloatArray]
+    metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check, and replace what was given by read-only copies."""
+        columns = {known_column(name).name: _read_only(name, self.columns[name]) for name in self.columns}
+        _check_equal_lengths(columns)
+        _check_rows_are_ordered(columns)
+        object.__setattr__(self, "columns", MappingProxyType(columns))
+        object.__setattr__(self, "metadata", checked_metadata(self.metadata))
+
+    def __getitem__(self, name: str) -> FloatArray:
+        """Return one column, shape (n_times,), read-only.
+
+        Raises CallerError for a name no recording has, RecordingError for a column this recording lacks.
+        """
+        if name in self.columns:
+            return self.columns[name]
+        known_column(name)
+        raise RecordingError(f"this recording has no column '{name}'; it has {', '.join(self.names)}")
+
+    def __contains__(self, name: object) -> bool:
+        """Tell whether this recording has the column ``name``."""
+        return name in self.columns
+
+    def __len__(self) -> int:
+        """Return the number of rows, n_times."""
+        return int(next(iter(self.columns.values())).size)
+
+    def __bool__(self) -> bool:
+        """Return True: a recording without rows is still a recording."""
+        return True
+
+    def __eq__(self, other: object) -> bool:
+        """Tell whether columns and metadata are the same, number by number; NaN equals NaN here."""
+        if not isinstance(other, Recording):
+            return NotImplemented
+        same_columns = self.names == other.names and all(
+            np.array_equal(self[name], other[name], equal_nan=True) for name in self.names
+        )
+        return same_columns and dict(self.metadata) == dict(other.metadata)
+
+    __hash__ = None  # type: ignore[assignment]  # equal by content, and the content is large
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Let a recording travel between processes: read-only mappings cannot be pickled as they are."""
+        return Recording, (dict(self.columns), dict(self.metadata))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the columns, in their order."""
+        return tuple(self.columns)
+
+    @property
+    def duration_s(self) -> float:
+        """Seconds from the first row to the last; 0 for fewer than two rows. RecordingError with no clock."""
+        time_s = self["time_s"]
+        return float(time_s[-1] - time_s[0]) if len(self) else 0.0
+
+    @property
+    def is_branch_table(self) -> bool:
+        """True for a printed loop: both branches against resistance, and no clock."""
+        return "time_s" not in self and all(name in self for name in BRANCH_TABLE)
+
+    def with_columns(self, columns: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> Recording:
+        """Return a recording in which these columns, each (n_times,), are added or replaced."""
+        added = {**(columns or {}), **more}
+        return Recording({**self.columns, **added}, self.metadata)  # type: ignore[dict-item]
+
+    def with_metadata(
+        self, metadata: Mapping[str, MetadataValue] | None = None, /, **more: MetadataValue
+    ) -> Recording:
+        """Return a recording in which these metadata are added or replaced."""
+        return Recording(self.columns, {**self.metadata, **(metadata or {}), **more})
+
+    def between(self, start: int | None = None, stop: int | None = None) -> Recording:
+        """Return rows ``start`` to ``stop`` (not included), counted from 0 as in a Python slice."""
+        for row in (start, stop):
+            if row is not None and not isinstance(row, (int, np.integer)):
+                raise CallerError(
+                    f"between() counts rows, got {row!r}; use numpy.searchsorted on time_s for times"
+                )
+        return Recording({name: values[start:stop] for name, values in self.columns.items()}, self.metadata)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a pandas DataFrame with the metadata in ``attrs``. MissingExtraError without pandas."""
+        try:
+            import pandas as pd
+        except ImportError:
+            raise MissingExtraError("Recording.to_pandas()", "pandas") from None
+        frame = pd.DataFrame({name: values.copy() for name, values in self.columns.items()})
+        frame.attrs.update(self.metadata)
+        return frame
+
+    def save(self, path: str | Path) -> None:
+        """Write the recording by suffix: .h5 or .hdf5, .csv, .parquet. Whole or not at all; replaces a file.
+
+        Raises CallerError for another suffix or a folder that cannot be written to, MissingExtraError for
+        .parquet without pyarrow.
+        """
+        path = Path(path)
+        write = _writer_for(path)
+        write_whole(path, lambda temporary: write(self, temporary))
+
+    def __repr__(self) -> str:
+        """Say in one line how much there is, of what, and how it ended."""
+        return f"Recording({self._summary()}: {', '.join(self.names)})"
+
+    def _summary(self) -> str:
+        parts = [f"{len(self)} rows"]
+        parts += ["branch table"] if self.is_branch_table else [f"{self.duration_s:.6g} s"]
+        if "ended" in self.metadata:
+            parts.append(f"ended '{self.metadata['ended']}'")
+        return ", ".join(parts)
+
+    def _repr_html_(self) -> str:
+        """Show the columns with unit and range, and the metadata, in a notebook."""
+        rows = "".join(_html_row(name, values) for name, values in self.columns.items())
+        facts = ", ".join(f"{key} = {value}" for key, value in self.metadata.items())
+        head = "<tr><th>column</th><th>unit</th><th>least</th><th>greatest</th></tr>"
+        title = f"<b>Recording</b> ({html.escape(self._summary())})"
+        return f"<div>{title}<table>{head}{rows}</table><small>{html.escape(facts)}</small></div>"
+
+
+def _read_only(name: str, values: ArrayLike) -> FloatArray:
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise CallerError(
+            f"column '{name}' must be numbers; got {type(values).__name__} of something else"
+        ) from None
+    if array.ndim != 1:
+        raise CallerError(
+            f"column '{name}' has shape {array.shape}; give one number per row, shape (n_times,)"
+        )
+    if array.flags.writeable:
+        # Whoever handed us the array keeps theirs; ours must not change under the readers.
+        array = array.copy()
+        array.setflags(write=False)
+    return array
+
+
+def _check_equal_lengths(columns: Mapping[str, FloatArray]) -> None:
+    lengths = {name: values.shape[0] for name, values in columns.items()}
+    if len(set(lengths.values())) > 1:
+        counted = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise RecordingError(f"columns differ in length ({counted}); give every column one value per row")
+
+
+def _check_rows_are_ordered(columns: Mapping[str, FloatArray]) -> None:
+    if "time_s" not in columns and not all(name in columns for name in BRANCH_TABLE):
+        needs = f"needs time_s, or {', '.join(BRANCH_TABLE)} for a printed loop"
+        raise RecordingError(f"a recording {needs}; got {', '.join(columns) or 'no columns'}")
+
+
+def _writer_for(path: Path) -> Callable[[Recording, Path], None]:
+    # Imported here: h5py and pyarrow take longer to load than everything else in this room.
+    suffix = path.suffix.lower()
+    if suffix in {".h5", ".hdf5"}:
+        from musclewire.signals.hdf5 import fill_hdf5
+
+        return fill_hdf5
+    if suffix == ".csv":
+        from musclewire.signals.text_tables import fill_csv
+
+        return fill_csv
+    if suffix == ".parquet":
+        from musclewire.signals.parquet import fill_parquet
+
+        return fill_parquet
+    raise CallerError(f"{path}: cannot save as '{suffix}'; end the name in .h5, .hdf5, .csv or .parquet")
+
+
+def _html_row(name: str, values: FloatArray) -> str:
+    finite = values[np.isfinite(values)]
+    least, greatest = (f"{finite.min():.6g}", f"{finite.max():.6g}") if finite.size else ("", "")
+    cells = (name, COLUMNS[name].unit, least, greatest)
+    return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"

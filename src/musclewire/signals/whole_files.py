@@ -1,0 +1,37 @@
+"""Files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Callable
+from pathlib import Path
+
+from musclewire.errors import CallerError
+
+__all__ = ["write_whole"]
+
+
+def write_whole(path: Path, write: Callable[[Path], None]) -> None:
+    """Let ``write`` fill a temporary file beside ``path``, then put it in place in one step.
+
+    Whoever looks at ``path`` sees the old file or the new one, never half of it. Whatever ``write`` raises is
+    raised again, with the temporary file gone. CallerError when the folder cannot be written to.
+    """
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    try:
+        write(temporary)
+        _to_disk(temporary)
+        temporary.replace(path)
+    except OSError as problem:
+        raise CallerError(
+            f"{path}: cannot be written: {problem.strerror or problem}; check the folder"
+        ) from None
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _to_disk(path: Path) -> None:
+    # Without this a power cut just after the rename can leave the new name with old, empty blocks.
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())

@@ -1,0 +1,221 @@
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.signals import Recording, RecordingWriter, read_recording
+from musclewire.signals.hdf5 import read_hdf5, write_hdf5
+
+NAMES = ("time_s", "wire_voltage_v", "shunt_voltage_v")
+
+
+def row(index):
+    return {"time_s": 0.05 * index, "wire_voltage_v": 1.0 + index, "shunt_voltage_v": 0.5}
+
+
+def write_rows(path, count, **options):
+    with RecordingWriter(path, NAMES, {"wire": "Flexinol"}, **options) as writer:
+        for index in range(count):
+            writer.append(row(index))
+
+
+def test_what_was_appended_is_read_back(tmp_path):
+    write_rows(tmp_path / "run.h5", 47)
+    recording = read_hdf5(tmp_path / "run.h5")
+    assert recording.names == NAMES
+    assert recording["wire_voltage_v"].tolist() == [1.0 + index for index in range(47)]
+    assert dict(recording.metadata) == {"wire": "Flexinol", "ended": "done"}
+
+
+def test_every_dataset_says_its_unit_and_is_plain_hdf5(tmp_path):
+    write_rows(tmp_path / "run.h5", 3)
+    with h5py.File(tmp_path / "run.h5") as file:
+        assert file["wire_voltage_v"].attrs["unit"] == "V"
+        assert file["time_s"].dtype == np.float64
+        assert (file.attrs["format"], file.attrs["format_version"]) == ("musclewire-recording", 1)
+
+
+def test_rows_are_in_the_file_once_their_block_is_full(tmp_path):
+    with RecordingWriter(tmp_path / "run.h5", NAMES, {}, block_rows=4) as writer:
+        for index in range(10):
+            writer.append(row(index))
+        assert writer.rows_written == 8
+        assert writer.ended == "running"
+    assert writer.rows_written == 10
+    assert writer.ended == "done"
+
+
+@pytest.mark.parametrize(
+    ("problem", "ended"),
+    [
+        (KeyboardInterrupt(), "interrupted"),
+        (SystemExit(143), "interrupted"),
+        (ValueError("the wire\nbroke"), "ValueError: the wire broke"),
+        (RuntimeError("odd \ud800 \0 text"), "RuntimeError: odd ? text"),
+    ],
+)
+def test_a_run_that_is_stopped_says_why_and_keeps_its_rows(tmp_path, problem, ended):
+    def stopped_run():
+        with RecordingWriter(tmp_path / "run.h5", NAMES, {}) as writer:
+            for index in range(3):
+                writer.append(row(index))
+            raise problem
+
+    with pytest.raises(type(problem)):
+        stopped_run()
+    recording = read_hdf5(tmp_path / "run.h5")
+    assert len(recording) == 3
+    assert recording.metadata["ended"] == ended
+
+
+def test_the_caller_may_give_the_cause_and_closing_twice_changes_nothing(tmp_path):
+    writer = RecordingWriter(tmp_path / "run.h5", NAMES, {})
+    writer.append(row(0))
+    writer.close("supply current limit")
+    writer.close("done")
+    assert read_hdf5(tmp_path / "run.h5").metadata["ended"] == "supply current limit"
+    with pytest.raises(CallerError, match="the recording is closed"):
+        writer.append(row(1))
+
+
+def test_an_existing_file_is_refused_unless_it_may_be_replaced(tmp_path):
+    write_rows(tmp_path / "run.h5", 5)
+    with pytest.raises(
+        CallerError, match=r"run\.h5: the file exists; choose another name or pass overwrite=True"
+    ):
+        RecordingWriter(tmp_path / "run.h5", NAMES, {})
+    assert len(read_hdf5(tmp_path / "run.h5")) == 5
+    write_rows(tmp_path / "run.h5", 2, overwrite=True)
+    assert len(read_hdf5(tmp_path / "run.h5")) == 2
+
+
+def test_a_writer_that_is_wrong_from_the_start_leaves_no_file(tmp_path):
+    for columns, message in [
+        (["time_s", "wire_volts"], "unknown column 'wire_volts'"),
+        (["time_s", "time_s"], "column 'time_s' is given twice"),
+        (["force_n"], "needs the column time_s"),
+    ]:
+        with pytest.raises(CallerError, match=message):
+            RecordingWriter(tmp_path / "run.h5", columns, {})
+    with pytest.raises(CallerError, match="metadata key 'Wire'"):
+        RecordingWriter(tmp_path / "run.h5", NAMES, {"Wire": "x"})
+    with pytest.raises(CallerError, match="block_rows is 0"):
+        RecordingWriter(tmp_path / "run.h5", NAMES, {}, block_rows=0)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_is_not_there_is_said(tmp_path):
+    with pytest.raises(CallerError, match=r"cannot be written: .*; check the folder"):
+        RecordingWriter(tmp_path / "missing" / "run.h5", NAMES, {})
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"time_s": 0.0, "wire_voltage_v": 1.0}, "a row lacks 'shunt_voltage_v'"),
+        (row(0) | {"force_n": 1.0}, "a row gives 'force_n', which this recording does not keep"),
+        (row(0) | {"wire_voltage_v": None}, "a row gives wire_voltage_v = None; give a number"),
+    ],
+)
+def test_a_wrong_row_is_refused_and_the_recording_goes_on(tmp_path, wrong, message):
+    with RecordingWriter(tmp_path / "run.h5", NAMES, {}) as writer:
+        writer.append(row(0))
+        with pytest.raises(CallerError, match=message):
+            writer.append(wrong)
+        writer.append(row(1))
+    assert len(read_hdf5(tmp_path / "run.h5")) == 2
+
+
+def test_a_file_still_running_is_cut_to_its_shortest_column_and_says_so(tmp_path):
+    write_rows(tmp_path / "run.h5", 30)
+    with h5py.File(tmp_path / "run.h5", "r+") as file:
+        file.attrs["ended"] = "running"
+        file["shunt_voltage_v"].resize((27,))
+    recording = read_hdf5(tmp_path / "run.h5")
+    assert len(recording) == 27
+    assert recording.metadata["ended"] == "cut off"
+
+
+def test_rows_beyond_the_last_complete_block_are_not_believed(tmp_path):
+    write_rows(tmp_path / "run.h5", 20)
+    with h5py.File(tmp_path / "run.h5", "r+") as file:
+        file.attrs["ended"] = "running"
+        for name in NAMES:
+            file[name].resize((40,))
+    assert len(read_hdf5(tmp_path / "run.h5")) == 20
+
+
+def test_a_run_killed_before_its_first_block_reads_as_no_rows_and_is_no_use(tmp_path):
+    write_rows(tmp_path / "run.h5", 0)
+    assert len(read_hdf5(tmp_path / "run.h5")) == 0
+    with pytest.raises(RecordingError, match="has 0 rows; a recording needs 2 or more"):
+        read_recording(tmp_path / "run.h5")
+
+
+def test_a_file_that_is_still_being_written_is_said_to_be(tmp_path):
+    reader = "import sys; from musclewire.signals.hdf5 import read_hdf5; read_hdf5(sys.argv[1])"
+    with RecordingWriter(tmp_path / "run.h5", NAMES, {}):
+        command = [sys.executable, "-c", reader, str(tmp_path / "run.h5")]
+        answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert "RecordingError" in answer.stderr
+    assert "is still being written by another process; wait until it ends" in answer.stderr
+
+
+def test_a_missing_file_and_a_folder_are_told_apart(tmp_path):
+    with pytest.raises(RecordingError, match="no such file"):
+        read_hdf5(tmp_path / "none.h5")
+    with pytest.raises(RecordingError, match="is a folder"):
+        read_hdf5(tmp_path)
+
+
+def test_what_is_not_hdf5_is_said_in_one_line(tmp_path):
+    (tmp_path / "run.h5").write_text("time_s,force_n\n0,1\n")
+    with pytest.raises(RecordingError) as caught:
+        read_hdf5(tmp_path / "run.h5")
+    assert "is not an HDF5 file" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_hdf5_of_somebody_else_is_not_ours(tmp_path):
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["time_s"] = [0.0, 1.0]
+    with pytest.raises(RecordingError, match="is HDF5 but no musclewire recording"):
+        read_hdf5(tmp_path / "other.h5")
+
+
+def test_a_newer_format_asks_for_an_update(tmp_path):
+    write_rows(tmp_path / "run.h5", 3)
+    with h5py.File(tmp_path / "run.h5", "r+") as file:
+        file.attrs["format_version"] = 2
+    with pytest.raises(RecordingError, match="has format_version 2, this musclewire reads 1; update"):
+        read_hdf5(tmp_path / "run.h5")
+
+
+def test_a_lost_column_is_named(tmp_path):
+    write_rows(tmp_path / "run.h5", 3)
+    with h5py.File(tmp_path / "run.h5", "r+") as file:
+        del file["shunt_voltage_v"]
+    with pytest.raises(RecordingError, match="the column 'shunt_voltage_v' is announced and missing"):
+        read_hdf5(tmp_path / "run.h5")
+
+
+def test_half_a_file_is_damaged_and_never_a_traceback(tmp_path):
+    write_rows(tmp_path / "run.h5", 500)
+    whole = (tmp_path / "run.h5").read_bytes()
+    for share in (0.1, 0.5, 0.9):
+        (tmp_path / "half.h5").write_bytes(whole[: int(len(whole) * share)])
+        with pytest.raises(RecordingError) as caught:
+            read_hdf5(tmp_path / "half.h5")
+        assert "\n" not in str(caught.value)
+
+
+def test_write_hdf5_replaces_a_file_in_one_step_and_leaves_nothing_beside_it(tmp_path):
+    first = Recording({"time_s": [0.0, 1.0]})
+    second = Recording({"time_s": [0.0, 2.0]}, {"rig": None, "note": "", "pulse": True, "count": 3})
+    write_hdf5(first, tmp_path / "run.h5")
+    write_hdf5(second, tmp_path / "run.h5")
+    assert read_hdf5(tmp_path / "run.h5") == second
+    assert [file.name for file in tmp_path.iterdir()] == ["run.h5"]

@@ -1,0 +1,65 @@
+import datetime
+
+import pyarrow as pa
+import pyarrow.parquet
+import pytest
+
+from musclewire.errors import RecordingError
+from musclewire.signals import Recording, read_recording, understand
+
+
+def write(path, columns, metadata=None):
+    table = pa.table(columns)
+    pyarrow.parquet.write_table(table.replace_schema_metadata(metadata), path)
+    return path
+
+
+def refusal(path, **options):
+    with pytest.raises(RecordingError) as caught:
+        read_recording(path, **options)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_foreign_parquet_is_understood_by_its_column_names(tmp_path):
+    path = write(
+        tmp_path / "a.parquet",
+        {"Time [ms]": [0, 50], "pos": [1.0, 2.0], "valid": [True, False], "note": ["a", None]},
+    )
+    recording = read_recording(path, {"displacement_m": "pos:mm"})
+    assert recording["time_s"].tolist() == pytest.approx([0.0, 0.05])
+    assert recording["displacement_m"].tolist() == pytest.approx([0.001, 0.002])
+    assert recording["valid"].tolist() == [1.0, 0.0]
+    assert [item.header for item in understand(path, {"displacement_m": "pos:mm"}).ignored] == ["note"]
+
+
+def test_a_line_break_in_a_column_name_is_a_space(tmp_path):
+    path = write(tmp_path / "a.parquet", {"time_s": [0.0, 1.0], "Force\n[mN]": [1.0, 2.0]})
+    assert read_recording(path)["force_n"].tolist() == pytest.approx([0.001, 0.002])
+
+
+def test_our_parquet_says_its_units_to_whoever_reads_it(tmp_path):
+    Recording({"time_s": [0.0, 1.0]}).save(tmp_path / "a.parquet")
+    assert pyarrow.parquet.read_schema(tmp_path / "a.parquet").field("time_s").metadata == {b"unit": b"s"}
+
+
+def test_blank_cells_and_words_and_dates_are_found(tmp_path):
+    day = datetime.datetime(2026, 1, 1)
+    path = tmp_path / "a.parquet"
+    blank = refusal(write(path, {"time_s": [0.0, 1.0, 2.0], "force_n": [1.0, None, None]}))
+    assert "row 2, column 'force_n': the cell is blank" in blank
+    assert "column 'force_n' holds string, not numbers" in refusal(
+        write(path, {"time_s": [0.0, 1.0], "force_n": ["1", "2"]})
+    )
+    assert "column 'time_s' holds timestamp[us], not numbers" in refusal(write(path, {"time_s": [day, day]}))
+
+
+def test_what_is_no_parquet_is_refused(tmp_path):
+    (tmp_path / "a.parquet").write_text("time_s\n0\n1\n")
+    assert "cannot be read as Parquet" in refusal(tmp_path / "a.parquet")
+
+
+@pytest.mark.parametrize("document", [b"{", b"{}", b'{"metadata": 3}', b'{"metadata": {"Bad Key": 1}}'])
+def test_damaged_metadata_are_the_files_fault(tmp_path, document):
+    path = write(tmp_path / "a.parquet", {"time_s": [0.0, 1.0]}, {b"musclewire-recording": document})
+    assert "metadata" in refusal(path)

@@ -1,0 +1,126 @@
+import json
+
+import numpy as np
+import pytest
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.signals import Recording, read_recording, understand
+
+FOREIGN = "Time [ms],V_SMA [mV],V_R [V],pos,T (°C),Humidity\n0,1000,0.5,1,25,40\n50,1100,0.6,2,26,41\n"
+
+
+@pytest.fixture
+def foreign(tmp_path):
+    path = tmp_path / "loop.csv"
+    path.write_text("# shunt_resistance = 1.0 ohm\n" + FOREIGN, encoding="utf-8")
+    return path
+
+
+def refusal(path, **options):
+    with pytest.raises(RecordingError) as caught:
+        read_recording(path, **options)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_a_foreign_file_becomes_a_recording_in_si(foreign):
+    recording = read_recording(foreign, columns={"displacement_m": "pos:mm"}, metadata={"wire": "Flexinol"})
+    assert recording.names == (
+        "time_s",
+        "wire_voltage_v",
+        "shunt_voltage_v",
+        "displacement_m",
+        "wire_temperature_k",
+    )
+    assert recording["time_s"].tolist() == pytest.approx([0.0, 0.05])
+    assert recording["wire_voltage_v"].tolist() == pytest.approx([1.0, 1.1])
+    assert recording["displacement_m"].tolist() == pytest.approx([0.001, 0.002])
+    assert recording["wire_temperature_k"].tolist() == pytest.approx([298.15, 299.15])
+    assert dict(recording.metadata) == {"shunt_resistance_ohm": 1.0, "wire": "Flexinol"}
+
+
+def test_metadata_of_the_caller_come_before_those_of_the_file(foreign):
+    recording = read_recording(foreign, {"displacement_m": "pos:mm"}, {"shunt_resistance_ohm": 2.0})
+    assert recording.metadata["shunt_resistance_ohm"] == 2.0
+
+
+def test_understanding_tells_header_by_header_what_was_made_of_it(foreign):
+    found = understand(foreign, columns={"displacement_m": "pos:mm"})
+    assert [
+        (item.header, item.column, item.unit, item.factor, item.offset, item.how) for item in found.taken
+    ] == [
+        ("Time [ms]", "time_s", "ms", 0.001, 0.0, "synonym"),
+        ("V_SMA [mV]", "wire_voltage_v", "mV", 0.001, 0.0, "synonym"),
+        ("V_R [V]", "shunt_voltage_v", "V", 1.0, 0.0, "synonym"),
+        ("pos", "displacement_m", "mm", 0.001, 0.0, "mapped"),
+        ("T (°C)", "wire_temperature_k", "°C", 1.0, 273.15, "synonym"),
+    ]
+    assert [(item.header, item.reason) for item in found.ignored] == [("Humidity", "name not known")]
+    assert (found.row_count, found.layout) == (2, "text, separated by commas")
+    assert "'Time [ms]' -> time_s [ms] x 0.001 (synonym)" in str(found)
+    assert "'T (°C)' -> wire_temperature_k [°C] x 1 + 273.15 (synonym)" in str(found)
+    assert "'Humidity' ignored: name not known" in str(found)
+    assert json.loads(json.dumps(found.as_dict()))["taken"][0]["column"] == "time_s"
+
+
+def test_understanding_does_not_judge_the_numbers(tmp_path):
+    path = tmp_path / "loop.csv"
+    path.write_text("time_s,force_n\n1,nan\n0,x\n")
+    assert understand(path).row_count == 2
+
+
+def test_understanding_refuses_what_reading_refuses_in_a_header(foreign):
+    with pytest.raises(RecordingError, match="column 'pos' has no unit: write 'pos \\[m\\]'"):
+        understand(foreign)
+
+
+def test_a_missing_file_a_folder_and_an_unknown_ending_are_told_apart(tmp_path):
+    assert "no such file" in refusal(tmp_path / "none.csv")
+    (tmp_path / "folder.csv").mkdir()
+    assert "is a folder" in refusal(tmp_path / "folder.csv")
+    assert "files ending in '.mat' are not read; export it as .h5" in refusal(tmp_path / "a.mat")
+
+
+def test_a_file_without_a_clock_is_told_how_to_name_one(tmp_path):
+    (tmp_path / "a.csv").write_text("sample,force_n\n0,1\n1,2\n")
+    assert "no column is the time (there are 'sample', 'force_n'): name one" in refusal(tmp_path / "a.csv")
+
+
+def test_a_printed_loop_needs_no_clock(tmp_path):
+    text = "Resistance [Ohm],Strain heating [%],Strain cooling [%]\n3.0,4.0,4.1\n3.5,2.0,1.0\n"
+    (tmp_path / "table.csv").write_text(text)
+    table = read_recording(tmp_path / "table.csv")
+    assert table.is_branch_table
+    assert table["strain_heating"].tolist() == pytest.approx([0.04, 0.02])
+
+
+def test_a_strain_beyond_one_without_a_unit_is_taken_for_percent_and_refused(tmp_path):
+    (tmp_path / "a.csv").write_text("time_s,strain\n0,0.5\n1,3.5\n")
+    message = refusal(tmp_path / "a.csv")
+    assert "line 3, column 'strain': 3.5 is no strain as a fraction: write 'strain [%]'" in message
+    assert (
+        read_recording(tmp_path / "a.csv", {"reference_strain": "strain:%"})["reference_strain"][1] == 0.035
+    )
+
+
+def test_our_own_hdf5_is_judged_like_every_other_file(tmp_path):
+    path = tmp_path / "run.h5"
+    Recording({"time_s": [0.0, 1.0, 1.0], "force_n": [1.0, 2.0, 3.0]}).save(path)
+    assert "row 3, column time_s: the clock does not rise, 1.0 s is followed by 1.0 s" in refusal(path)
+    Recording({"time_s": [0.0, 1.0], "force_n": [1.0, np.nan]}).save(path)
+    assert "row 2, column 'force_n': nan is not a finite number" in refusal(path)
+
+
+def test_where_an_estimator_had_no_answer_nan_is_one(tmp_path):
+    run = Recording({"time_s": [0.0, 1.0], "estimated_strain": [np.nan, 0.01], "valid": [0.0, 1.0]})
+    for name in ("run.h5", "run.csv", "run.parquet"):
+        run.save(tmp_path / name)
+        assert read_recording(tmp_path / name) == run
+
+
+def test_a_bad_name_in_the_mapping_or_the_metadata_is_the_callers_error(foreign):
+    mapping = {"displacement_m": "pos:mm"}
+    with pytest.raises(CallerError, match="unknown column 'displacement'"):
+        read_recording(foreign, columns={"displacement": "pos:mm"})
+    with pytest.raises(CallerError, match="metadata key 'Wire'"):
+        read_recording(foreign, columns=mapping, metadata={"Wire": "x"})

@@ -1,0 +1,168 @@
+import copy
+import pickle
+import sys
+
+import numpy as np
+import pytest
+
+from musclewire.errors import CallerError, MissingExtraError, RecordingError
+from musclewire.signals import Recording
+
+
+@pytest.fixture
+def loop():
+    time_s = np.linspace(0.0, 2.0, 5)
+    return Recording({"time_s": time_s, "force_n": time_s * 3.0}, {"wire": "Flexinol", "ended": "done"})
+
+
+def test_columns_are_had_by_name(loop):
+    assert loop["force_n"].tolist() == [0.0, 1.5, 3.0, 4.5, 6.0]
+    assert "force_n" in loop
+    assert "stress_pa" not in loop
+    assert (len(loop), loop.names, loop.duration_s) == (5, ("time_s", "force_n"), 2.0)
+
+
+def test_a_misspelt_column_is_the_callers_error_with_the_nearest_name(loop):
+    with pytest.raises(CallerError, match="unknown column 'force'; did you mean 'force_n'"):
+        loop["force"]
+    with pytest.raises(CallerError, match="did you mean 'force_n'"):
+        Recording({"time_s": [0.0, 1.0], "force_N_": [0.0, 1.0]})
+
+
+def test_a_column_it_does_not_have_is_the_recordings_error(loop):
+    with pytest.raises(
+        RecordingError, match="this recording has no column 'stress_pa'; it has time_s, force_n"
+    ):
+        loop["stress_pa"]
+
+
+def test_nothing_in_a_recording_can_be_changed(loop):
+    with pytest.raises(ValueError, match="read-only"):
+        loop["force_n"][0] = 7.0
+    with pytest.raises(TypeError):
+        loop.columns["force_n"] = loop["time_s"]
+    with pytest.raises(TypeError):
+        loop.metadata["wire"] = "other"
+
+
+def test_the_arrays_it_was_made_from_stay_the_callers():
+    time_s = np.array([0.0, 1.0])
+    recording = Recording({"time_s": time_s})
+    time_s[0] = -5.0
+    assert recording["time_s"][0] == 0.0
+
+
+def test_with_columns_and_with_metadata_make_another_recording(loop):
+    more = loop.with_columns(stress_pa=np.arange(5)).with_metadata(wire=None, pretension_n=np.float64(1.7))
+    assert more.names == ("time_s", "force_n", "stress_pa")
+    assert dict(more.metadata) == {"wire": None, "ended": "done", "pretension_n": 1.7}
+    assert type(more.metadata["pretension_n"]) is float
+    assert loop.names == ("time_s", "force_n")
+    assert loop.metadata["wire"] == "Flexinol"
+
+
+def test_between_takes_rows_as_a_slice_does(loop):
+    assert loop.between(1, 3)["time_s"].tolist() == [0.5, 1.0]
+    assert len(loop.between(stop=-1)) == 4
+    with pytest.raises(CallerError, match=r"counts rows, got 0\.5"):
+        loop.between(0.5, 1.0)
+
+
+def test_columns_of_unequal_length_are_refused():
+    with pytest.raises(RecordingError, match=r"differ in length \(time_s 2, force_n 3\)"):
+        Recording({"time_s": [0.0, 1.0], "force_n": [0.0, 1.0, 2.0]})
+
+
+@pytest.mark.parametrize("values", [[[0.0, 1.0]], 3.0])
+def test_a_column_has_one_dimension(values):
+    with pytest.raises(CallerError, match="column 'time_s' has shape"):
+        Recording({"time_s": values})
+
+
+def test_a_column_of_words_is_refused():
+    with pytest.raises(CallerError, match="column 'time_s' must be numbers"):
+        Recording({"time_s": ["a", "b"]})
+
+
+def test_without_a_clock_a_recording_must_be_a_printed_loop():
+    with pytest.raises(RecordingError, match=r"a recording needs time_s, or resistance_ohm.*; got force_n"):
+        Recording({"force_n": [0.0, 1.0]})
+    with pytest.raises(RecordingError, match="got no columns"):
+        Recording({})
+    table = Recording(
+        {"resistance_ohm": [3.0, 4.0], "strain_heating": [0.04, 0.0], "strain_cooling": [0.04, 0.0]}
+    )
+    assert table.is_branch_table
+    assert "branch table" in repr(table)
+    with pytest.raises(RecordingError, match="has no column 'time_s'"):
+        _ = table.duration_s
+
+
+def test_a_recording_with_a_clock_is_no_branch_table(loop):
+    assert not loop.is_branch_table
+
+
+@pytest.mark.parametrize("key", ["Wire", "a b", "", "1st", "format", "rows"])
+def test_a_metadata_key_no_file_could_keep_is_refused(loop, key):
+    with pytest.raises(CallerError, match="metadata key"):
+        loop.with_metadata({key: 1})
+
+
+@pytest.mark.parametrize("value", [[1], {"a": 1}, 2**70, "a\0b", "\ud800"])
+def test_a_metadata_value_no_file_could_keep_is_refused(loop, value):
+    with pytest.raises(CallerError, match="metadata 'note'"):
+        loop.with_metadata(note=value)
+
+
+def test_recordings_are_equal_when_their_numbers_are(loop):
+    assert loop == loop.with_columns(force_n=loop["force_n"].copy())
+    assert loop != loop.with_columns(force_n=np.zeros(5))
+    assert loop != loop.with_metadata(ended="interrupted")
+    assert loop != "loop"
+    with_nan = loop.with_columns(estimated_strain=np.full(5, np.nan))
+    assert with_nan == copy.deepcopy(with_nan)
+
+
+def test_a_recording_travels_between_processes_and_stays_read_only(loop):
+    arrived = pickle.loads(pickle.dumps(loop))
+    assert arrived == loop
+    assert not arrived["force_n"].flags.writeable
+
+
+def test_its_repr_says_how_much_of_what_and_how_it_ended(loop):
+    assert repr(loop) == "Recording(5 rows, 2 s, ended 'done': time_s, force_n)"
+
+
+def test_in_a_notebook_it_is_a_table_with_units_and_nothing_of_the_metadata_is_html(loop):
+    page = loop.with_metadata(note="<script>")._repr_html_()
+    assert "<td>force_n</td><td>N</td><td>0</td><td>6</td>" in page
+    assert "<script>" not in page
+
+
+def test_a_recording_of_no_rows_is_shown_too(loop):
+    empty = loop.between(0, 0)
+    assert (len(empty), empty.duration_s) == (0, 0.0)
+    assert "0 rows" in repr(empty)
+    assert "time_s" in empty._repr_html_()
+    assert empty
+
+
+def test_pandas_gets_the_columns_and_the_metadata(loop):
+    frame = loop.to_pandas()
+    assert list(frame.columns) == ["time_s", "force_n"]
+    assert frame.attrs["wire"] == "Flexinol"
+    frame.loc[0, "force_n"] = 99.0
+    assert loop["force_n"][0] == 0.0
+
+
+def test_without_pandas_the_extra_is_named(loop, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(MissingExtraError, match=r"musclewire\[pandas\]"):
+        loop.to_pandas()
+
+
+def test_without_pyarrow_the_extra_is_named(loop, monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(MissingExtraError, match=r"musclewire\[parquet\]"):
+        loop.save(tmp_path / "loop.parquet")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,183 @@
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from musclewire.errors import RecordingError
+from musclewire.signals import read_recording
+from musclewire.signals.text_tables import read_text_table
+
+PLAIN = "time_s,force_n\n0,1.5\n1,2.5\n"
+
+
+@pytest.fixture
+def file(tmp_path):
+    def write(text, name="loop.csv", encoding="utf-8"):
+        path = tmp_path / name
+        path.write_bytes(text.encode(encoding))
+        return path
+
+    return write
+
+
+def refusal(path, **options):
+    with pytest.raises(RecordingError) as caught:
+        read_recording(path, **options)
+    message = str(caught.value)
+    assert "\n" not in message
+    return message.replace(f"{path}: ", "", 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.csv", PLAIN),
+        ("a.csv", PLAIN.replace("\n", "\r\n")),
+        ("a.csv", PLAIN.replace("\n", "\r")),
+        ("a.csv", "\ufeff" + PLAIN),
+        ("a.csv", PLAIN.rstrip()),
+        ("a.csv", PLAIN + "\n,\n\n"),
+        ("a.csv", "sep=;\n" + PLAIN.replace(",", ";")),
+        ("a.csv", PLAIN.replace(",", ";")),
+        ("a.csv", PLAIN.replace(",", ";").replace(".", ",")),
+        ("a.csv", PLAIN.replace(",", "\t").replace(".", ",")),
+        ("a.csv", '"time_s","force_n"\n"0","1.5"\n"1","2.5"\n'),
+        ("a.csv", "time_s, force_n\n0, 1.5\n1, 2.5\n"),
+        ("a.csv", "time_s,force_n,\n0,1.5,\n1,2.5,\n"),
+        ("a.csv", "time_s;force_n;note\n0;1.5;a, b\n1;2.5;c\n"),
+        ("a.csv", "Time [s];Force, measured\n0;1,5\n1;2,5\n".replace("Force, measured", "Force [N]")),
+        ("a.csv", "# time_s,force_n\n0,1.5\n1,2.5\n"),
+        ("a.csv", "time_s,force_n\n0,1.5\n# a remark\n1,2.5\n"),
+        ("a.tsv", PLAIN.replace(",", "\t")),
+        ("a.TXT", PLAIN.replace(",", "\t")),
+        ("a.txt", "  time_s   force_n\n  0.0    1.5\n  1.0    2.5\n"),
+        ("a.txt", "Time [s] Force (N)\n0.0 1.5\n1.0 2.5\n"),
+        ("a.txt", "Time / s   Force / N\n0.0 1.5\n1.0 2.5\n"),
+        ("a.txt", "# t [s] Force [N]\n0.0 1.5\n1.0 2.5\n"),
+    ],
+)
+def test_every_dialect_of_the_same_table_reads_the_same(file, name, text):
+    recording = read_recording(file(text, name))
+    assert recording["time_s"].tolist() == [0.0, 1.0]
+    assert recording["force_n"].tolist() == [1.5, 2.5]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_a_degree_sign_is_read_in_every_usual_encoding(file, encoding):
+    recording = read_recording(file("time [s],T [°C]\n0,25\n1,26\n", encoding=encoding))
+    assert recording["wire_temperature_k"].tolist() == [298.15, 299.15]
+
+
+def test_the_layout_is_told_in_words(file):
+    table = read_text_table(file("time_s;force_n\n0;1,5\n1;2,5\n"))
+    assert table.layout == "text, separated by semicolons, decimal comma"
+
+
+def test_a_comma_between_thousands_is_never_a_decimal_comma(file):
+    path = file("time_s;force_n\n0.5;1,234\n1.5;1,235\n")
+    assert refusal(path) == "line 2, column 'force_n': '1,234' is not a number; correct it or remove the line"
+
+
+def test_comments_before_the_table_are_metadata(file):
+    comments = (
+        "# wire = 125 um Flexinol\n# Shunt resistance = 1.0 ohm\n# pretension [gf] = 100\n# count = 3\n"
+        "# gain = 2.5\n# pulse = true\n# operator = none\n# see https://example.org\n"
+        "# software_version = 0.10\n"
+        '# quoted = "1.0"\n# wire_length = 100 mm\n# format = odd\n# = 4\n'
+    )
+    assert dict(read_recording(file(comments + PLAIN)).metadata) == {
+        "wire": "125 um Flexinol",
+        "shunt_resistance_ohm": 1.0,
+        "pretension_n": pytest.approx(0.980665),
+        "count": 3,
+        "gain": 2.5,
+        "pulse": True,
+        "operator": None,
+        "software_version": "0.10",
+        "quoted": "1.0",
+        "wire_length_m": pytest.approx(0.1),
+        "file_format": "odd",
+    }
+
+
+@pytest.mark.parametrize("cell", ["abc", "1_000", "0x10", "1.2.3", "--1"])
+def test_what_is_no_number_is_found_by_line_and_column(file, cell):
+    message = refusal(file(f"# rig = a\ntime_s,force_n\n0,1\n\n1,{cell}\n2,3\n"))
+    assert message == f"line 5, column 'force_n': '{cell}' is not a number; correct it or remove the line"
+
+
+@pytest.mark.parametrize("row", ["1,", "1, ", "1", ","])
+def test_a_blank_cell_is_found_by_line_and_column(file, row):
+    message = refusal(file(f"time_s,force_n\n0,1\n{row}\n2,3\n"))
+    assert message.startswith("line 3, column '")
+    assert "the cell is blank" in message
+
+
+@pytest.mark.parametrize("cell", ["nan", "NaN", "inf", "-Infinity"])
+def test_a_number_that_is_not_finite_is_found_by_line_and_column(file, cell):
+    message = refusal(file(f"time_s,force_n\n0,1\n1,{cell}\n2,3\n"))
+    assert message.startswith("line 3, column 'force_n': ")
+    assert "is not a finite number" in message
+
+
+def test_a_bad_cell_in_a_column_nobody_uses_does_no_harm(file):
+    assert len(read_recording(file("time_s,force_n,remark\n0,1,good\n1,2,\n2,3\n"))) == 3
+
+
+def test_a_clock_that_does_not_rise_is_found_with_both_times(file):
+    message = refusal(file("time [ms],force_n\n0,1\n500,2\n500,3\n"))
+    assert message.startswith("line 4, column time_s: the clock does not rise, 0.5 s is followed by 0.5 s")
+
+
+def test_more_cells_than_headers_are_refused_before_a_decimal_comma_is_misread(file):
+    assert refusal(file("time_s,force_n\n0,1,5\n1,2,5\n")).startswith("line 2 has 3 cells for 2 headers")
+
+
+def test_a_table_without_headers_is_told_what_to_write(file):
+    assert refusal(file("0,1\n1,2\n2,3\n")).startswith("has no headers; name the columns in the first line")
+
+
+@pytest.mark.parametrize("text", ["", "\n\n", "# only = a comment\n"])
+def test_an_empty_file_is_said_to_be_empty(file, text):
+    assert refusal(file(text)).startswith("has no rows")
+
+
+@pytest.mark.parametrize("text", ["time_s,force_n\n", "time_s,force_n\n0,1\n"])
+def test_fewer_than_two_rows_are_no_recording(file, text):
+    assert "a recording needs 2 or more" in refusal(file(text))
+
+
+def test_what_is_no_text_is_refused(file):
+    path = file("")
+    path.write_bytes(bytes(range(256)) * 4)
+    assert "is not a text file; export it as CSV" in refusal(path)
+
+
+def test_headers_that_do_not_fit_their_numbers_are_refused(file):
+    message = refusal(file("my time here  force\n0 1 2\n1 2 3\n", "loop.txt"))
+    assert message.startswith("the headers do not fit the 3 numbers below them")
+
+
+cells = st.sampled_from(
+    ["0", "1.5", "-2,5", "", "nan", "x", '"', '"a"', "1e3", "#", "time_s", "force_n", "t [s]"]
+)
+scraps = st.lists(
+    cells | st.text(max_size=6) | st.sampled_from([",", ";", "\t", "\n", " ", "\n# a = 1 ohm\n"])
+)
+
+
+@settings(max_examples=300, deadline=None)
+@given(scraps.map("".join), st.sampled_from([".csv", ".txt", ".tsv"]))
+def test_no_text_at_all_ends_in_anything_but_a_recording_or_one_line(text, suffix):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"scraps{suffix}"
+        for beginning in ("time_s,force_n\n", "", "# a remark\n"):
+            path.write_bytes((beginning + text).encode("utf-8", "replace"))
+            message = ""
+            try:
+                assert len(read_recording(path)) >= 2
+            except RecordingError as problem:
+                message = str(problem)
+            assert "\n" not in message
