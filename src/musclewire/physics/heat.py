@@ -47,7 +47,9 @@ def air_thermal_conductivity_w_per_m_k(temperature_k: float) -> float:
     0.02533
     """
     return (
-        2.64638e-3 * temperature_k * math.sqrt(temperature_k)
+        2.64638e-3
+        * temperature_k
+        * math.sqrt(temperature_k)
         / (temperature_k + 245.4 * 10.0 ** (-12.0 / temperature_k))
     )
 

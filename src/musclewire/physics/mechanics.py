@@ -24,7 +24,9 @@ def maximum_transformation_strain(
     Lagoudas, Hartl, Chemisky, Machado and Popov 2012, Int. J. Plasticity 32-33, 155, Eq. 28,
     doi 10.1016/j.ijplas.2011.10.009.
     """
-    return strain_saturated - (strain_saturated - strain_at_no_stress) * math.exp(-stress_pa / stress_scale_pa)
+    return strain_saturated - (strain_saturated - strain_at_no_stress) * math.exp(
+        -stress_pa / stress_scale_pa
+    )
 
 
 @compiled

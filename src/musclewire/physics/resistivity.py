@@ -39,6 +39,11 @@ def wire_resistance_ohm(
     stretch = 1.0 + transformation_strain
     thinning = 1.0 - ELASTIC_POISSON_RATIO * elastic_strain
     return (
-        resistivity_ohm_m * austenite_length_m / austenite_area_m2
-        * stretch * stretch * (1.0 + elastic_strain) / (thinning * thinning)
+        resistivity_ohm_m
+        * austenite_length_m
+        / austenite_area_m2
+        * stretch
+        * stretch
+        * (1.0 + elastic_strain)
+        / (thinning * thinning)
     )

@@ -54,7 +54,9 @@ class SimulatedRig:
         self._real_time = real_time
         self._next_due_s: float | None = None
         self._steps = self._steps_of_a_sample()
-        self._voltage_step_v = 2.0 * self._bench["acquisition_range_v"] / 2.0 ** self._bench["acquisition_bits"]
+        self._voltage_step_v = (
+            2.0 * self._bench["acquisition_range_v"] / 2.0 ** self._bench["acquisition_bits"]
+        )
 
     def _steps_of_a_sample(self) -> int:
         ratio = self._bench["sample_period_s"] / self._bench["time_step_s"]
@@ -114,6 +116,7 @@ class SimulatedRig:
             "wire_length_m": self._bench["wire_length_m"],
             "leg_length_m": self.leg_length_m,
             "shunt_resistance_ohm": self.shunt_resistance_ohm,
+            "maximum_force_n": self._wire.maximum_force_n.value,
             "pretension_n": self._constants.pretension_n,
             "spring_stiffness_n_per_m": self._bench["spring_stiffness_n_per_m"],
             "sample_period_s": self.sample_period_s,

@@ -1,0 +1,61 @@
+"""From voltages to strain: resistance (Eq. 1), segments A-B-C, gaps (Eq. 2), polynomials (Eqs. 3-5), models.
+
+Source: Lan and Fan 2010, "Investigation on Pretensioned Shape Memory Alloy Actuators for Force and
+Displacement Self-Sensing". Every function takes plain floats or arrays, time first; nothing here reads a
+clock, a rig or the simulator.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from musclewire.sensing.branches import Branch, single_valued
+from musclewire.sensing.fitting import fit_branches, fit_loop, fit_segments
+from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
+from musclewire.sensing.model import ArrayEstimate, Estimate, SensingModel
+from musclewire.sensing.polynomials import evaluate, normalised_resistance
+from musclewire.sensing.recalibration import ResistanceExtremes, find_resistance_extremes, recalibrated
+from musclewire.sensing.resistance import (
+    ArrayReading,
+    ResistanceReading,
+    wire_resistance,
+    wire_resistance_from_current,
+)
+from musclewire.sensing.segments import LoopSegments, find_loops, find_segments
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+__all__ = [
+    "ResistanceReading",
+    "ArrayReading",
+    "wire_resistance",
+    "wire_resistance_from_current",
+    "LoopSegments",
+    "find_segments",
+    "find_loops",
+    "Branch",
+    "single_valued",
+    "hysteresis_gap",
+    "signed_hysteresis_gap",
+    "normalised_resistance",
+    "evaluate",
+    "SensingModel",
+    "Estimate",
+    "ArrayEstimate",
+    "fit_loop",
+    "fit_segments",
+    "fit_branches",
+    "load_model",
+    "ResistanceExtremes",
+    "find_resistance_extremes",
+    "recalibrated",
+]
+
+
+def load_model(path: str | PathLike[str]) -> SensingModel:
+    """Read a model file written by ``SensingModel.save``; CallerError in one line when it is not one."""
+    # Only files need pydantic, which takes longer to import than all the rest.
+    from musclewire.sensing.model_file import load_model as load
+
+    return load(path)

@@ -10,7 +10,7 @@ from scipy.special import ndtri
 
 from musclewire.errors import CallerError
 
-__all__ = ["GrainSpread", "g_and_h", "spread_grains"]
+__all__ = ["GrainSpread", "signed_power", "spread_grains"]
 
 FloatArray = NDArray[np.float64]
 
@@ -22,31 +22,30 @@ class GrainSpread(NamedTuple):
     width: FloatArray
 
 
-def g_and_h(normal_quantile: FloatArray, skew: float, tail: float) -> FloatArray:
-    """Return Tukey's g-and-h transform of normal quantiles: skew g, tail weight h >= 0; always increasing.
+def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> FloatArray:
+    """Return z |z|^tail, stretched by 1 + skew above and 1 - skew below the middle; always increasing.
 
-    Tukey 1977; Hoaglin 1985 in "Exploring Data Tables, Trends, and Shapes", ch. 11. Measured Flexinol isobars
-    have a sharp core with long tails, which a normal distribution (g = h = 0) or a cosine law does not have.
+    A signed power of a normal quantile, in two pieces (Fechner's split distribution). Measured Flexinol isobars
+    have a sharp core with long tails (tail near 1), which a normal distribution (tail 0) or a cosine law has not.
 
-    Raises CallerError for a negative tail weight, with which the transform would fold back.
+    Raises CallerError for a tail below 0 or a skew outside -1 to 1, with which it would fold back.
     """
-    if tail < 0.0:
-        raise CallerError(f"grain_tail is {tail}: it must be 0 (normal) or more, or grains would fold back")
+    if tail < 0.0 or not -1.0 < skew < 1.0:
+        raise CallerError(f"grain_tail {tail} must be 0 or more and grain_skew {skew} between -1 and 1")
     z = np.asarray(normal_quantile, dtype=np.float64)
-    core = z if skew == 0.0 else np.expm1(skew * z) / skew
-    return np.asarray(core * np.exp(0.5 * tail * z * z), dtype=np.float64)
+    return np.asarray((1.0 + skew * np.sign(z)) * z * np.abs(z) ** tail, dtype=np.float64)
 
 
 def spread_grains(grains: int, skew: float, tail: float) -> GrainSpread:
-    """Return ``grains`` classes of equal share of a g-and-h distribution.
+    """Return ``grains`` classes of equal share of a signed-power distribution.
 
     Class j lies at the quantile (j + 1/2)/n and reaches to its neighbours; the outermost two, whose true
     reach is endless, are as wide outwards as inwards.
     """
     if grains < 2:
         raise CallerError(f"grains is {grains}: an ensemble needs at least 2")
-    middle = g_and_h(ndtri((np.arange(grains) + 0.5) / grains), skew, tail)
-    inner = g_and_h(ndtri(np.arange(1, grains) / grains), skew, tail)
+    middle = signed_power(ndtri((np.arange(grains) + 0.5) / grains), skew, tail)
+    inner = signed_power(ndtri(np.arange(1, grains) / grains), skew, tail)
     lower = np.concatenate(([2.0 * middle[0] - inner[0]], inner))
     upper = np.concatenate((inner, [2.0 * middle[-1] - inner[-1]]))
     return GrainSpread(middle=middle, width=upper - lower)

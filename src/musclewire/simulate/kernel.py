@@ -19,10 +19,24 @@ from musclewire.physics.mechanics import (
     maximum_transformation_strain_slope_per_pa,
     reuss_modulus_pa,
 )
-from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K, phase_resistivity_ohm_m, wire_resistance_ohm
+from musclewire.physics.resistivity import (
+    REFERENCE_TEMPERATURE_K,
+    phase_resistivity_ohm_m,
+    wire_resistance_ohm,
+)
 from musclewire.physics.transformation import advantage_k, cooled_grain, heated_grain
 
-__all__ = ["LEDGER", "Sums", "WireConstants", "WireState", "advance", "cool_grains", "drives_at", "strain_at", "total_strain"]
+__all__ = [
+    "LEDGER",
+    "Sums",
+    "WireConstants",
+    "WireState",
+    "advance",
+    "cool_grains",
+    "drives_at",
+    "strain_at",
+    "total_strain",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -144,7 +158,10 @@ def drives_at(
 ) -> Drives:
     """Return the six drives at a temperature and a stress."""
     martensite = advantage_k(
-        temperature_k, stress_pa, constants.martensite_temperature_k, constants.martensite_stress_rate_pa_per_k
+        temperature_k,
+        stress_pa,
+        constants.martensite_temperature_k,
+        constants.martensite_stress_rate_pa_per_k,
     )
     r_phase = constants.r_phase_entropy_ratio * advantage_k(
         temperature_k, stress_pa, constants.r_phase_temperature_k, constants.r_phase_stress_rate_pa_per_k
@@ -253,9 +270,8 @@ def strain_at(
     elastic = stress_pa / reuss_modulus_pa(
         martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa
     )
-    expansion = (
-        constants.martensite_expansion_per_k * martensite
-        + constants.austenite_expansion_per_k * (1.0 - martensite)
+    expansion = constants.martensite_expansion_per_k * martensite + constants.austenite_expansion_per_k * (
+        1.0 - martensite
     )
     return transformation, elastic, expansion * (temperature_k - REFERENCE_TEMPERATURE_K)
 
@@ -289,15 +305,13 @@ def stress_in_balance_pa(
     stiffness = constants.spring_stiffness_n_per_m * constants.leg_length_m
     section = constants.legs * constants.area_m2
     wanted = (constants.pretension_n + stiffness * contraction + friction_n) / section
-    compliance = (
-        1.0 / reuss_modulus_pa(martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa)
-        + martensite
-        * maximum_transformation_strain_slope_per_pa(
-            stress_pa,
-            constants.strain_at_no_stress,
-            constants.strain_saturated,
-            constants.strain_stress_scale_pa,
-        )
+    compliance = 1.0 / reuss_modulus_pa(
+        martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa
+    ) + martensite * maximum_transformation_strain_slope_per_pa(
+        stress_pa,
+        constants.strain_at_no_stress,
+        constants.strain_saturated,
+        constants.strain_stress_scale_pa,
     )
     return max(stress_pa - (stress_pa - wanted) / (1.0 + stiffness * compliance / section), 0.0)
 
@@ -318,7 +332,9 @@ def resistance_of(
     )
     resistivity = (
         martensite
-        * phase_resistivity_ohm_m(martensite_resistivity, constants.martensite_resistivity_per_k, temperature_k)
+        * phase_resistivity_ohm_m(
+            martensite_resistivity, constants.martensite_resistivity_per_k, temperature_k
+        )
         + r_phase
         * phase_resistivity_ohm_m(
             constants.r_phase_resistivity_ohm_m, constants.r_phase_resistivity_per_k, temperature_k
@@ -411,14 +427,17 @@ def advance(
         ):
             new_martensite, new_r_phase = heat_grains(constants, drives, grain_martensite, grain_r_phase)
         seen = drives
-        transformed = (new_martensite - martensite) + constants.r_phase_entropy_ratio * (new_r_phase - r_phase)
+        transformed = (new_martensite - martensite) + constants.r_phase_entropy_ratio * (
+            new_r_phase - r_phase
+        )
         cycles += 0.5 * abs(new_martensite - martensite)
         martensite = new_martensite
         r_phase = new_r_phase
-        temperature = REFERENCE_TEMPERATURE_K + (
-            enthalpy
-            + constants.latent_heat_j * (martensite + constants.r_phase_entropy_ratio * r_phase)
-        ) / own_capacity
+        temperature = (
+            REFERENCE_TEMPERATURE_K
+            + (enthalpy + constants.latent_heat_j * (martensite + constants.r_phase_entropy_ratio * r_phase))
+            / own_capacity
+        )
 
         # Mechanical balance with the load.
         new_stress = stress_in_balance_pa(

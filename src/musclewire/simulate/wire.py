@@ -11,7 +11,14 @@ from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
 from musclewire.simulate.grains import FloatArray, spread_grains
-from musclewire.simulate.kernel import WireConstants, WireState, cool_grains, drives_at, resistance_of, total_strain
+from musclewire.simulate.kernel import (
+    WireConstants,
+    WireState,
+    cool_grains,
+    drives_at,
+    resistance_of,
+    total_strain,
+)
 
 __all__ = ["constants_from", "resting_state", "with_ambient", "with_pretension"]
 

@@ -78,7 +78,9 @@ def test_liu_agrees_with_scikit_fuzzy(error: float, change: float) -> None:
 
 @pytest.mark.parametrize(("error", "change"), POINTS)
 def test_mirrored_liu_agrees_with_scikit_fuzzy_at_the_mirrored_point(error: float, change: float) -> None:
-    expected = scikit_fuzzy_ratios(load_rule_base("liu-7x7"), abs(error), math.copysign(1.0, error) * change)
+    expected = scikit_fuzzy_ratios(
+        load_rule_base("liu-7x7"), -abs(error), -math.copysign(1.0, error) * change
+    )
     assert infer_ratios(load_rule_base("liu-7x7-mirrored"), error, change) == pytest.approx(
         expected, abs=1e-12
     )
@@ -174,11 +176,11 @@ def test_mirrored_liu_tunes_both_directions_alike_to_the_bit(error: float, chang
     assert infer_ratios(rule_base, error, change) == infer_ratios(rule_base, -error, -change)
 
 
-def test_the_other_mirrored_half_reads_the_rows_of_negative_error() -> None:
+def test_the_other_mirrored_half_reads_the_rows_of_positive_error() -> None:
     liu = load_rule_base("liu-7x7")
-    other = liu.model_copy(update={"mirrored": "negative-error"})
-    assert infer_ratios(other, 0.4, 0.7) == infer_ratios(liu, -0.4, -0.7)
-    assert infer_ratios(other, -0.4, -0.7) == infer_ratios(liu, -0.4, -0.7)
+    other = liu.model_copy(update={"mirrored": "positive-error"})
+    assert infer_ratios(other, 0.4, 0.7) == infer_ratios(liu, 0.4, 0.7)
+    assert infer_ratios(other, -0.4, -0.7) == infer_ratios(liu, 0.4, 0.7)
 
 
 def test_liu_tunes_the_two_directions_oppositely() -> None:

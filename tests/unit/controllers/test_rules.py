@@ -139,7 +139,7 @@ def test_the_mirrored_rule_base_takes_its_tables_from_the_original() -> None:
     mirrored = load_rule_base("liu-7x7-mirrored")
     assert mirrored.rules == liu_rules()
     assert mirrored.input_sets == load_rule_base("liu-7x7").input_sets
-    assert mirrored.mirrored == "positive-error"
+    assert mirrored.mirrored == "negative-error"
 
 
 def test_fixed_is_the_middle_of_every_range() -> None:

@@ -1,0 +1,81 @@
+"""Position and force control of shape-memory-alloy wires from their own electrical resistance.
+
+    import musclewire as mw
+
+    with mw.open_rig("simulated") as rig:
+        loop = mw.characterize(rig)
+        model = mw.fit(loop)
+        run = mw.control(rig, model, mw.staircase())
+    print(run.metrics)
+
+Names are loaded when they are first used, so that importing the package costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from musclewire.controllers import FuzzyPidSettings, sampled_reference, staircase
+    from musclewire.errors import MusclewireError
+    from musclewire.experiment.closed_loop import control
+    from musclewire.experiment.open_loop import characterize
+    from musclewire.experiment.pretension import pretension_sweep
+    from musclewire.experiment.training import recalibrate, train
+    from musclewire.identify import estimate, fit
+    from musclewire.rigs.configuration import open_rig
+    from musclewire.sensing import SensingModel, load_model
+    from musclewire.signals import Recording, read_recording
+
+__all__ = [
+    "open_rig",
+    "characterize",
+    "fit",
+    "control",
+    "staircase",
+    "sampled_reference",
+    "estimate",
+    "pretension_sweep",
+    "train",
+    "recalibrate",
+    "read_recording",
+    "load_model",
+    "Recording",
+    "SensingModel",
+    "FuzzyPidSettings",
+    "MusclewireError",
+]
+
+_HOMES = {
+    "open_rig": "musclewire.rigs.configuration",
+    "characterize": "musclewire.experiment.open_loop",
+    "fit": "musclewire.identify",
+    "control": "musclewire.experiment.closed_loop",
+    "staircase": "musclewire.controllers",
+    "sampled_reference": "musclewire.controllers",
+    "estimate": "musclewire.identify",
+    "pretension_sweep": "musclewire.experiment.pretension",
+    "train": "musclewire.experiment.training",
+    "recalibrate": "musclewire.experiment.training",
+    "read_recording": "musclewire.signals",
+    "load_model": "musclewire.sensing",
+    "Recording": "musclewire.signals",
+    "SensingModel": "musclewire.sensing",
+    "FuzzyPidSettings": "musclewire.controllers",
+    "MusclewireError": "musclewire.errors",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name from its home on first use."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'musclewire' has no attribute '{name}'")
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """Return the public names."""
+    return sorted(__all__)

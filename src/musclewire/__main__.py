@@ -1,0 +1,5 @@
+"""``python -m musclewire``."""
+
+from musclewire.app.main import main
+
+main()

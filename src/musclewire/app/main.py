@@ -1,0 +1,83 @@
+"""The command line's door: who is to blame decides the exit code, and an interrupted rig is already safe.
+
+0 done; 1 done, and the result does not hold; 2 wrong usage or wrong input, nothing written; 3 a rig fault, rig
+made safe; 130 and 143 interrupted by Ctrl-C and SIGTERM, rig made safe.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+from types import FrameType
+
+import click
+import typer
+
+from musclewire.app.model_commands import add_model_commands
+from musclewire.app.output import say
+from musclewire.app.rig_commands import add_rig_commands
+from musclewire.errors import MusclewireError
+
+__all__ = ["app", "main"]
+
+INTERRUPTED, TERMINATED = 130, 143
+
+app = typer.Typer(
+    name="musclewire",
+    help="Position a shape-memory-alloy wire by its own electrical resistance, without a sensor.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+add_rig_commands(app)
+add_model_commands(app)
+
+
+def stop_on_sigterm(number: int, frame: FrameType | None) -> None:
+    """Turn SIGTERM into an exception, so that every ``finally`` between here and the rig runs."""
+    raise SystemExit(TERMINATED)
+
+
+def main() -> None:
+    """Run the command line and end the process with the documented exit code."""
+    signal.signal(signal.SIGTERM, stop_on_sigterm)
+    sys.exit(run())
+
+
+def run(arguments: list[str] | None = None) -> int:
+    """Run one command and return its exit code; errors become one line on stderr."""
+    try:
+        result = app(arguments, standalone_mode=False)
+        return result if isinstance(result, int) else 0
+    except MusclewireError as error:
+        return report_error(error)
+    except click.exceptions.Abort as stop:
+        return report_stop(stop.__context__ or stop, INTERRUPTED)
+    except KeyboardInterrupt as stop:
+        return report_stop(stop, INTERRUPTED)
+    except SystemExit as stop:
+        return report_stop(stop, TERMINATED) if stop.code == TERMINATED else int(stop.code or 0)
+    except click.ClickException as error:
+        say(f"musclewire: {error.format_message()}")
+        return 2
+    except click.exceptions.Exit as done:
+        return done.exit_code
+    except BrokenPipeError:
+        return 1
+
+
+def report_error(error: MusclewireError) -> int:
+    """Print an error as one line, and where its samples are if a run had begun."""
+    say(f"musclewire: {' '.join(str(error).split())}")
+    for note in getattr(error, "__notes__", ()):
+        say(f"musclewire: {note.replace(' in error.recording and', '')}")
+    return error.exit_code
+
+
+def report_stop(stop: BaseException, code: int) -> int:
+    """Say that a run was stopped, that the rig is safe, and where the recording is."""
+    say("musclewire: interrupted; the rig is safe")
+    for note in getattr(stop, "__notes__", ()):
+        say(f"musclewire: {note.replace(' in error.recording and', '')}")
+    return code

@@ -1,0 +1,57 @@
+"""Options that several commands share, declared once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from musclewire.errors import CallerError
+
+__all__ = ["Columns", "Force", "Json", "Length", "RealTime", "RigName", "Seed", "mapping", "quantity_option"]
+
+RigName = Annotated[str, typer.Argument(metavar="RIG", help="'simulated', or the path of a TOML rig file.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
+Seed = Annotated[int | None, typer.Option("--seed", help="Seed of everything random in a simulated rig.")]
+RealTime = Annotated[bool, typer.Option("--real-time", help="Pace a simulated rig by the clock.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace an existing recording.")]
+Columns = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--column",
+        "-c",
+        metavar="NAME=HEADER[:UNIT]",
+        help="Say which header holds which column. Repeatable.",
+    ),
+]
+Length = Annotated[
+    str | None,
+    typer.Option(
+        "--length", help="Length whose shortening is the strain, as '70 mm': one leg of a V-shaped wire."
+    ),
+]
+Shunt = Annotated[str | None, typer.Option("--shunt", help="Shunt resistance of Eq. 1, as '1.0 ohm'.")]
+OutputPath = Annotated[Path | None, typer.Option("--output", "-o", help="Where to write.")]
+
+
+def mapping(pairs: list[str] | None, option: str = "--column") -> dict[str, str]:
+    """Return repeated NAME=VALUE options as a mapping."""
+    found: dict[str, str] = {}
+    for pair in pairs or ():
+        name, separator, value = pair.partition("=")
+        if not (separator and name.strip() and value.strip()):
+            raise CallerError(
+                f"{option} {pair}: write NAME=HEADER or NAME=HEADER:UNIT, as wire_voltage_v='Vw:V'"
+            )
+        found[name.strip()] = value.strip()
+    return found
+
+
+def quantity_option(text: str | None, unit: str) -> float | None:
+    """Return an option such as '70 mm' in SI, None where it was not given."""
+    if text is None:
+        return None
+    from musclewire.signals.units import parse_quantity
+
+    return parse_quantity(text, unit)

@@ -1,0 +1,221 @@
+"""The figures of the report, each drawn as SVG text that stands in the page itself."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+from musclewire.identify.loop_gaps import LoopGaps
+from musclewire.identify.recordings import required_quantity, resistance_reading
+from musclewire.parameters.library import read_published
+from musclewire.signals.recording import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from musclewire.experiment.demo import DemoResult
+    from musclewire.experiment.metrics import ControlRun
+    from musclewire.experiment.pretension import PretensionSweep
+    from musclewire.sensing.model import SensingModel
+
+__all__ = [
+    "fit_figure",
+    "loops_figure",
+    "report_figures",
+    "staircase_figure",
+    "svg",
+    "sweep_figure",
+    "trace_figure",
+]
+
+HEATING, COOLING, AVERAGE, PAPER, TARGET = "#c8553d", "#1f6f8b", "#2b2b2b", "#8a5fbf", "#9aa0a6"
+MINOR_SHADES = ("#5c6670", "#aab2ba")
+STYLE: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.size": 9.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#555555",
+    "axes.labelcolor": "#222222",
+    "axes.grid": True,
+    "grid.color": "#e6e8eb",
+    "grid.linewidth": 0.8,
+    "xtick.color": "#555555",
+    "ytick.color": "#555555",
+    "legend.frameon": False,
+    "lines.linewidth": 1.6,
+    "svg.fonttype": "path",
+}
+
+
+def svg(figure: Figure, name: str) -> str:
+    """Return a figure as an <svg> element; ``name`` keeps its ids apart from other figures in one page."""
+    text = io.StringIO()
+    with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
+        FigureCanvasSVG(figure).print_svg(text, metadata={"Date": None})
+    whole = text.getvalue()
+    return whole[whole.index("<svg") :]
+
+
+def report_figures(result: DemoResult) -> Mapping[str, str]:
+    """Return every figure of the report as SVG, by name."""
+    major = next(iter(result.loops.values()))
+    with mpl.rc_context(STYLE):
+        figures = {
+            "loops": loops_figure(result.loops, result.gaps),
+            "fit": fit_figure(result.model, result.gaps),
+            "staircase": staircase_figure(result.run),
+            "trace": trace_figure(result.run, major, result.gaps, result.model),
+            "sweep": sweep_figure(result.sweep),
+        }
+        return {name: svg(figure, name) for name, figure in figures.items()}
+
+
+def halves(gaps: LoopGaps) -> tuple[slice, slice]:
+    """Return heating and cooling of the analysed cycle, whole branches A to C and C to A, as row slices."""
+    found = gaps.segments
+    return slice(found.heating_a, found.heating_c + 1), slice(found.heating_c, found.cooling_a + 1)
+
+
+def loops_figure(loops: Mapping[float, Recording], gaps: LoopGaps) -> Figure:
+    """Draw strain against drive voltage and against resistance for the three amplitudes (Fig. 3)."""
+    figure = Figure(figsize=(9.6, 4.1), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    (amplitude, major), *minor = loops.items()
+    for shade, (volts, recording) in zip(MINOR_SHADES, minor, strict=False):
+        last = recording["cycle"] == recording["cycle"].max()
+        strain = 100.0 * required_quantity(recording)[last]
+        left.plot(
+            recording["drive_voltage_v"][last], strain, color=shade, linewidth=1.1, label=f"{volts:g} V"
+        )
+        resistance = resistance_reading(recording).resistance_ohm[last]
+        right.plot(resistance, strain, color=shade, linewidth=1.1)
+    strain = 100.0 * required_quantity(major)
+    resistance = resistance_reading(major).resistance_ohm
+    for part, colour, name in zip(halves(gaps), (HEATING, COOLING), ("heating", "cooling"), strict=True):
+        left.plot(
+            major["drive_voltage_v"][part], strain[part], color=colour, label=f"{amplitude:g} V, {name}"
+        )
+        right.plot(resistance[part], strain[part], color=colour)
+    mark_points(right, resistance, strain, gaps)
+    left.set(xlabel="drive voltage [V]", ylabel="strain [%]", title="Strain against voltage: a wide loop")
+    right.set(xlabel="resistance [ohm]", title="Strain against resistance: nearly closed")
+    left.legend(loc="upper left")
+    return figure
+
+
+def mark_points(axes: Axes, resistance: Any, strain: Any, gaps: LoopGaps) -> None:
+    """Write A, B and C beside their places on the heating branch, and B and A on the cooling branch."""
+    found = gaps.segments
+    places = (
+        ("A", found.heating_a, HEATING, (-4, 6), "right"),
+        ("B", found.heating_b, HEATING, (6, 4), "left"),
+        ("C", found.heating_c, AVERAGE, (-6, 5), "right"),
+        ("B", found.cooling_b, COOLING, (6, -10), "left"),
+    )
+    for letter, row, colour, offset, side in places:
+        axes.plot(resistance[row], strain[row], "o", color=colour, markersize=5, zorder=5)
+        axes.annotate(
+            letter,
+            (resistance[row], strain[row]),
+            xytext=offset,
+            textcoords="offset points",
+            ha=side,
+            color=colour,
+            fontweight="bold",
+            fontsize=11,
+        )
+
+
+def fit_figure(model: SensingModel, gaps: LoopGaps) -> Figure:
+    """Draw both branches with their polynomials, the paper's printed points, and the residuals (Fig. 9)."""
+    figure = Figure(figsize=(9.6, 5.4), layout="constrained")
+    top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    low, high = model.valid_resistance_ohm
+    grid = np.linspace(low, high, 400)
+    pairs = ((gaps.segments.heating, HEATING, "heating", model.strain_heating),
+             (gaps.segments.cooling, COOLING, "cooling", model.strain_cooling))  # fmt: skip
+    for branch, colour, name, polynomial in pairs:
+        inside = (branch.resistance_ohm >= low) & (branch.resistance_ohm <= high)
+        resistance, strain = branch.resistance_ohm[inside], branch.quantity[inside]
+        top.plot(resistance, 100 * strain, ".", color=colour, markersize=2.5, alpha=0.45)
+        top.plot(grid, 100 * np.asarray(polynomial(grid)), color=colour, linewidth=1.2, label=f"$g$ {name}")
+        residual = 100.0 * (strain - np.asarray(polynomial(resistance)))
+        bottom.plot(resistance, residual, ".", color=colour, markersize=2.5, alpha=0.6)
+    top.plot(
+        grid,
+        100 * np.asarray(model.strain(grid)),
+        color=AVERAGE,
+        linewidth=1.2,
+        linestyle="--",
+        label="$g_a$, their mean",
+    )
+    table = read_published("lan_fan_2010")["table2"]
+    printed = table["required_resistance_ohm"]
+    top.plot(printed, table["desired_strain_pct"], "D", color=PAPER, markerfacecolor="none", markersize=6,
+             label="paper, Table 2 (measured wire)")  # fmt: skip
+    top.set(ylabel="strain [%]", title=f"Polynomials of order {model.order} from B to C")
+    top.legend()
+    bottom.axhline(0.0, color="#999999", linewidth=0.8)
+    bottom.set(xlabel="resistance [ohm]", ylabel="residual [% strain]")
+    return figure
+
+
+def staircase_figure(run: ControlRun) -> Figure:
+    """Draw target, estimate and reference over time, their errors, and the drive (Fig. 11)."""
+    figure = Figure(figsize=(9.6, 6.2), layout="constrained")
+    top, middle, bottom = figure.subplots(3, 1, sharex=True, height_ratios=(3, 1.2, 1.2))
+    approach_s = float(run.metadata["approach_s"] or 0.0)
+    time_s = run["time_s"] - run["time_s"][0] - approach_s
+    target, estimated = 100 * run["target_strain"], 100 * run["estimated_strain"]
+    reference = 100 * required_quantity(run)
+    top.plot(time_s, target, color=TARGET, linewidth=2.6, label="target", drawstyle="steps-post")
+    top.plot(time_s, reference, color=COOLING, label="reference (LVDT, not used by the loop)")
+    top.plot(time_s, estimated, color=HEATING, linewidth=1.0, label="estimated from resistance")
+    top.set(ylabel="strain [%]", title="Moved in steps with no displacement sensor")
+    top.legend(loc="lower center", ncols=3)
+    middle.axhline(0.0, color="#999999", linewidth=0.8)
+    middle.plot(time_s, reference - target, color=COOLING, linewidth=1.1, label="reference - target")
+    middle.plot(time_s, estimated - reference, color=HEATING, linewidth=1.0, label="estimate - reference")
+    middle.set(ylabel="error [% strain]", ylim=(-0.2, 0.2))
+    middle.legend(loc="upper right", ncols=2)
+    bottom.plot(time_s, run["drive_voltage_v"], color=AVERAGE, linewidth=1.1)
+    bottom.set(xlabel="time [s]", ylabel="drive [V]", xlim=(-approach_s, time_s[-1]))
+    return figure
+
+
+def trace_figure(run: ControlRun, major: Recording, gaps: LoopGaps, model: SensingModel) -> Figure:
+    """Draw the path through the strain-resistance plane during the steps (Fig. 12)."""
+    figure = Figure(figsize=(4.7, 4.1), layout="constrained")
+    axes = figure.subplots()
+    strain = 100.0 * required_quantity(major)
+    resistance = resistance_reading(major).resistance_ohm
+    for part, colour in zip(halves(gaps), (HEATING, COOLING), strict=True):
+        axes.plot(resistance[part], strain[part], color=colour, linewidth=1.0, alpha=0.8)
+    stepping = run["time_s"] - run["time_s"][0] > float(run.metadata["approach_s"] or 0.0)
+    axes.plot(
+        run["wire_resistance_ohm"][stepping],
+        100.0 * required_quantity(run)[stepping],
+        ".",
+        color=AVERAGE,
+        markersize=2.2,
+        alpha=0.6,
+        label="every 0.05 s of the staircase",
+    )
+    axes.set(xlabel="resistance [ohm]", ylabel="strain [%]", title="Trace during the steps",
+             xlim=(model.resistance_min_ohm - 0.1, model.resistance_max_ohm + 0.1))  # fmt: skip
+    axes.legend(loc="upper right")
+    return figure
+
+
+def sweep_figure(sweep: PretensionSweep) -> Figure:
+    """Draw both gaps against pretension (Fig. 6 for one wire)."""
+    figure = Figure(figsize=(4.7, 4.1), layout="constrained")
+    sweep.plot(figure.subplots()).set_title("Which pretension closes the loop")
+    return figure

@@ -1,0 +1,151 @@
+"""The report as one HTML file that needs nothing beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from importlib.metadata import version
+from importlib.resources import files
+from string import Template
+from typing import TYPE_CHECKING
+
+from musclewire.app.report.figures import report_figures
+from musclewire.parameters.library import load_alloy, load_bench, load_wire, read_published
+from musclewire.signals.whole_files import write_whole
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from musclewire.experiment.demo import DemoResult
+    from musclewire.experiment.metrics import StepMetrics
+    from musclewire.parameters.schema import Parameter
+
+__all__ = ["write_report"]
+
+
+def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
+    """Write the report of a demo, whole or not at all."""
+    figures = report_figures(result)
+    template = Template((files("musclewire.app.report") / "report.html").read_text("utf-8"))
+    metadata = result.run.metadata
+    page = template.substitute(
+        figures,
+        cards=cards(result, wall_s),
+        steps=steps_table(result),
+        sweep_rows=sweep_table(result),
+        assumed=parameters_table(result, "assumed"),
+        fitted=parameters_table(result, "fitted"),
+        warnings=warnings_list(result.model.warnings),
+        gap=f"{100 * result.gaps.strain_gap:.2f}",
+        share=f"{100 * result.gaps.segments.transformation_share:.0f}",
+        best=f"{result.sweep.best.pretension_n:.2f}",
+        wire=escape(str(metadata["wire"])),
+        seed=escape(str(metadata["seed"])),
+        time_step_ms=f"{1e3 * float(metadata['time_step_s'] or 0):g}",
+        grains=escape(str(metadata["grains"])),
+        started=escape(str(metadata["start_time"])),
+        version=escape(version("musclewire")),
+        files="".join(f"<li><code>{escape(file.name)}</code></li>" for file in result.files.values()),
+    )
+    write_whole(path, lambda part: part.write_text(page, "utf-8"))
+
+
+def cards(result: DemoResult, wall_s: float) -> str:
+    """Return the key numbers beside the paper's."""
+    paper = read_published("lan_fan_2010")["loop_100um"]
+    table = read_published("lan_fan_2010")["table2"]
+    printed = [*table["mae_rise_pct"], *table["mae_return_pct"]]
+    model, metrics = result.model, result.run.metrics
+    rows = (
+        ("Strain gap", f"{100 * result.gaps.strain_gap:.3f} %", f"paper {paper['strain_gap_pct']} %"),
+        ("R<sub>min</sub>", f"{model.resistance_min_ohm:.3f} Ω", f"paper {paper['resistance_min_ohm']} Ω"),
+        ("R<sub>max</sub>", f"{model.resistance_max_ohm:.3f} Ω", f"paper {paper['resistance_max_ohm']} Ω"),
+        ("Largest step MAE", f"{metrics.mae_max_pct:.2f} %", f"paper {max(printed):.2f} %"),
+        ("Mean step MAE", f"{metrics.mae_mean_pct:.2f} %", f"paper {sum(printed) / len(printed):.2f} %"),
+        ("Computed in", f"{wall_s:.1f} s", f"{wire_seconds(result):.0f} s of wire time"),
+    )
+    return "".join(
+        f'<div class="card"><div class="name">{name}</div><div class="value">{value}</div>'
+        f'<div class="beside">{beside}</div></div>'
+        for name, value, beside in rows
+    )
+
+
+def wire_seconds(result: DemoResult) -> float:
+    """Return the simulated time of everything the demo ran."""
+    swept = sum(row.recording.duration_s for row in result.sweep.rows)
+    return sum(loop.duration_s for loop in result.loops.values()) + result.run.duration_s + swept
+
+
+def paper_mae_pct(step: StepMetrics) -> float | None:
+    """Return what the paper printed for this step, None where it printed none."""
+    table = read_published("lan_fan_2010")["table2"]
+    printed = dict(zip(table["desired_strain_pct"], table[f"mae_{step.direction}_pct"], strict=False))
+    return printed.get(round(100 * step.target, 6))
+
+
+def steps_table(result: DemoResult) -> str:
+    """Return the rows of the MAE table: each step beside the paper's (Table 2)."""
+    rows = []
+    for step in result.run.metrics.steps:
+        paper = paper_mae_pct(step)
+        rows.append((
+            f"{100 * step.target:.1f}",
+            step.direction,
+            number(step.mae_pct),
+            number(paper),
+            number(step.estimate_mae_pct),
+            number(step.tracking_mae_pct),
+        ))  # fmt: skip
+    return table_rows(rows)
+
+
+def number(value: float | None) -> str:
+    """Return a percentage for a table; a dash where there is none."""
+    return "–" if value is None else f"{value:.3f}"
+
+
+def sweep_table(result: DemoResult) -> str:
+    """Return the rows of the pretension table, the best marked."""
+    best = result.sweep.best
+    rows = [
+        (
+            f"{row.pretension_n:.2f}{' (best)' if row is best else ''}",
+            f"{row.strain_gap_pct:.2f}",
+            number(row.force_gap_pct),
+            f"{row.stroke_pct:.2f}",
+        )
+        for row in result.sweep.rows
+    ]
+    return table_rows(rows)
+
+
+def parameters_table(result: DemoResult, kind: str) -> str:
+    """Return the rows of all parameters of one kind, of alloy, wire and bench."""
+    wire = load_wire(str(result.run.metadata["wire"]))
+    groups = {"alloy": load_alloy(wire.alloy), "wire": wire, "bench": load_bench("paper")}
+    rows = [
+        (group, name, parameter_value(item), item.source + (f". {item.note}" if item.note else ""))
+        for group, parameters in groups.items()
+        for name, item in parameters.items()
+        if item.kind == kind
+    ]
+    return table_rows(rows)
+
+
+def parameter_value(item: Parameter) -> str:
+    """Return value and unit for a table."""
+    return f"{item.value:.4g}" + ("" if item.unit == "1" else f" {item.unit}")
+
+
+def warnings_list(warnings: Iterable[str]) -> str:
+    """Return the model's warnings as a box, or nothing."""
+    items = "".join(f"<li>{escape(text)}</li>" for text in warnings)
+    return f'<div class="warning"><b>The fit says:</b><ul>{items}</ul></div>' if items else ""
+
+
+def table_rows(rows: Sequence[Sequence[str]] | Sequence[Mapping[str, str]]) -> str:
+    """Return rows of an HTML table, every cell escaped."""
+    return "".join(
+        "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows
+    )

@@ -1,0 +1,301 @@
+"""Commands that drive a rig: demo, characterize, pretension, control, train."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from musclewire.app.options import Force, Json, OutputPath, RealTime, RigName, Seed, quantity_option
+from musclewire.app.output import emit_json, progress_bar, say
+from musclewire.errors import CallerError, RecordingError
+
+if TYPE_CHECKING:
+    from musclewire.controllers.references import Reference
+    from musclewire.experiment.metrics import ControlMetrics
+
+__all__ = ["add_rig_commands"]
+
+Amplitude = Annotated[str | None, typer.Option("--amplitude", help="Amplitude of the slow sine, as '3.2 V'.")]
+Period = Annotated[float, typer.Option("--period", help="Period of the slow sine in seconds.", min=1.0)]
+
+
+def add_rig_commands(app: typer.Typer) -> None:
+    """Add the commands of this file."""
+    for command in (demo, characterize, pretension, control, train):
+        app.command()(command)
+
+
+def demo(
+    out: Annotated[Path, typer.Option("--out", help="Folder for report, model and recordings.")] = Path(
+        "musclewire-demo"
+    ),
+    seed: Annotated[int, typer.Option("--seed", help="Seed of everything random.")] = 1,
+    json: Json = False,
+) -> None:
+    """The main job on the simulated rig: characterise, fit, control by resistance, report."""
+    started = time.perf_counter()
+    from musclewire.app.report.page import write_report
+    from musclewire.experiment.demo import run_demo
+
+    result = run_demo(out, seed=seed, progress=lambda task, total_s: progress_bar(task, total_s, quiet=json))
+    report = out / "report.html"
+    write_report(result, report, time.perf_counter() - started)
+    model, metrics = result.model, result.run.metrics
+    wall_s = time.perf_counter() - started
+    if json:
+        emit_json(
+            {
+                "strain_gap_pct": 100 * result.gaps.strain_gap,
+                "resistance_min_ohm": model.resistance_min_ohm,
+                "resistance_max_ohm": model.resistance_max_ohm,
+                **metrics_json(metrics),
+                "best_pretension_n": result.sweep.best.pretension_n,
+                "time_step_s": result.run.metadata["time_step_s"],
+                "grains": result.run.metadata["grains"],
+                "seed": seed,
+                "warnings": list(model.warnings),
+                "wall_s": wall_s,
+                "report": str(report),
+            }
+        )
+        return
+    say(f"strain gap {100 * result.gaps.strain_gap:.3f} %, R {model.resistance_min_ohm:.3f} to "
+        f"{model.resistance_max_ohm:.3f} ohm")  # fmt: skip
+    say(str(metrics))
+    say(f"{wall_s:.1f} s; open {report}")
+
+
+def characterize(
+    rig: RigName,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Recording to write (.h5).")],
+    amplitude: Amplitude = None,
+    period: Period = 90.0,
+    cycles: Annotated[int, typer.Option("--cycles", help="Cycles; the last is the one analysed.", min=1)] = 2,
+    seed: Seed = None,
+    real_time: RealTime = False,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Heat and cool the wire slowly (the slow sine) and record it."""
+    from musclewire.experiment.open_loop import characterize as run_characterize
+    from musclewire.identify.loop_gaps import loop_gaps
+    from musclewire.rigs.configuration import open_rig
+
+    require_suffix(output, ".h5")
+    with open_rig(rig, seed=seed, real_time=real_time) as opened:
+        volts = quantity_option(amplitude, "V")
+        with progress_bar("Slow sine", cycles * period, quiet=json) as on_sample:
+            recording = run_characterize(
+                opened,
+                amplitude_v=volts,
+                period_s=period,
+                cycles=cycles,
+                path=output,
+                overwrite=force,
+                on_sample=on_sample,
+            )
+    answer: dict[str, Any] = {"recording": str(output), "samples": len(recording), "strain_gap_pct": None}
+    try:
+        gaps = loop_gaps(recording)
+        answer["strain_gap_pct"] = 100 * gaps.strain_gap
+        answer["stroke_pct"] = 100 * gaps.segments.strain_max
+    except RecordingError as error:
+        # The recording is sound and kept; it only shows no loop, which is worth knowing now.
+        answer["problem"] = str(error)
+    if json:
+        emit_json(answer)
+    else:
+        say(f"{len(recording)} samples in {output}")
+        say(
+            answer.get("problem")
+            or f"strain gap {answer['strain_gap_pct']:.3f} %, stroke {answer['stroke_pct']:.2f} %"
+        )
+
+
+def pretension(
+    rig: RigName,
+    at: Annotated[
+        list[str] | None, typer.Option("--at", help="A pretension to try, as '1.9 N'. Repeatable.")
+    ] = None,
+    amplitude: Amplitude = None,
+    period: Period = 90.0,
+    cycles: Annotated[int, typer.Option("--cycles", help="Cycles at each setting.", min=1)] = 2,
+    plot: Annotated[Path | None, typer.Option("--plot", help="Write the figure (.svg, .png, .pdf).")] = None,
+    seed: Seed = None,
+    json: Json = False,
+) -> None:
+    """Sweep the pretension, compare the hysteresis gaps, name the best."""
+    from musclewire.experiment.pretension import pretension_sweep
+    from musclewire.rigs.configuration import open_rig
+
+    forces = [force for text in at or () if (force := quantity_option(text, "N")) is not None] or None
+    with open_rig(rig, seed=seed) as opened:
+        sweep = pretension_sweep(
+            opened,
+            forces,
+            amplitude_v=quantity_option(amplitude, "V"),
+            period_s=period,
+            cycles=cycles,
+            on_setting=None if json else lambda force: say(f"pretension {force:.2f} N"),
+        )
+    for failure in sweep.failures:
+        say(f"not usable: {failure}")
+    if plot is not None:
+        save_figure(sweep.plot(), plot)
+    rows = [
+        {
+            "pretension_n": row.pretension_n,
+            "strain_gap_pct": row.strain_gap_pct,
+            "force_gap_pct": row.force_gap_pct,
+            "stroke_pct": row.stroke_pct,
+        }
+        for row in sweep.rows
+    ]
+    if json:
+        emit_json(
+            {"rows": rows, "best_pretension_n": sweep.best.pretension_n, "failures": list(sweep.failures)}
+        )
+        return
+    for row in sweep.rows:
+        force = "-" if row.force_gap_pct is None else f"{row.force_gap_pct:6.3f}"
+        say(f"{row.pretension_n:6.2f} N   strain gap {row.strain_gap_pct:6.3f} %   force gap {force} %")
+    say(f"best: {sweep.best.pretension_n:.2f} N")
+
+
+def control(
+    rig: RigName,
+    model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
+    quantity: Annotated[str, typer.Option("--quantity", help="strain, displacement or force.")] = "strain",
+    reference: Annotated[
+        str, typer.Option("--reference", help="'staircase', or a file with time_s and target_...")
+    ] = "staircase",
+    output: OutputPath = None,
+    rules: Annotated[
+        str, typer.Option("--rules", help="Rule base of the fuzzy tuning; see 'musclewire rules'.")
+    ] = "zhao-1993",
+    recalibrate: Annotated[
+        bool, typer.Option("--recalibrate", help="First sweep once and anchor R_min, R_max anew.")
+    ] = False,
+    seed: Seed = None,
+    real_time: RealTime = False,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Closed loop: move the wire by its own resistance; MAE of each step."""
+    from musclewire.controllers import FuzzyPidSettings
+    from musclewire.experiment.closed_loop import APPROACH_S
+    from musclewire.experiment.closed_loop import control as run_control
+    from musclewire.experiment.training import recalibrate as anchor
+    from musclewire.rigs.configuration import open_rig
+    from musclewire.sensing import load_model
+
+    loaded = load_model(model)
+    if loaded.quantity != quantity:
+        raise CallerError(
+            f"model {model} senses {loaded.quantity}, not {quantity}: fit one with --quantity {quantity}"
+        )
+    target = read_reference(reference, quantity)
+    settings = FuzzyPidSettings(rule_base=rules)
+    if output is not None:
+        require_suffix(output, ".h5")
+    with open_rig(rig, seed=seed, real_time=real_time) as opened:
+        if recalibrate:
+            with progress_bar("Anchoring R_min and R_max", 90.0, quiet=json) as on_sample:
+                loaded = anchor(opened, loaded, on_sample=on_sample).model
+        with progress_bar("Closed loop", APPROACH_S + target.duration_s, quiet=json) as on_sample:
+            run = run_control(
+                opened, loaded, target, settings=settings, path=output, overwrite=force, on_sample=on_sample
+            )
+    if json:
+        emit_json({**metrics_json(run.metrics), "ended": run.metadata["ended"], "samples": len(run)})
+    else:
+        say(str(run.metrics))
+
+
+def train(
+    rig: RigName,
+    amplitude: Amplitude = None,
+    period: Period = 30.0,
+    most_cycles: Annotated[int, typer.Option("--most-cycles", help="Give up after this many.", min=2)] = 60,
+    seed: Seed = None,
+    json: Json = False,
+) -> None:
+    """Cycle a new wire until its loop repeats."""
+    from musclewire.experiment.training import TrainingCycle
+    from musclewire.experiment.training import train as run_train
+    from musclewire.rigs.configuration import open_rig
+
+    def show(cycle: TrainingCycle) -> None:
+        change = "" if cycle.change is None else f", moved by {100 * cycle.change:.2f} %"
+        say(f"cycle {cycle.number}: R {cycle.resistance_min_ohm:.3f} to {cycle.resistance_max_ohm:.3f} ohm, "
+            f"stroke {100 * cycle.stroke:.3f} %{change}")  # fmt: skip
+
+    with open_rig(rig, seed=seed) as opened:
+        training = run_train(
+            opened,
+            amplitude_v=quantity_option(amplitude, "V"),
+            period_s=period,
+            most_cycles=most_cycles,
+            on_cycle=None if json else show,
+        )
+    if json:
+        emit_json({"settled": training.settled, "cycles": [vars(cycle) for cycle in training.cycles]})
+    else:
+        say("settled" if training.settled else f"not settled after {len(training.cycles)} cycles")
+    if not training.settled:
+        raise typer.Exit(1)
+
+
+def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:
+    """Return the metrics of a closed loop under the keys of the interface."""
+    steps = [
+        {
+            "target_pct": 100 * step.target if metrics.quantity == "strain" else step.target,
+            "direction": step.direction,
+            "mae_pct": step.mae_pct,
+            "estimate_mae_pct": step.estimate_mae_pct,
+            "tracking_mae_pct": step.tracking_mae_pct,
+        }
+        for step in metrics.steps
+    ]
+    return {
+        "steps": steps,
+        "mae_max_pct": metrics.mae_max_pct,
+        "mae_mean_pct": metrics.mae_mean_pct,
+        "valid_share": metrics.valid_share,
+    }
+
+
+def read_reference(reference: str, quantity: str) -> Reference:
+    """Return the paper's staircase, or the targets in a recording file."""
+    from musclewire.controllers import sampled_reference, staircase
+    from musclewire.experiment.metrics import COLUMN_SUFFIX
+    from musclewire.signals import read_recording
+
+    if reference == "staircase":
+        if quantity != "strain":
+            raise CallerError(
+                f"the built-in staircase is in strain; give --reference FILE with targets in {quantity}"
+            )
+        return staircase()
+    table = read_recording(reference)
+    return sampled_reference(table["time_s"] - table["time_s"][0], table[f"target_{COLUMN_SUFFIX[quantity]}"])
+
+
+def require_suffix(path: Path, suffix: str) -> None:
+    """Raise CallerError for an output file of another kind: a run is recorded as HDF5 while it goes."""
+    if path.suffix != suffix:
+        raise CallerError(
+            f"{path}: a run is recorded as {suffix} (it survives a crash); 'musclewire import' converts"
+        )
+
+
+def save_figure(axes: Any, path: Path) -> None:
+    """Write the figure of some axes to a file."""
+    try:
+        axes.figure.savefig(path)
+    except (OSError, ValueError) as error:
+        raise CallerError(f"cannot write the figure {path}: {error}") from None

@@ -1,0 +1,187 @@
+"""The closed loop: the wire positioned by its own resistance.
+
+One sample's journey: voltages -> resistance (Eq. 1) -> normalised resistance (Eq. 3) -> strain (Eqs. 4, 5) ->
+error -> fuzzy-tuned PID (Eq. 6) -> drive voltage. The reference instruments of the rig are recorded beside it
+and judged afterwards; nothing here reads them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from musclewire.controllers import DriveLimits, FuzzyPid, FuzzyPidSettings
+from musclewire.controllers.references import Reference, staircase
+from musclewire.errors import CallerError, RigError
+from musclewire.experiment.metrics import ControlRun, control_metrics
+from musclewire.experiment.run import Decision, OnSample, run_on_rig
+from musclewire.rigs.protocol import Rig
+from musclewire.sensing.model import SensingModel
+from musclewire.sensing.resistance import wire_resistance
+from musclewire.signals.samples import RawSample
+
+__all__ = ["SelfSensingPolicy", "control", "controller_for"]
+
+# In the first step the wire starts cold, where resistance does not tell strain; it gets this long to arrive.
+APPROACH_S = 12.0
+# A sample without current is bridged by holding the drive; this many in a row are a broken wire or circuit.
+LONGEST_BLIND_SAMPLES = 10
+# What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
+RANGE_AS_PERCENT_STRAIN = 3.0
+COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
+
+
+def controller_for(rig: Rig, model: SensingModel, settings: FuzzyPidSettings | None = None) -> FuzzyPid:
+    """Return the fuzzy-tuned PID within a rig's limits, its error unit fitted to the model's quantity."""
+    chosen = settings or FuzzyPidSettings()
+    if model.quantity != "strain":
+        unit = (model.quantity_max - model.quantity_min) / RANGE_AS_PERCENT_STRAIN
+        chosen = chosen.model_copy(update={"error_unit": unit})
+    return FuzzyPid(chosen, DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v))
+
+
+class SelfSensingPolicy:
+    """Estimates from two voltages, compares with the target, and lets the controller choose the drive."""
+
+    def __init__(
+        self,
+        model: SensingModel,
+        controller: FuzzyPid,
+        reference: Reference,
+        *,
+        shunt_resistance_ohm: float,
+        sample_period_s: float,
+        approach_s: float,
+        first_drive_voltage_v: float,
+    ) -> None:
+        """Start from a drive that is out already; the reference's time zero comes after the approach."""
+        self._model = model
+        self._controller = controller
+        self._reference = reference
+        self._shunt_resistance_ohm = shunt_resistance_ohm
+        self._sample_period_s = sample_period_s
+        self._approach_s = approach_s
+        self._first_drive_voltage_v = controller.limits.clamp(first_drive_voltage_v)
+        self._state = None
+        self._estimate = model.quantity_min
+        self._std = 0.0
+        self._blind_samples = 0
+        suffix = COLUMN_SUFFIX[model.quantity]
+        self._target_name, self._estimated_name = f"target_{suffix}", f"estimated_{suffix}"
+
+    @property
+    def columns(self) -> Sequence[str]:
+        """Names of the columns this policy adds."""
+        return (
+            "wire_resistance_ohm",
+            self._target_name,
+            self._estimated_name,
+            "valid",
+            "proportional_gain",
+            "integral_gain",
+            "derivative_gain",
+        )
+
+    def first_drive_voltage_v(self) -> float:
+        """Return the drive the loop takes over from."""
+        return self._first_drive_voltage_v
+
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:
+        """Return the controller's answer to one sample."""
+        reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
+        # The sample that has just ended is judged by the target that held while it was taken.
+        judged = self._reference.target_at(max(elapsed_s - self._sample_period_s - self._approach_s, 0.0))
+        target = self._reference.target_at(max(elapsed_s - self._approach_s, 0.0))
+        valid = False
+        gains = (0.0, 0.0, 0.0)
+        drive = sample.drive_voltage_v if self._state is None else self._state.drive_voltage_v
+        if reading.valid:
+            self._blind_samples = 0
+            estimate = self._model.estimate(reading.resistance_ohm)
+            self._estimate, valid = estimate.value, estimate.valid
+            if self._state is None:
+                self._state = self._controller.start(self._first_drive_voltage_v, estimate.value, target)
+            result = self._controller.step(self._state, target, estimate.value, self._sample_period_s)
+            self._state, drive = result.state, result.drive_voltage_v
+            gains = (result.kp, result.ki, result.kd)
+        else:
+            self._lose_sight(sample)
+        return Decision(
+            drive,
+            {
+                "wire_resistance_ohm": reading.resistance_ohm,
+                self._target_name: judged,
+                self._estimated_name: self._estimate,
+                "valid": float(valid),
+                "proportional_gain": gains[0],
+                "integral_gain": gains[1],
+                "derivative_gain": gains[2],
+            },
+        )
+
+    def _lose_sight(self, sample: RawSample) -> None:
+        """Hold the drive over a sample without current; give up when sight does not come back."""
+        self._blind_samples += 1
+        if self._state is not None:
+            self._state = self._controller.hold(self._state)
+        if self._blind_samples >= LONGEST_BLIND_SAMPLES:
+            raise RigError(
+                f"no current through the wire for {self._blind_samples} samples up to {sample.time_s:.2f} s at "
+                f"{sample.drive_voltage_v:.2f} V: check wire, clamps and shunt; the rig is at its sense voltage"
+            )
+
+
+def control(
+    rig: Rig,
+    model: SensingModel,
+    reference: Reference | None = None,
+    *,
+    settings: FuzzyPidSettings | None = None,
+    approach_s: float = APPROACH_S,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    on_sample: OnSample | None = None,
+) -> ControlRun:
+    """Move the wire along a reference with no sensor but its resistance; the paper's staircase by default.
+
+    The wire first gets ``approach_s`` to reach the reference's start. Returns the recording with its metrics
+    (Eq. 7 for each step, where the rig has a reference instrument). Raises CallerError for a target outside
+    the model's range, RigError when the wire carries no current.
+    """
+    chosen = staircase() if reference is None else reference
+    check_targets(model, chosen, rig.sample_period_s)
+    policy = SelfSensingPolicy(
+        model,
+        controller_for(rig, model, settings),
+        chosen,
+        shunt_resistance_ohm=rig.shunt_resistance_ohm,
+        sample_period_s=rig.sample_period_s,
+        approach_s=approach_s,
+        first_drive_voltage_v=rig.drive_voltage_v,
+    )
+    metadata = {"experiment": "closed loop", "quantity": model.quantity, "approach_s": approach_s}
+    recording = run_on_rig(
+        rig,
+        policy,
+        approach_s + chosen.duration_s,
+        metadata=metadata,
+        path=path,
+        overwrite=overwrite,
+        on_sample=on_sample,
+    )
+    return ControlRun(
+        recording.columns, recording.metadata, control_metrics(recording, model.quantity, chosen)
+    )
+
+
+def check_targets(model: SensingModel, reference: Reference, sample_period_s: float) -> None:
+    """Raise CallerError when a reference leaves the range in which the model can sense."""
+    times = [index * sample_period_s for index in range(round(reference.duration_s / sample_period_s) + 1)]
+    targets = reference.targets_at(times)
+    low, high = float(targets.min()), float(targets.max())
+    margin = 1e-3 * (model.quantity_max - model.quantity_min)
+    if low < model.quantity_min - margin or high > model.quantity_max + margin:
+        raise CallerError(
+            f"the reference goes from {low:.4g} to {high:.4g} {model.unit}, but this model senses {model.quantity} "
+            f"only from {model.quantity_min:.4g} to {model.quantity_max:.4g}: choose targets inside"
+        )

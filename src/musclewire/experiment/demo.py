@@ -1,0 +1,82 @@
+"""The main job from end to end: heat slowly, find the loop, fit, and move the wire without a sensor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+
+from musclewire.controllers.references import Staircase, staircase
+from musclewire.experiment.closed_loop import APPROACH_S, control
+from musclewire.experiment.metrics import ControlRun
+from musclewire.experiment.open_loop import PAPER_PERIOD_S, characterize
+from musclewire.experiment.pretension import PretensionSweep, pretension_sweep
+from musclewire.experiment.run import OnSample
+from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
+from musclewire.identify.sensing_model import fit
+from musclewire.rigs.configuration import open_rig
+from musclewire.sensing.model import SensingModel
+from musclewire.signals.recording import Recording
+
+__all__ = ["DemoResult", "run_demo"]
+
+# Fig. 3: the major loop first, then two inside it.
+AMPLITUDES_V = (3.2, 2.9, 2.75)
+CYCLES = 2
+
+Progress = Callable[[str, float], AbstractContextManager[OnSample]]
+
+
+@dataclass(frozen=True)
+class DemoResult:
+    """All that the demo found; recordings by what they show."""
+
+    loops: Mapping[float, Recording]
+    gaps: LoopGaps
+    model: SensingModel
+    staircase: Staircase
+    run: ControlRun
+    sweep: PretensionSweep
+    files: Mapping[str, Path]
+
+
+def no_progress(task: str, total_s: float) -> AbstractContextManager[OnSample]:
+    """Show nothing."""
+    return nullcontext(lambda _: None)
+
+
+def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -> DemoResult:
+    """Do what the paper did on the simulated rig and keep every recording in ``folder``.
+
+    Slow sines of 3.2, 2.9 and 2.75 V; the pretension sweep; the fit of the 3.2 V loop at F_p = 1.9 N; the
+    staircase of Fig. 11. Existing files of an earlier demo are replaced. Whatever interrupts it, the recordings so
+    far are on disk.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {f"loop_{volts:g}V": folder / f"loop-{volts:g}V.h5" for volts in AMPLITUDES_V}
+    files |= {"model": folder / "model.json", "staircase": folder / "staircase.h5"}
+    loops: dict[float, Recording] = {}
+    steps = staircase()
+    with open_rig("simulated", seed=seed) as rig:
+        for volts in AMPLITUDES_V:
+            with progress(f"Slow sine, {volts:g} V", CYCLES * PAPER_PERIOD_S) as on_sample:
+                loops[volts] = characterize(
+                    rig,
+                    amplitude_v=volts,
+                    cycles=CYCLES,
+                    path=files[f"loop_{volts:g}V"],
+                    overwrite=True,
+                    on_sample=on_sample,
+                )
+        major = loops[AMPLITUDES_V[0]]
+        model = fit(major)
+        model.save(files["model"])
+        with progress("Staircase, sensed by resistance", APPROACH_S + steps.duration_s) as on_sample:
+            run = control(rig, model, steps, path=files["staircase"], overwrite=True, on_sample=on_sample)
+    with (
+        open_rig("simulated", seed=seed) as rig,
+        progress("Pretension sweep", 8 * PAPER_PERIOD_S) as on_sample,
+    ):
+        sweep = pretension_sweep(rig, cycles=1, on_sample=on_sample)
+    return DemoResult(loops, loop_gaps(major), model, steps, run, sweep, files)

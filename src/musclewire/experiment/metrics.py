@@ -1,0 +1,123 @@
+"""How well a run followed its target: Eq. 7 for each step of a staircase."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.controllers.references import Reference, Staircase, Step
+from musclewire.identify.recordings import reference_quantity
+from musclewire.signals.recording import Recording
+
+__all__ = ["ControlMetrics", "ControlRun", "StepMetrics", "control_metrics", "mean_absolute_error"]
+
+# Eq. 7 counts "sequentially after one second of each step (till the end of each step)".
+SETTLE_S = 1.0
+COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
+
+
+@dataclass(frozen=True)
+class StepMetrics:
+    """One step: errors in percent of its target; None where the rig has no reference instrument."""
+
+    target: float
+    direction: str
+    mae_pct: float | None
+    estimate_mae_pct: float | None
+    tracking_mae_pct: float
+
+
+@dataclass(frozen=True)
+class ControlMetrics:
+    """All steps of a run and their summary.
+
+    ``mae_pct`` compares the reference instrument with the target (Eq. 7), ``estimate_mae_pct`` the estimate with
+    the reference instrument, ``tracking_mae_pct`` the estimate with the target: what the loop itself can see.
+    """
+
+    quantity: str
+    steps: tuple[StepMetrics, ...] = ()
+    mae_max_pct: float | None = None
+    mae_mean_pct: float | None = None
+    valid_share: float = 1.0
+    extra: dict[str, Any] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        """Return a small table."""
+        lines = [f"{'target':>10} {'':7} {'MAE %':>8} {'estimate %':>11} {'tracking %':>11}"]
+        scale, unit = (100.0, "%") if self.quantity == "strain" else (1.0, "")
+        for step in self.steps:
+            lines.append(
+                f"{step.target * scale:>8.3g} {unit:1} {step.direction:7} {percent(step.mae_pct):>8} "
+                f"{percent(step.estimate_mae_pct):>11} {percent(step.tracking_mae_pct):>11}"
+            )
+        lines.append(f"largest {percent(self.mae_max_pct)} %, mean {percent(self.mae_mean_pct)} %")
+        return "\n".join(lines)
+
+
+def percent(value: float | None) -> str:
+    """Return a percentage for a table; a dash where there is none."""
+    return "-" if value is None else f"{value:.3f}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ControlRun(Recording):
+    """A recording of a closed loop, with how well it went."""
+
+    metrics: ControlMetrics = field(default_factory=lambda: ControlMetrics("strain"))
+
+
+def mean_absolute_error(
+    values: NDArray[np.float64], wanted: NDArray[np.float64] | float, per: float
+) -> float:
+    """Return the mean of |value - wanted| over ``per``, in percent (Lan and Fan 2010, Eq. 7)."""
+    return float(100.0 * np.mean(np.abs(values - wanted)) / abs(per))
+
+
+def control_metrics(recording: Recording, quantity: str, reference: Reference) -> ControlMetrics:
+    """Return the metrics of a closed-loop recording; steps where the reference is a staircase."""
+    suffix = COLUMN_SUFFIX[quantity]
+    estimated = recording[f"estimated_{suffix}"]
+    measured = reference_quantity(recording, quantity)
+    elapsed_s = elapsed(recording)
+    steps: Sequence[Step] = reference.steps if isinstance(reference, Staircase) else ()
+    rows = tuple(step_metrics(step, elapsed_s, estimated, measured) for step in steps)
+    errors = [row.mae_pct for row in rows if row.mae_pct is not None]
+    return ControlMetrics(
+        quantity=quantity,
+        steps=rows,
+        mae_max_pct=max(errors) if errors else None,
+        mae_mean_pct=float(np.mean(errors)) if errors else None,
+        valid_share=float(np.mean(recording["valid"][elapsed_s > 0.0])),
+    )
+
+
+def elapsed(recording: Recording) -> NDArray[np.float64]:
+    """Return the time since the reference began, negative during the approach, (n_times,)."""
+    time_s = recording["time_s"]
+    period_s = float(recording.metadata["sample_period_s"] or 0.0)
+    approach_s = float(recording.metadata["approach_s"] or 0.0)
+    return np.asarray(time_s - time_s[0] + period_s - approach_s)
+
+
+def step_metrics(
+    step: Step,
+    elapsed_s: NDArray[np.float64],
+    estimated: NDArray[np.float64],
+    measured: NDArray[np.float64] | None,
+) -> StepMetrics:
+    """Return the errors of one step, from one second after its start to its end."""
+    part = (elapsed_s > step.start_s + SETTLE_S + 1e-9) & (elapsed_s <= step.stop_s + 1e-9)
+    seen = estimated[part]
+    true = None if measured is None else measured[part]
+    return StepMetrics(
+        target=step.target,
+        direction=step.direction,
+        mae_pct=None if true is None else mean_absolute_error(true, step.target, step.target),
+        estimate_mae_pct=None if true is None else mean_absolute_error(seen, true, step.target),
+        tracking_mae_pct=mean_absolute_error(seen, step.target, step.target),
+    )

@@ -1,0 +1,96 @@
+"""Driving a wire by a waveform, and the slow sine that characterises it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from musclewire.errors import CallerError
+from musclewire.experiment.run import Decision, OnSample, run_on_rig
+from musclewire.rigs.protocol import Rig
+from musclewire.signals.recording import Recording
+from musclewire.signals.samples import RawSample
+
+__all__ = ["Waveform", "WaveformPolicy", "characterize", "slow_sine"]
+
+Waveform = Callable[[float], float]
+PAPER_PERIOD_S = 90.0
+
+
+def slow_sine(amplitude_v: float, sense_voltage_v: float, period_s: float = PAPER_PERIOD_S) -> Waveform:
+    """Return drive voltage over time: a raised cosine from the sense voltage to the amplitude and back.
+
+    The paper drives "a sine wave voltage input with 1/90 Hz and amplitude 3.2 V" and does not say whether it
+    is offset. Heat goes with the square, so a sine about zero would heat twice a period; ours goes once from
+    cold to hot and back, and never below the sense voltage, where Eq. 1 has no current to divide by.
+    """
+    if not (0.0 <= sense_voltage_v < amplitude_v and period_s > 0.0):
+        raise CallerError(
+            f"a slow sine needs an amplitude above the sense voltage and a period above 0 s; got amplitude "
+            f"{amplitude_v} V, sense voltage {sense_voltage_v} V, period {period_s} s"
+        )
+
+    def drive_voltage_v(time_s: float) -> float:
+        swing = 0.5 * (1.0 - math.cos(2.0 * math.pi * time_s / period_s))
+        return sense_voltage_v + (amplitude_v - sense_voltage_v) * swing
+
+    return drive_voltage_v
+
+
+class WaveformPolicy:
+    """Plays a waveform and looks at nothing."""
+
+    columns = ("cycle",)
+
+    def __init__(self, waveform: Waveform, period_s: float) -> None:
+        """Play ``waveform``; ``period_s`` only numbers the cycles."""
+        self._waveform = waveform
+        self._period_s = period_s
+
+    def first_drive_voltage_v(self) -> float:
+        """Return the waveform's start."""
+        return self._waveform(0.0)
+
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:
+        """Return the waveform's next value; a sample that ends a cycle belongs to that cycle."""
+        cycle = math.ceil(elapsed_s / self._period_s - 1e-9)
+        return Decision(self._waveform(elapsed_s), {"cycle": float(max(cycle, 1))})
+
+
+def characterize(
+    rig: Rig,
+    *,
+    amplitude_v: float | None = None,
+    period_s: float = PAPER_PERIOD_S,
+    cycles: int = 2,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    on_sample: OnSample | None = None,
+) -> Recording:
+    """Heat and cool the wire slowly and record both voltages and the reference instruments.
+
+    The first cycle settles the wire into the loop it then repeats; the analysis uses the last. Default is the
+    paper's slow sine: 1/90 Hz at the rig's amplitude (3.2 V for its 0.1 mm wire).
+    Raises CallerError for an amplitude above what the rig allows or fewer than one cycle.
+    """
+    amplitude = rig.drive_amplitude_v if amplitude_v is None else amplitude_v
+    if amplitude > rig.maximum_voltage_v:
+        raise CallerError(f"amplitude {amplitude} V is above the rig's maximum of {rig.maximum_voltage_v} V")
+    if cycles < 1:
+        raise CallerError(f"cycles is {cycles}: give at least 1")
+    waveform = slow_sine(amplitude, rig.sense_voltage_v, period_s)
+    metadata: Mapping[str, str | float] = {
+        "experiment": "slow sine",
+        "amplitude_v": amplitude,
+        "period_s": period_s,
+    }
+    return run_on_rig(
+        rig,
+        WaveformPolicy(waveform, period_s),
+        cycles * period_s,
+        metadata=metadata,
+        path=path,
+        overwrite=overwrite,
+        on_sample=on_sample,
+    )

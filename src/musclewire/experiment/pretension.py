@@ -1,0 +1,138 @@
+"""The pretension sweep: which F_p closes the loop best (Figs. 4 to 6)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.experiment.open_loop import characterize
+from musclewire.experiment.run import OnSample
+from musclewire.identify.loop_gaps import loop_gaps
+from musclewire.rigs.protocol import HasStage, Rig
+from musclewire.signals.recording import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["PretensionRow", "PretensionSweep", "default_pretensions_n", "pretension_sweep"]
+
+# The paper's Fig. 6 spans force ratios from about a quarter to two thirds of the allowed force.
+FORCE_RATIOS = (0.20, 0.65)
+DEFAULT_POINTS = 8
+
+
+@dataclass(frozen=True)
+class PretensionRow:
+    """One setting of the linear stage and the loop it gave."""
+
+    pretension_n: float
+    strain_gap_pct: float
+    force_gap_pct: float | None
+    stroke_pct: float
+    recording: Recording
+
+
+@dataclass(frozen=True)
+class PretensionSweep:
+    """All settings, and the best: the one with the smallest strain gap."""
+
+    rows: tuple[PretensionRow, ...]
+    failures: tuple[str, ...]
+
+    @property
+    def best(self) -> PretensionRow:
+        """The setting with the smallest strain gap."""
+        return min(self.rows, key=lambda row: row.strain_gap_pct)
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Plot both gaps against pretension; returns the axes."""
+        if axes is None:
+            import matplotlib.pyplot as plt
+
+            axes = plt.figure(figsize=(6.0, 4.0), layout="constrained").add_subplot()
+        forces = [row.pretension_n for row in self.rows]
+        axes.plot(
+            forces, [row.strain_gap_pct for row in self.rows], "o-", color="#1f6f8b", label="strain gap"
+        )
+        with_force = [
+            (row.pretension_n, row.force_gap_pct) for row in self.rows if row.force_gap_pct is not None
+        ]
+        if with_force:
+            axes.plot(*zip(*with_force, strict=True), "s--", color="#c8553d", label="force gap")
+        axes.axvline(self.best.pretension_n, color="0.7", linewidth=1.0, zorder=0)
+        axes.annotate(
+            f"best {self.best.pretension_n:.2f} N",
+            (self.best.pretension_n, 0.97),
+            xycoords=("data", "axes fraction"),
+            xytext=(4, 0),
+            textcoords="offset points",
+            va="top",
+            color="0.35",
+        )
+        axes.set(xlabel="pretension $F_p$ [N]", ylabel="hysteresis gap [% of maximum]", ylim=(0.0, None))
+        axes.legend(frameon=False)
+        return axes
+
+
+def default_pretensions_n(rig: Rig) -> list[float]:
+    """Return eight settings from 0.20 to 0.65 of the wire's allowed force, rounded to 0.01 N."""
+    allowed = rig.metadata().get("maximum_force_n")
+    if not isinstance(allowed, float):
+        raise CallerError("this rig does not state maximum_force_n: say which pretensions to try")
+    low, high = FORCE_RATIOS
+    return [round(float(force), 2) for force in np.linspace(low * allowed, high * allowed, DEFAULT_POINTS)]
+
+
+def pretension_sweep(
+    rig: Rig,
+    pretensions_n: Sequence[float] | None = None,
+    *,
+    amplitude_v: float | None = None,
+    period_s: float = 90.0,
+    cycles: int = 2,
+    on_setting: Callable[[float], None] | None = None,
+    on_sample: OnSample | None = None,
+) -> PretensionSweep:
+    """Characterise the wire at each pretension and compare the gaps.
+
+    ``on_setting`` hears each pretension before it is set. A setting whose loop cannot be used (slack, or no
+    transformation left at high stress) is kept as a failure with its reason. Raises CallerError for a rig without
+    a stage that software can move, RecordingError when no setting gives a loop.
+    """
+    if not isinstance(rig, HasStage):
+        raise CallerError(
+            "the stage of this rig is moved by hand: set each pretension, run 'musclewire characterize', and "
+            "compare the gaps that 'musclewire fit' prints"
+        )
+    rows: list[PretensionRow] = []
+    failures: list[str] = []
+    for pretension in default_pretensions_n(rig) if pretensions_n is None else pretensions_n:
+        if on_setting is not None:
+            on_setting(pretension)
+        rig.set_pretension(pretension)
+        recording = characterize(
+            rig, amplitude_v=amplitude_v, period_s=period_s, cycles=cycles, on_sample=on_sample
+        )
+        try:
+            gaps = loop_gaps(recording)
+        except RecordingError as error:
+            failures.append(f"{pretension} N: {error}")
+            continue
+        rows.append(
+            PretensionRow(
+                pretension_n=float(pretension),
+                strain_gap_pct=100.0 * gaps.strain_gap,
+                force_gap_pct=None if gaps.force_gap is None else 100.0 * gaps.force_gap,
+                stroke_pct=100.0 * gaps.segments.strain_max,
+                recording=recording,
+            )
+        )
+    if not rows:
+        raise RecordingError(
+            f"no pretension gave a usable loop; the last: {failures[-1] if failures else 'none'}"
+        )
+    return PretensionSweep(tuple(rows), tuple(failures))

@@ -1,0 +1,79 @@
+"""Keeps the rows of a run in memory and, on request, on disk as they come."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from musclewire.signals.hdf5 import RecordingWriter
+from musclewire.signals.recording import MetadataValue, Recording
+
+__all__ = ["Recorder", "cause_of"]
+
+
+def cause_of(error: BaseException | None) -> str:
+    """Return the one line that a recording says about how its run ended."""
+    if error is None:
+        return "done"
+    if isinstance(error, (KeyboardInterrupt, SystemExit)):
+        return "interrupted"
+    return f"{type(error).__name__}: {error}".splitlines()[0]
+
+
+class Recorder:
+    """Collects rows; with a path every block also goes to disk, where it survives whatever happens next."""
+
+    def __init__(
+        self,
+        columns: Sequence[str],
+        metadata: Mapping[str, MetadataValue],
+        path: str | Path | None = None,
+        overwrite: bool = False,
+    ) -> None:
+        """Start an empty recording. Raises CallerError where ``path`` exists and may not be replaced."""
+        self._columns = tuple(columns)
+        self._metadata = {
+            **metadata,
+            "software_version": version("musclewire"),
+            "start_time": datetime.now(UTC).isoformat(timespec="seconds"),
+        }
+        self._rows: list[tuple[float, ...]] = []
+        self._writer = (
+            None if path is None else RecordingWriter(path, columns, self._metadata, overwrite=overwrite)
+        )
+        self._ended = "running"
+
+    def append(self, row: Mapping[str, float]) -> None:
+        """Keep one row; it gives every column."""
+        kept = {name: row[name] for name in self._columns}
+        self._rows.append(tuple(kept.values()))
+        if self._writer is not None:
+            self._writer.append(kept)
+
+    def recording(self) -> Recording:
+        """Return what has been recorded so far."""
+        table = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), len(self._columns))
+        columns = {name: table[:, place] for place, name in enumerate(self._columns)}
+        return Recording(columns, {**self._metadata, "ended": self._ended})
+
+    def __enter__(self) -> Self:
+        """Return the recorder itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Write what is left and say why the run ended; an exception takes the partial recording along."""
+        self._ended = cause_of(error)
+        if self._writer is not None:
+            self._writer.close(self._ended)
+        if error is not None:
+            where = f" and in {self._writer.path}" if self._writer else ""
+            error.add_note(f"{len(self._rows)} samples were recorded; they are in error.recording{where}")
+            error.recording = self.recording()  # type: ignore[attr-defined]

@@ -1,0 +1,95 @@
+"""The one loop in which a rig, a policy and a recorder meet.
+
+The rig owns the clock, the policy is pure, and the rig ends at its sense voltage whatever a policy, a callback
+or the user's Ctrl-C raises: the first thing that happens on the way out, before anything is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from musclewire.errors import CallerError
+from musclewire.experiment.recorder import Recorder
+from musclewire.rigs.protocol import Rig
+from musclewire.signals.recording import MetadataValue, Recording
+from musclewire.signals.samples import RawSample
+
+__all__ = ["Decision", "OnSample", "Policy", "run_on_rig"]
+
+OnSample = Callable[[Mapping[str, float]], None]
+REFERENCE_COLUMNS = ("displacement_m", "force_n", "ambient_temperature_k")
+
+
+class Decision(NamedTuple):
+    """What a policy says after a sample: the next drive voltage and what to record beside the sample."""
+
+    drive_voltage_v: float
+    columns: Mapping[str, float]
+
+
+class Policy(Protocol):
+    """Chooses the drive voltage. It has no clock: time is what the samples say."""
+
+    @property
+    def columns(self) -> Sequence[str]:
+        """Names of the columns its decisions add to a recording."""
+        ...
+
+    def first_drive_voltage_v(self) -> float:
+        """Return the drive for the first sample period."""
+        ...
+
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:
+        """Return the decision after a sample that ended ``elapsed_s`` into the run."""
+        ...
+
+
+def run_on_rig(
+    rig: Rig,
+    policy: Policy,
+    duration_s: float,
+    *,
+    metadata: Mapping[str, MetadataValue] | None = None,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    on_sample: OnSample | None = None,
+) -> Recording:
+    """Drive a rig by a policy for a time and return the recording.
+
+    ``on_sample`` sees every recorded row; it may raise to stop the run. Any exception leaves the rig at its
+    sense voltage and carries the partial recording as ``.recording``.
+    Raises CallerError for a duration under one sample.
+    """
+    samples = round(duration_s / rig.sample_period_s)
+    if samples < 1:
+        raise CallerError(f"a run of {duration_s} s is shorter than one sample of {rig.sample_period_s} s")
+    drive = policy.first_drive_voltage_v()
+    sample = first_sample(rig, drive)
+    start_s = sample.time_s - rig.sample_period_s
+    references = [name for name in REFERENCE_COLUMNS if getattr(sample, name) is not None]
+    columns = [*RawSample._fields[:4], *references, *policy.columns]
+    with Recorder(columns, {**rig.metadata(), **(metadata or {})}, path, overwrite) as recorder:
+        try:
+            for index in range(samples):
+                if index:
+                    sample = rig.exchange(drive)
+                decision = policy.after(sample, sample.time_s - start_s)
+                row = {**sample._asdict(), **decision.columns}
+                recorder.append(row)
+                if on_sample is not None:
+                    on_sample(row)
+                drive = decision.drive_voltage_v
+        finally:
+            rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
+    return recorder.recording()
+
+
+def first_sample(rig: Rig, drive_voltage_v: float) -> RawSample:
+    """Return the first sample, which also tells which reference instruments the rig has."""
+    try:
+        return rig.exchange(drive_voltage_v)
+    except BaseException:
+        rig.make_safe()
+        raise

@@ -1,0 +1,141 @@
+"""What a wire needs before it is used: the first cycles of its life, and a fresh anchor at every start.
+
+A new wire changes in its first cycles: it keeps some strain, its resistance drifts, its hysteresis narrows
+(Churchill and Shaw, SMASIS2009-48968; Hartwich et al., Sensors 21 (2021) 6804, doi 10.3390/s21206804). A model fitted before
+that is over does not last. And a settled wire still reads a little differently from day to day, so R_max and
+R_min are found anew at each start, from the resistance alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.experiment.open_loop import characterize
+from musclewire.experiment.run import OnSample
+from musclewire.identify.recordings import required_quantity, resistance_reading
+from musclewire.rigs.protocol import Rig
+from musclewire.sensing.model import SensingModel
+from musclewire.sensing.recalibration import find_resistance_extremes, recalibrated
+from musclewire.sensing.segments import find_segments
+
+__all__ = ["Recalibration", "Training", "TrainingCycle", "recalibrate", "train"]
+
+TRAINING_PERIOD_S = 30.0
+# Two successive loops that differ by less than this, of resistance span and of stroke, are the same loop.
+SETTLED_SHARE = 0.002
+CYCLES_IN_A_ROW = 3
+
+
+@dataclass(frozen=True)
+class TrainingCycle:
+    """One cycle of a training: what the loop was, and how much it moved since the one before (of its span)."""
+
+    number: int
+    resistance_min_ohm: float
+    resistance_max_ohm: float
+    strain_cold: float
+    stroke: float
+    change: float | None
+
+
+@dataclass(frozen=True)
+class Training:
+    """A finished training. ``settled`` is False when the largest number of cycles came first."""
+
+    cycles: tuple[TrainingCycle, ...]
+    settled: bool
+
+
+def train(
+    rig: Rig,
+    *,
+    amplitude_v: float | None = None,
+    period_s: float = TRAINING_PERIOD_S,
+    most_cycles: int = 60,
+    settled_share: float = SETTLED_SHARE,
+    on_cycle: Callable[[TrainingCycle], None] | None = None,
+    on_sample: OnSample | None = None,
+) -> Training:
+    """Cycle a wire until its loop repeats: three cycles in a row that each move it by less than 0.2 %.
+
+    Raises CallerError for fewer than two cycles, RecordingError when the wire does not transform at all.
+    """
+    if most_cycles < 2:
+        raise CallerError(f"most_cycles is {most_cycles}: a change needs at least 2 cycles")
+    cycles: list[TrainingCycle] = []
+    calm = 0
+    for number in range(1, most_cycles + 1):
+        recording = characterize(
+            rig, amplitude_v=amplitude_v, period_s=period_s, cycles=1, on_sample=on_sample
+        )
+        reading = resistance_reading(recording)
+        segments = find_segments(reading.resistance_ohm, required_quantity(recording), reading.valid)
+        cycle = TrainingCycle(
+            number=number,
+            resistance_min_ohm=segments.resistance_min_ohm,
+            resistance_max_ohm=segments.resistance_max_ohm,
+            strain_cold=segments.strain_cold,
+            stroke=segments.strain_max - segments.strain_cold,
+            change=None,
+        )
+        if cycles:
+            cycle = TrainingCycle(**{**vars(cycle), "change": change_between(cycles[-1], cycle)})
+        cycles.append(cycle)
+        if on_cycle is not None:
+            on_cycle(cycle)
+        calm = calm + 1 if cycle.change is not None and cycle.change < settled_share else 0
+        if calm >= CYCLES_IN_A_ROW:
+            return Training(tuple(cycles), settled=True)
+    return Training(tuple(cycles), settled=False)
+
+
+def change_between(before: TrainingCycle, after: TrainingCycle) -> float:
+    """Return the largest move of R_min, R_max, cold strain or stroke, over the span of each."""
+    span = before.resistance_max_ohm - before.resistance_min_ohm
+    return max(
+        abs(after.resistance_min_ohm - before.resistance_min_ohm) / span,
+        abs(after.resistance_max_ohm - before.resistance_max_ohm) / span,
+        abs(after.strain_cold - before.strain_cold) / before.stroke,
+        abs(after.stroke - before.stroke) / before.stroke,
+    )
+
+
+@dataclass(frozen=True)
+class Recalibration:
+    """A model anchored anew, and how far its R_min and R_max have moved since it was fitted."""
+
+    model: SensingModel
+    resistance_min_moved_ohm: float
+    resistance_max_moved_ohm: float
+
+
+def recalibrate(
+    rig: Rig,
+    model: SensingModel,
+    *,
+    amplitude_v: float | None = None,
+    period_s: float = 90.0,
+    path: str | Path | None = None,
+    on_sample: OnSample | None = None,
+) -> Recalibration:
+    """Sweep the wire once and anchor the model to the R_max and R_min of today; no sensor is read.
+
+    Raises RecordingError where the sweep shows no transformation, or did not reach its ends.
+    """
+    recording = characterize(
+        rig, amplitude_v=amplitude_v, period_s=period_s, cycles=1, path=path, on_sample=on_sample
+    )
+    reading = resistance_reading(recording)
+    extremes = find_resistance_extremes(reading.resistance_ohm, recording["drive_voltage_v"], reading.valid)
+    if not extremes.saw_b:
+        raise RecordingError(
+            "the sweep began above point B (no rise of the resistance before its fall): let the wire cool first"
+        )
+    return Recalibration(
+        model=recalibrated(model, extremes.resistance_min_ohm, extremes.resistance_max_ohm),
+        resistance_min_moved_ohm=extremes.resistance_min_ohm - model.resistance_min_ohm,
+        resistance_max_moved_ohm=extremes.resistance_max_ohm - model.resistance_max_ohm,
+    )

@@ -1,0 +1,93 @@
+"""What the columns of a recording mean: resistance by Eq. 1, strain, displacement or contraction force."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.sensing.resistance import ArrayReading, wire_resistance, wire_resistance_from_current
+from musclewire.signals.electrical import ElectricalSource, require_electrical
+from musclewire.signals.recording import Recording
+
+__all__ = ["QUANTITIES", "reference_quantity", "required_quantity", "resistance_reading"]
+
+FloatArray = NDArray[np.float64]
+QUANTITIES = ("strain", "displacement", "force")
+
+
+def resistance_reading(recording: Recording) -> ArrayReading:
+    """Return resistance [ohm] and validity, both (n_times,), from whichever electrical columns there are.
+
+    Raises RecordingError when no resistance can be had, or when no sample carries a current.
+    """
+    source = require_electrical(recording)
+    if source is ElectricalSource.SHUNT:
+        shunt = float(recording.metadata["shunt_resistance_ohm"] or 0.0)
+        reading = wire_resistance(recording["wire_voltage_v"], recording["shunt_voltage_v"], shunt)
+    elif source is ElectricalSource.CURRENT:
+        reading = wire_resistance_from_current(recording["wire_voltage_v"], recording["wire_current_a"])
+    else:
+        resistance = recording["wire_resistance_ohm"]
+        reading = ArrayReading(resistance, resistance > 0.0)
+    if not reading.valid.any():
+        raise RecordingError(
+            f"no current: none of {len(recording)} samples has 1 mA or more through the wire ({source}); "
+            "check the columns and their units"
+        )
+    return reading
+
+
+def leg_length_m(recording: Recording) -> float | None:
+    """Return the length whose shortening is the strain, where the recording states one."""
+    for key, legs in (("leg_length_m", 1.0), ("wire_length_m", float(recording.metadata.get("legs") or 1.0))):
+        value = recording.metadata.get(key)
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0.0:
+            return float(value) / legs
+    return None
+
+
+def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatArray | None:
+    """Return the measured strain, displacement [m] or contraction force [N], (n_times,); None if there is none.
+
+    Contraction force is F = F_T - F_p (Eq. 8), with F_p the recording's pretension or, without one, the least
+    force in it. Raises CallerError for an unknown quantity.
+    """
+    if quantity not in QUANTITIES:
+        raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
+    if quantity == "force":
+        if "force_n" not in recording:
+            return None
+        pretension = recording.metadata.get("pretension_n")
+        base = (
+            float(pretension) if isinstance(pretension, (int, float)) else float(recording["force_n"].min())
+        )
+        return np.asarray(recording["force_n"] - base)
+    if quantity == "displacement":
+        return recording["displacement_m"] if "displacement_m" in recording else None
+    if "reference_strain" in recording:
+        return recording["reference_strain"]
+    length = leg_length_m(recording)
+    if "displacement_m" in recording and length is not None:
+        return np.asarray(recording["displacement_m"] / length)
+    return None
+
+
+def required_quantity(recording: Recording, quantity: str = "strain") -> FloatArray:
+    """Return what :func:`reference_quantity` finds, or raise RecordingError that says what is missing."""
+    found = reference_quantity(recording, quantity)
+    if found is not None:
+        return found
+    if quantity == "strain" and "displacement_m" in recording:
+        raise RecordingError(
+            "displacement_m gives strain only with the wire's length: give --length, or leg_length_m in the file"
+        )
+    needed = {
+        "strain": "reference_strain or displacement_m",
+        "displacement": "displacement_m",
+        "force": "force_n",
+    }
+    raise RecordingError(
+        f"this recording has no {quantity}: it needs the column {needed[quantity]}; it has "
+        f"{', '.join(recording.names)}"
+    )

@@ -1,0 +1,131 @@
+"""Fit a self-sensing model to a recording, and use one on a recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import RecordingError
+from musclewire.identify.recordings import reference_quantity, required_quantity, resistance_reading
+from musclewire.sensing.fitting import fit_branches, fit_loop
+from musclewire.sensing.model import SensingModel
+from musclewire.signals.recording import MetadataValue, Recording
+
+__all__ = ["EstimateReport", "estimate", "fit"]
+
+PAPER_ORDER = 6
+WIRE_NOTES = (
+    "wire",
+    "wire_diameter_m",
+    "wire_length_m",
+    "leg_length_m",
+    "pretension_n",
+    "spring_stiffness_n_per_m",
+)
+COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
+
+
+def fit(
+    recording: Recording,
+    *,
+    order: int | str = PAPER_ORDER,
+    quantity: str = "strain",
+    cycle: int | str = "last",
+) -> SensingModel:
+    """Fit the self-sensing model of Eqs. 3 to 5 to a slow loop, or to a printed table of both branches.
+
+    ``order`` is that of the polynomials (the paper's is 6) or "auto" for the one that cross-validation chooses;
+    ``quantity`` is strain, displacement or force. Raises RecordingError for a recording without a usable loop,
+    FitRejectedError for a fit that cannot be inverted.
+    """
+    notes = wire_notes(recording)
+    source = str(recording.metadata.get("source") or "")
+    if recording.is_branch_table:
+        return fit_table(recording, order, notes, source)
+    reading = resistance_reading(recording)
+    return fit_loop(
+        reading.resistance_ohm,
+        required_quantity(recording, quantity),
+        reading.valid,
+        order=order,
+        cycle=cycle,
+        quantity=quantity,
+        wire=notes,
+        source=source,
+    )
+
+
+def fit_table(
+    recording: Recording, order: int | str, notes: dict[str, str | float], source: str
+) -> SensingModel:
+    """Fit a printed loop: strain on both branches at given resistances."""
+    resistance = recording["resistance_ohm"]
+    limits = {
+        name: number(recording.metadata.get(name)) for name in ("resistance_min_ohm", "resistance_max_ohm")
+    }
+    return fit_branches(
+        (resistance, recording["strain_heating"]),
+        (resistance, recording["strain_cooling"]),
+        order,
+        **limits,
+        wire=notes,
+        source=source,
+    )
+
+
+def number(value: MetadataValue) -> float | None:
+    """Return a metadata value as a number, None where it is none."""
+    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+
+
+def wire_notes(recording: Recording) -> dict[str, str | float]:
+    """Return what a model should remember of the wire it was fitted to."""
+    found = {name: recording.metadata.get(name) for name in WIRE_NOTES}
+    return {name: value for name, value in found.items() if isinstance(value, (str, int, float))}
+
+
+@dataclass(frozen=True)
+class EstimateReport:
+    """An estimate over a recording, and its errors in percent of stroke where the recording has a reference."""
+
+    recording: Recording
+    valid_share: float
+    rms_pct: float | None
+    max_pct: float | None
+
+
+def estimate(model: SensingModel, recording: Recording) -> EstimateReport:
+    """Estimate strain (or the model's quantity) from a recording's resistance, sample by sample.
+
+    Errors count the valid samples only: those with current and a resistance in the model's range. Stroke is
+    the range the model senses. Raises RecordingError when no resistance can be had or none lies in the range.
+    """
+    reading = resistance_reading(recording)
+    result = model.estimate(reading.resistance_ohm)
+    valid: NDArray[np.bool_] = reading.valid & result.valid
+    if not valid.any():
+        low, high = model.valid_resistance_ohm
+        raise RecordingError(
+            f"no sample lies in the model's range of {low:.3f} to {high:.3f} ohm: this recording goes from "
+            f"{reading.resistance_ohm[reading.valid].min():.3f} to {reading.resistance_ohm.max():.3f} ohm; is it the "
+            "same wire?"
+        )
+    suffix = COLUMN_SUFFIX[model.quantity]
+    columns = {
+        "wire_resistance_ohm": reading.resistance_ohm,
+        f"estimated_{suffix}": result.value,
+        "valid": valid.astype(np.float64),
+    }
+    if model.quantity == "strain":
+        columns["estimated_strain_std"] = result.std
+    measured = reference_quantity(recording, model.quantity)
+    stroke = model.quantity_max - model.quantity_min
+    errors = None if measured is None else (result.value - measured)[valid] / stroke * 100.0
+    return EstimateReport(
+        recording=recording.with_columns(columns),
+        valid_share=float(valid.mean()),
+        rms_pct=None if errors is None else float(np.sqrt(np.mean(errors**2))),
+        max_pct=None if errors is None else float(np.abs(errors).max()),
+    )

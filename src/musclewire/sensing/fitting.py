@@ -1,0 +1,313 @@
+"""Fit a self-sensing model to one loop, or to two branches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import pairwise
+from math import sqrt
+
+import numpy as np
+import numpy.typing as npt
+
+from musclewire.errors import CallerError, FitRejectedError, RecordingError, nearest_hint
+from musclewire.sensing.branches import Branch, checked_branch, single_valued
+from musclewire.sensing.gaps import hysteresis_gap
+from musclewire.sensing.model import QUANTITY_UNITS, SHOWN_AS, SensingModel
+from musclewire.sensing.polynomials import (
+    FitPoints,
+    PolynomialFit,
+    average,
+    check_order,
+    check_resistance_range,
+    choose_order,
+    evaluate,
+    fit_points,
+    fit_polynomial,
+    normalised_resistance,
+)
+from musclewire.sensing.segments import LoopSegments, find_segments
+
+__all__ = ["fit_branches", "fit_loop", "fit_segments"]
+
+FloatArray = npt.NDArray[np.float64]
+AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
+
+# g_a must fall over at least this share of the range of the data to be of use as a sensor.
+LEAST_FALLING_SHARE = 0.6
+LARGE_GAP = 0.05
+USUAL_COLD_SHARE = (0.05, 0.25)
+# Cold strain of more than this share of the stroke means that the sensor was not zeroed.
+UNZEROED_SHARE = 0.05
+# No wire contracts by more; 3.5 instead of 0.035 is percent.
+LARGEST_STRAIN = 0.2
+KEPT_SAMPLES = 200
+RMSE_SLICES = 100
+
+
+def fit_loop(
+    resistance_ohm: npt.ArrayLike,
+    strain: npt.ArrayLike,
+    valid: npt.ArrayLike | None = None,
+    order: int | str = 6,
+    cycle: str | int = "last",
+    quantity: str = "strain",
+    wire: Mapping[str, str | float] | None = None,
+    source: str = "",
+) -> SensingModel:
+    """Fit a model to one loop of a recording: find A, B, C (Fig. 3b), fit B to C on both branches (Eqs. 3-5).
+
+    Columns have shape (n_times,); ``strain`` holds the quantity in SI units, contraction positive. ``order``
+    is a number or "auto", ``cycle`` as in ``find_segments``; ``wire`` and ``source`` are kept as notes.
+
+    Raises RecordingError when the recording holds no usable loop or too few points for the order,
+    FitRejectedError when the average polynomial cannot be inverted, CallerError for wrong arguments.
+    """
+    _check_arguments(order, quantity)
+    segments = find_segments(resistance_ohm, strain, valid, cycle)
+    return fit_segments(segments, order, quantity, wire, source)
+
+
+def fit_segments(
+    segments: LoopSegments,
+    order: int | str = 6,
+    quantity: str = "strain",
+    wire: Mapping[str, str | float] | None = None,
+    source: str = "",
+) -> SensingModel:
+    """Fit a model to a loop whose A, B, C are known; arguments and errors as in ``fit_loop``."""
+    model = fit_branches(
+        segments.heating,
+        segments.cooling,
+        order,
+        resistance_min_ohm=segments.resistance_min_ohm,
+        resistance_max_ohm=segments.resistance_max_ohm,
+        quantity=quantity,
+        wire=wire,
+        source=source,
+    )
+    warnings = (*model.warnings, *_loop_warnings(segments, quantity))
+    return replace(model, warnings=warnings, resistance_noise_ohm=segments.resistance_noise_ohm)
+
+
+def fit_branches(
+    heating: AnyBranch,
+    cooling: AnyBranch,
+    order: int | str = 6,
+    *,
+    resistance_min_ohm: float | None = None,
+    resistance_max_ohm: float | None = None,
+    quantity: str = "strain",
+    wire: Mapping[str, str | float] | None = None,
+    source: str = "",
+) -> SensingModel:
+    """Fit a model to the heating and cooling branch of segment B-C, each (resistance_ohm, quantity).
+
+    Source: Lan and Fan 2010, Eqs. 3 to 5. R_min and R_max default to those of the heating branch; give them
+    when the branches do not reach B and C (a printed table). Fits run over the normalised resistances in
+    [0, 1] that both branches have, weighted evenly over resistance (see ``fit_points``), and the model is
+    valid where the average falls there. Errors as in ``fit_loop``.
+    """
+    _check_arguments(order, quantity)
+    raw = checked_branch(heating, "heating"), checked_branch(cooling, "cooling")
+    _check_units(raw, quantity)
+    curves = single_valued(raw[0], "heating"), single_valued(raw[1], "cooling")
+    low_ohm = float(curves[0].resistance_ohm[0]) if resistance_min_ohm is None else resistance_min_ohm
+    high_ohm = float(curves[0].resistance_ohm[-1]) if resistance_max_ohm is None else resistance_max_ohm
+    check_resistance_range(low_ohm, high_ohm)
+    shared = _shared_range(curves, low_ohm, high_ohm)
+    points = [_inside(fit_points(curve, low_ohm, high_ohm), shared) for curve in curves]
+    _check_counts(points)
+    chosen = choose_order(points) if isinstance(order, str) else order
+    fits = [fit_polynomial(p, chosen, name) for p, name in zip(points, ("heating", "cooling"), strict=True)]
+    valid_range = _falling_range(average(fits[0].coefficients, fits[1].coefficients), shared)
+    samples = [_samples(branch, low_ohm, high_ohm, shared) for branch in raw]
+    gap = hysteresis_gap(*raw)
+    return SensingModel(
+        resistance_min_ohm=low_ohm,
+        resistance_max_ohm=high_ohm,
+        heating_coefficients=fits[0].coefficients,
+        cooling_coefficients=fits[1].coefficients,
+        normalised_min=valid_range[0],
+        normalised_max=valid_range[1],
+        quantity=quantity,
+        hysteresis_gap=gap,
+        **_residuals(fits, samples),
+        samples=sum(share.size for share, _ in samples),
+        heating_standard_errors=fits[0].standard_errors,
+        cooling_standard_errors=fits[1].standard_errors,
+        warnings=_fit_warnings(gap, fits, shared, valid_range),
+        wire=dict(wire or {}),
+        created_by=_created_by(),
+        source=source,
+        heating_samples=_thinned(curves[0]),
+        cooling_samples=_thinned(curves[1]),
+    )
+
+
+def _check_arguments(order: int | str, quantity: str) -> None:
+    if isinstance(order, str) and order != "auto":
+        raise CallerError(f"polynomial order is {order!r}: use a whole number or 'auto'")
+    if not isinstance(order, str):
+        check_order(order)
+    if quantity not in QUANTITY_UNITS:
+        raise CallerError(f"quantity {quantity!r} is unknown{nearest_hint(str(quantity), QUANTITY_UNITS)}")
+
+
+def _check_units(branches: tuple[Branch, Branch], quantity: str) -> None:
+    largest = max(float(branch.quantity.max()) for branch in branches)
+    if quantity == "strain" and largest > LARGEST_STRAIN:
+        raise RecordingError(
+            f"strain reaches {largest:.3g}: strain is a fraction (0.035 is 3.5 %), divide percent by 100, "
+            "or name the quantity if this is displacement or force"
+        )
+
+
+def _shared_range(curves: tuple[Branch, Branch], low_ohm: float, high_ohm: float) -> tuple[float, float]:
+    """Normalised resistances within [0, 1] that both branches reach."""
+    ends = [normalised_resistance(curve.resistance_ohm[[0, -1]], low_ohm, high_ohm) for curve in curves]
+    low = max(0.0, *(float(end[0]) for end in ends))
+    high = min(1.0, *(float(end[1]) for end in ends))
+    if not high > low:
+        raise RecordingError(
+            f"the branches share no resistance between {low_ohm:.4f} and {high_ohm:.4f} ohm: "
+            "check that both come from one loop and that R_min and R_max are theirs"
+        )
+    return low, high
+
+
+def _inside(points: FitPoints, shared: tuple[float, float]) -> FitPoints:
+    # A rounding error at the end must not cost the end point.
+    inside = (points.normalised_resistance >= shared[0] - 1e-9) & (
+        points.normalised_resistance <= shared[1] + 1e-9
+    )
+    return FitPoints(points.normalised_resistance[inside], points.quantity[inside], points.weights[inside])
+
+
+def _check_counts(points: list[FitPoints]) -> None:
+    for name, branch in zip(("heating", "cooling"), points, strict=True):
+        if branch.quantity.size < 2:
+            raise RecordingError(
+                f"the {name} branch has {branch.quantity.size} points where both branches have data: "
+                "at least 2 are needed, sample faster"
+            )
+
+
+def _falling_range(coefficients: tuple[float, ...], shared: tuple[float, float]) -> tuple[float, float]:
+    """The longest stretch of the shared range over which the average falls; FitRejectedError when short."""
+    derivative = np.polynomial.Polynomial(coefficients).deriv()
+    roots = derivative.roots()
+    turns = roots[np.abs(roots.imag) < 1e-9].real
+    low, high = shared
+    edges = [low, *sorted(float(turn) for turn in turns if low < turn < high), high]
+    stretches: list[tuple[float, float]] = []
+    for begin, end in pairwise(edges):
+        if derivative((begin + end) / 2.0) >= 0.0:
+            continue
+        joined = bool(stretches) and stretches[-1][1] == begin
+        stretches.append((stretches.pop()[0], end) if joined else (begin, end))
+    longest = max(stretches, key=lambda stretch: stretch[1] - stretch[0], default=(low, low))
+    share = (longest[1] - longest[0]) / (high - low)
+    if share < LEAST_FALLING_SHARE:
+        raise FitRejectedError(
+            f"the average polynomial of order {len(coefficients) - 1} falls over only {100 * share:.0f} % of "
+            f"the data ({100 * LEAST_FALLING_SHARE:.0f} % needed), so it cannot be inverted: lower the "
+            "order, or check that contraction is positive"
+        )
+    return longest
+
+
+def _samples(
+    branch: Branch, low_ohm: float, high_ohm: float, shared: tuple[float, float]
+) -> tuple[FloatArray, FloatArray]:
+    """Measured normalised resistance and quantity within the shared range."""
+    share = normalised_resistance(branch.resistance_ohm, low_ohm, high_ohm)
+    inside = (share >= shared[0] - 1e-9) & (share <= shared[1] + 1e-9)
+    return share[inside], branch.quantity[inside]
+
+
+def _residuals(fits: list[PolynomialFit], samples: list[tuple[FloatArray, FloatArray]]) -> dict[str, float]:
+    """Root mean square errors over resistance of each branch, and of the average against both."""
+    mean = average(fits[0].coefficients, fits[1].coefficients)
+    own = [_mean_square(fit.coefficients, *pair) for fit, pair in zip(fits, samples, strict=True)]
+    both = [_mean_square(mean, *pair) for pair in samples]
+    return {
+        "rmse_heating": sqrt(own[0]),
+        "rmse_cooling": sqrt(own[1]),
+        "rmse_average": sqrt((both[0] + both[1]) / 2.0),
+    }
+
+
+def _mean_square(coefficients: tuple[float, ...], share: FloatArray, quantity: FloatArray) -> float:
+    """Mean over slices of resistance of the mean square error in each, so that a dwell counts once."""
+    squares = (quantity - evaluate(coefficients, share)) ** 2
+    slices = np.clip(np.floor(share * RMSE_SLICES), 0, RMSE_SLICES).astype(np.intp)
+    counts = np.bincount(slices, minlength=RMSE_SLICES + 1)
+    sums = np.bincount(slices, weights=squares, minlength=RMSE_SLICES + 1)
+    return float(np.mean(sums[counts > 0] / counts[counts > 0])) if share.size else 0.0
+
+
+def _fit_warnings(
+    gap: float, fits: list[PolynomialFit], shared: tuple[float, float], valid_range: tuple[float, float]
+) -> tuple[str, ...]:
+    warnings = []
+    if gap > LARGE_GAP:
+        warnings.append(
+            f"the gap between heating and cooling is {100 * gap:.1f} %, above {100 * LARGE_GAP:.0f} %: "
+            "the average will be off by half of it, more pretension usually narrows it"
+        )
+    if valid_range != shared:
+        lost = 1.0 - (valid_range[1] - valid_range[0]) / (shared[1] - shared[0])
+        warnings.append(
+            f"the average polynomial turns back near an end: {100 * lost:.1f} % of the "
+            "resistance range is left out"
+        )
+    if min(fit.spare_points for fit in fits) == 0:
+        warnings.append(
+            "the polynomial passes through every point: its residuals and standard errors say nothing"
+        )
+    return tuple(warnings)
+
+
+def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
+    warnings = []
+    factor, unit = SHOWN_AS[quantity]
+    stroke = segments.strain_max - segments.strain_cold
+    cold_share = 1.0 - segments.transformation_share
+    if not segments.returns_cold:
+        warnings.append(
+            "the loop does not come back to cold: B is where it turns, resistances above it are unknown"
+        )
+    elif not USUAL_COLD_SHARE[0] <= cold_share <= USUAL_COLD_SHARE[1]:
+        warnings.append(
+            f"segment A-B takes {100 * cold_share:.0f} % of the stroke (usually 5 to 25 %): strain below "
+            f"{factor * (segments.strain_cold + cold_share * stroke):.3g} {unit} cannot be told "
+            "from resistance"
+        )
+    if not segments.complete:
+        warnings.append(
+            "the transformation is not seen to complete (resistance never rises again when hot): C is where "
+            f"the loop turns, {quantity} above {factor * segments.strain_max:.3g} {unit} is unknown"
+        )
+    if segments.returns_cold and abs(segments.strain_cold) > UNZEROED_SHARE * stroke:
+        warnings.append(
+            f"{quantity} at cold is {factor * segments.strain_cold:.3g} {unit}, not zero: zero the sensor"
+        )
+    return tuple(warnings)
+
+
+def _thinned(curve: Branch) -> tuple[tuple[float, float], ...]:
+    """At most 200 points of a branch, for plots, to seven digits."""
+    count = curve.resistance_ohm.size
+    keep = np.unique(np.linspace(0, count - 1, min(count, KEPT_SAMPLES)).round().astype(np.intp))
+    pairs = zip(curve.resistance_ohm[keep].tolist(), curve.quantity[keep].tolist(), strict=True)
+    return tuple((float(f"{r:.7g}"), float(f"{q:.7g}")) for r, q in pairs)
+
+
+def _created_by() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return f"musclewire {version('musclewire')}"
+    except PackageNotFoundError:
+        return "musclewire"

@@ -1,0 +1,105 @@
+"""How a sensing model is shown: text, table, figure and the numbers of ``musclewire fit``."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from musclewire.sensing.model import SHOWN_AS, SensingModel
+from musclewire.sensing.polynomials import evaluate
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["html", "plot_model", "report", "rows", "summary"]
+
+
+def report(model: SensingModel) -> dict[str, Any]:
+    """Numbers of ``musclewire fit --json``: gap in percent of the largest quantity, errors in percent strain.
+
+    For displacement and force the errors are in percent of the largest quantity.
+    """
+    full = 1.0 if model.quantity == "strain" else model.quantity_max
+    return {
+        "quantity": model.quantity,
+        "strain_gap_pct": 100.0 * model.hysteresis_gap,
+        "resistance_min_ohm": model.resistance_min_ohm,
+        "resistance_max_ohm": model.resistance_max_ohm,
+        "order": model.order,
+        "rmse_heating_pct": 100.0 * model.rmse_heating / full,
+        "rmse_cooling_pct": 100.0 * model.rmse_cooling / full,
+        "rmse_average_pct": 100.0 * model.rmse_average / full,
+        "samples": model.samples,
+        "warnings": list(model.warnings),
+    }
+
+
+def rows(model: SensingModel) -> list[tuple[str, str]]:
+    """What a reader wants to know, as pairs of name and text."""
+    factor, unit = SHOWN_AS[model.quantity]
+    low, high = model.valid_resistance_ohm
+    errors = (model.rmse_heating, model.rmse_cooling, model.rmse_average)
+    return [
+        ("quantity", f"{model.quantity} in {unit}"),
+        ("resistance at C and B", f"{model.resistance_min_ohm:.4f} and {model.resistance_max_ohm:.4f} ohm"),
+        ("valid resistance", f"{low:.4f} to {high:.4f} ohm"),
+        (
+            f"valid {model.quantity}",
+            f"{factor * model.quantity_min:.3f} to {factor * model.quantity_max:.3f} {unit}",
+        ),
+        ("gap of the branches", f"{100 * model.hysteresis_gap:.3f} %"),
+        ("polynomial order", str(model.order)),
+        (
+            "rmse heating, cooling, average",
+            ", ".join(f"{factor * error:.4f}" for error in errors) + f" {unit}",
+        ),
+        ("samples", str(model.samples)),
+        *[(f"wire {name}", str(value)) for name, value in model.wire.items()],
+        ("created by", model.created_by),
+        *[("source", model.source)][: bool(model.source)],
+        *[("warning", warning) for warning in model.warnings],
+    ]
+
+
+def summary(model: SensingModel) -> str:
+    """The rows as aligned text."""
+    pairs = rows(model)
+    width = max(len(name) for name, _ in pairs)
+    return "\n".join(f"{name:<{width}}  {text}" for name, text in pairs)
+
+
+def html(model: SensingModel) -> str:
+    """The rows as an HTML table, with everything that came from a file escaped."""
+    body = "".join(f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows(model))
+    return f"<table><caption>Sensing model</caption>{body}</table>"
+
+
+def plot_model(model: SensingModel, axes: Axes | None = None) -> Axes:
+    """Draw the quantity against resistance as in Lan and Fan 2010, Fig. 9, and return the axes."""
+    if axes is None:
+        from matplotlib import pyplot
+
+        axes = pyplot.subplots()[1]
+    factor, unit = SHOWN_AS[model.quantity]
+    for pairs, name, colour in (
+        (model.heating_samples, "heating", "tab:red"),
+        (model.cooling_samples, "cooling", "tab:blue"),
+    ):
+        if pairs:
+            resistance, quantity = np.array(pairs).T
+            axes.plot(resistance, factor * quantity, ".", color=colour, alpha=0.4, label=f"{name}, measured")
+    share = np.linspace(model.normalised_min, model.normalised_max, 300)
+    resistance = model.resistance_min_ohm + share * (model.resistance_max_ohm - model.resistance_min_ohm)
+    for coefficients, name, style in (
+        (model.heating_coefficients, "heating polynomial", "r-"),
+        (model.cooling_coefficients, "cooling polynomial", "b-"),
+        (model.average_coefficients, "average", "k--"),
+    ):
+        axes.plot(resistance, factor * evaluate(coefficients, share), style, label=name)
+    axes.set_xlabel("wire resistance (ohm)")
+    axes.set_ylabel(f"{model.quantity} ({unit})")
+    axes.set_title(f"Self-sensing model, gap {100 * model.hysteresis_gap:.2f} %")
+    axes.legend()
+    return axes

@@ -1,0 +1,234 @@
+"""Normalised resistance and the polynomials of the self-sensing model (Eqs. 3 to 5)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import cast, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.sensing.branches import Branch
+
+__all__ = [
+    "LARGEST_ORDER",
+    "FitPoints",
+    "PolynomialFit",
+    "average",
+    "check_resistance_range",
+    "choose_order",
+    "evaluate",
+    "fit_points",
+    "fit_polynomial",
+    "normalised_resistance",
+]
+
+FloatArray = npt.NDArray[np.float64]
+
+# Beyond this order power coefficients lose their digits.
+LARGEST_ORDER = 15
+# A branch of more points than this is averaged in so many equal slices of normalised resistance.
+SLICES = 200
+# A point at the rim of a hole in the data may not stand for more than this many ordinary ones.
+LARGEST_WEIGHT = 4.0
+FOLDS = 5
+BLOCKS_PER_FOLD = 6
+
+
+@overload
+def normalised_resistance(
+    resistance_ohm: float, resistance_min_ohm: float, resistance_max_ohm: float
+) -> float: ...
+@overload
+def normalised_resistance(
+    resistance_ohm: FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
+) -> FloatArray: ...
+def normalised_resistance(
+    resistance_ohm: float | FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
+) -> float | FloatArray:
+    """Place of a resistance between the least and the most of segment B-C: 0 at C (hot), 1 at B (cold).
+
+    Source: Lan and Fan 2010, Eq. 3, lambda = (R - R_min) / (R_max - R_min). Any shape; values outside
+    [0, 1] are not clipped. Raises CallerError unless 0 < R_min < R_max.
+    """
+    check_resistance_range(resistance_min_ohm, resistance_max_ohm)
+    return (resistance_ohm - resistance_min_ohm) / (resistance_max_ohm - resistance_min_ohm)
+
+
+def check_resistance_range(resistance_min_ohm: float, resistance_max_ohm: float) -> None:
+    """Raise CallerError unless 0 < R_min < R_max and both are finite."""
+    if not 0.0 < resistance_min_ohm < resistance_max_ohm < inf:
+        raise CallerError(
+            f"least resistance {resistance_min_ohm} ohm and most resistance {resistance_max_ohm} ohm: "
+            "both must be positive and finite, the least below the most"
+        )
+
+
+@overload
+def evaluate(coefficients: Sequence[float], normalised_resistance: float) -> float: ...
+@overload
+def evaluate(coefficients: Sequence[float], normalised_resistance: FloatArray) -> FloatArray: ...
+def evaluate(coefficients: Sequence[float], normalised_resistance: float | FloatArray) -> float | FloatArray:
+    """Value of a polynomial given by ascending power coefficients, by Horner's rule; any shape (Eq. 4)."""
+    total: float | FloatArray = 0.0 * normalised_resistance
+    for coefficient in reversed(coefficients):
+        total = total * normalised_resistance + coefficient
+    return total
+
+
+def average(heating: Sequence[float], cooling: Sequence[float]) -> tuple[float, ...]:
+    """Coefficients of g_a = (g_h + g_c) / 2 (Lan and Fan 2010, Eq. 5); CallerError on unequal orders."""
+    if len(heating) != len(cooling):
+        raise CallerError(
+            f"heating has {len(heating)} coefficients and cooling {len(cooling)}: fit both alike"
+        )
+    return tuple((h + c) / 2.0 for h, c in zip(heating, cooling, strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class FitPoints:
+    """What a polynomial is fitted to: columns of shape (n,), rising in normalised resistance."""
+
+    normalised_resistance: FloatArray
+    quantity: FloatArray
+    weights: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class PolynomialFit:
+    """Ascending power coefficients in normalised resistance, with what the scatter says about them.
+
+    ``covariance`` has shape (order + 1, order + 1). Neighbouring residuals resemble each other, so it is
+    widened by (1 + r) / (1 - r), with r their correlation. A curve through all points leaves no scatter:
+    then standard errors and covariance are zero, meaning unknown, and ``spare_points`` is 0.
+    """
+
+    coefficients: tuple[float, ...]
+    standard_errors: tuple[float, ...]
+    covariance: FloatArray
+    residual_std: float
+    spare_points: int
+
+
+def fit_points(curve: Branch, resistance_min_ohm: float, resistance_max_ohm: float) -> FitPoints:
+    """Prepare a single-valued branch for fitting, so that uneven sampling in time has no say in the fit.
+
+    More than 200 points are averaged in 200 equal slices of normalised resistance. Each point then weighs
+    as much as the stretch of normalised resistance it stands for (half the way to either neighbour), at most
+    four times the median: the fit minimises the mean square error over resistance, not over time.
+    """
+    share = normalised_resistance(curve.resistance_ohm, resistance_min_ohm, resistance_max_ohm)
+    quantity = curve.quantity
+    if share.size > SLICES:
+        slices = np.floor((share - share[0]) / (share[-1] - share[0]) * SLICES).clip(max=SLICES - 1)
+        starts = np.flatnonzero(np.diff(slices, prepend=-1))
+        counts = np.diff(np.append(starts, share.size))
+        share = np.add.reduceat(share, starts) / counts
+        quantity = np.add.reduceat(quantity, starts) / counts
+    step = np.diff(share)
+    stretch = (np.append(step[:1], step) + np.append(step, step[-1:])) / 2
+    stretch = np.minimum(stretch, LARGEST_WEIGHT * np.median(stretch))
+    return FitPoints(share, quantity, stretch / stretch.mean())
+
+
+def fit_polynomial(points: FitPoints, order: int, name: str = "this") -> PolynomialFit:
+    """Least squares of a polynomial of ``order`` (Lan and Fan 2010, Eq. 4, there of order 6).
+
+    Solved in Chebyshev polynomials over the range of the points, where it is well conditioned, and returned
+    as power coefficients. Raises RecordingError when the branch has too few points for the order, CallerError
+    for an order outside 1 to 15.
+    """
+    check_order(order)
+    count = points.normalised_resistance.size
+    if count <= order:
+        raise RecordingError(
+            f"order {order} needs at least {order + 1} points and the {name} branch has {count}: "
+            f"the largest order possible is {count - 1}"
+        )
+    basis, to_powers = _basis(points.normalised_resistance, order)
+    scaled, solution, residuals = _least_squares(basis, points)
+    spare = count - order - 1
+    variance = float(residuals @ residuals) / spare if spare else 0.0
+    inverse = np.linalg.inv(scaled.T @ scaled)
+    covariance = to_powers @ inverse @ to_powers.T * variance * _widening(residuals, spare)
+    return PolynomialFit(
+        coefficients=tuple((to_powers @ solution).tolist()),
+        standard_errors=tuple(np.sqrt(np.clip(np.diag(covariance), 0.0, None)).tolist()),
+        covariance=covariance,
+        residual_std=float(np.sqrt(variance)),
+        spare_points=spare,
+    )
+
+
+def check_order(order: int) -> None:
+    """Raise CallerError unless the order is a whole number from 1 to 15."""
+    if not isinstance(order, int) or isinstance(order, bool) or not 1 <= order <= LARGEST_ORDER:
+        raise CallerError(
+            f"polynomial order is {order!r}: use a whole number from 1 to {LARGEST_ORDER}, or 'auto'"
+        )
+
+
+def choose_order(branches: Sequence[FitPoints], largest: int = 9) -> int:
+    """Choose one order for all branches by cross-validation.
+
+    Neighbouring samples are correlated, so leaving out single ones would always favour high orders. Each
+    branch is cut into up to 30 contiguous blocks dealt to 5 folds in turn; a fold's blocks are left out
+    together. Of all orders within one standard error of the best, the smallest is taken.
+    """
+    smallest = min(points.normalised_resistance.size for points in branches)
+    candidates = range(1, max(min(largest, smallest * (FOLDS - 1) // FOLDS - 1), 1) + 1)
+    errors = np.array(
+        [np.concatenate([_left_out_errors(p, order) for p in branches]) for order in candidates]
+    )
+    means = errors.mean(axis=1)
+    spread = errors.std(axis=1, ddof=1) / np.sqrt(errors.shape[1])
+    best = int(np.argmin(means))
+    return candidates[int(np.flatnonzero(means <= means[best] + spread[best])[0])]
+
+
+def _left_out_errors(points: FitPoints, order: int) -> FloatArray:
+    """Weighted mean square error on each block, fitted without its fold, shape (blocks,)."""
+    count = points.normalised_resistance.size
+    blocks = min(FOLDS * BLOCKS_PER_FOLD, count)
+    block = np.arange(count) * blocks // count
+    basis, _ = _basis(points.normalised_resistance, order)
+    squares = np.empty(count)
+    for fold in range(min(FOLDS, blocks)):
+        out = block % FOLDS == fold
+        kept = FitPoints(points.normalised_resistance[~out], points.quantity[~out], points.weights[~out])
+        _, solution, _ = _least_squares(basis[~out], kept)
+        squares[out] = (points.quantity[out] - basis[out] @ solution) ** 2
+    weighted = np.bincount(block, weights=squares * points.weights, minlength=blocks)
+    return weighted / np.bincount(block, weights=points.weights, minlength=blocks)
+
+
+def _basis(share: FloatArray, order: int) -> tuple[FloatArray, FloatArray]:
+    """Chebyshev polynomials at the points, shape (n, order + 1), and the matrix to power coefficients."""
+    low, high = float(share.min()), float(share.max())
+    columns = np.polynomial.chebyshev.chebvander((2.0 * share - low - high) / (high - low), order)
+    to_powers = np.zeros((order + 1, order + 1))
+    for k in range(order + 1):
+        term = np.polynomial.Chebyshev.basis(k, domain=[low, high])
+        powers = term.convert(kind=np.polynomial.Polynomial).coef
+        to_powers[: powers.size, k] = powers
+    return cast(FloatArray, columns), to_powers
+
+
+def _least_squares(basis: FloatArray, points: FitPoints) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Weighted basis, solution and weighted residuals."""
+    root = np.sqrt(points.weights)
+    scaled = basis * root[:, None]
+    solution = cast(FloatArray, np.linalg.lstsq(scaled, points.quantity * root)[0])
+    return scaled, solution, points.quantity * root - scaled @ solution
+
+
+def _widening(residuals: FloatArray, spare: int) -> float:
+    """How much likeness of neighbouring residuals widens the covariance: (1 + r) / (1 - r), at least 1."""
+    power = float(residuals @ residuals)
+    if spare < 8 or power <= 0.0:
+        return 1.0
+    likeness = min(max(float(residuals[1:] @ residuals[:-1]) / power, 0.0), 0.95)
+    return (1.0 + likeness) / (1.0 - likeness)

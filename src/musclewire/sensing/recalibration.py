@@ -1,0 +1,135 @@
+"""Keep a model true on a wire without a sensor: find R_max and R_min again at every start-up."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from musclewire.errors import RecordingError
+from musclewire.sensing.branches import LONGEST_WINDOW_SHARE
+from musclewire.sensing.model import SensingModel
+from musclewire.sensing.polynomials import check_resistance_range
+from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, smoothing_window
+
+__all__ = ["ResistanceExtremes", "find_resistance_extremes", "recalibrated"]
+
+FloatArray = npt.NDArray[np.float64]
+
+LEAST_SAMPLES = 20
+# A fall smaller than this share of the resistance is drift; the transformation takes about a tenth.
+LEAST_FALL_SHARE = 0.01
+LEAST_FALL_NOISES = 10.0
+BUMP_NOISES = 6.0
+BUMP_SHARE = 0.005
+# A span of resistance so different from the model's is another wire, or a sweep that did not complete.
+ODD_SPAN = 0.2
+
+
+class ResistanceExtremes(NamedTuple):
+    """Point B and C of a heating sweep, with their places in the recording.
+
+    ``saw_b`` and ``saw_c`` tell whether the resistance rose before B and rises again after C: only then are
+    they the ends of the transformation and not merely where the sweep began or stopped.
+    """
+
+    resistance_min_ohm: float
+    resistance_max_ohm: float
+    index_b: int
+    index_c: int
+    saw_b: bool
+    saw_c: bool
+
+
+def find_resistance_extremes(
+    resistance_ohm: npt.ArrayLike,
+    drive_voltage_v: npt.ArrayLike | None = None,
+    valid: npt.ArrayLike | None = None,
+) -> ResistanceExtremes:
+    """Find R_max (B) and R_min (C) of one slow heating sweep from the resistance alone (Fig. 3b, Eq. 3).
+
+    Columns have shape (n_times,). The two span the largest fall of the smoothed resistance. Where the drive
+    voltage is given, only samples up to its last maximum are read, so that the sweep may also come back down.
+
+    Raises RecordingError when there are fewer than 20 usable samples, or no fall of resistance of 1 % and of
+    ten times the noise.
+    """
+    place, measured = _heating(resistance_ohm, drive_voltage_v, valid)
+    noise = noise_level(measured)
+    window = smoothing_window(noise, float(np.ptp(measured)), int(LONGEST_WINDOW_SHARE * measured.size))
+    resistance, left = smooth(measured, window), smoothed_noise(noise, window)
+    highest = np.maximum.accumulate(resistance)
+    c = int(np.argmax(highest - resistance))
+    b = int(np.flatnonzero(resistance[: c + 1] == highest[c])[-1])
+    fall = float(resistance[b] - resistance[c])
+    if fall < max(LEAST_FALL_SHARE * float(resistance[b]), LEAST_FALL_NOISES * left):
+        raise RecordingError(
+            f"no transformation: the resistance falls by {fall:.3g} ohm from {resistance[b]:.4g} ohm (noise "
+            f"{left:.2g} ohm; {100 * LEAST_FALL_SHARE:g} % and ten times the noise are needed): heat further"
+        )
+    bump = max(BUMP_NOISES * left, BUMP_SHARE * fall)
+    return ResistanceExtremes(
+        resistance_min_ohm=float(resistance[c]),
+        resistance_max_ohm=float(resistance[b]),
+        index_b=int(place[b]),
+        index_c=int(place[c]),
+        saw_b=float(resistance[b] - resistance[: b + 1].min()) > bump,
+        saw_c=float(resistance[c:].max() - resistance[c]) > bump,
+    )
+
+
+def recalibrated(model: SensingModel, resistance_min_ohm: float, resistance_max_ohm: float) -> SensingModel:
+    """Return the same polynomials between new resistances of C and B (Eq. 3 re-anchored).
+
+    Corrects what shifts or scales the resistance as a whole: longer leads, ageing, another piece of the same
+    wire. A span that differs from the model's by more than 20 % is kept as a warning.
+    Raises CallerError unless 0 < R_min < R_max.
+    """
+    check_resistance_range(resistance_min_ohm, resistance_max_ohm)
+    change = (resistance_max_ohm - resistance_min_ohm) / (model.resistance_max_ohm - model.resistance_min_ohm)
+    warnings = model.warnings
+    if abs(change - 1.0) > ODD_SPAN:
+        warnings = (
+            *warnings,
+            f"re-anchored to a span of resistance {change:.2f} times the loop's: the sweep may be incomplete",
+        )
+    return replace(
+        model,
+        resistance_min_ohm=float(resistance_min_ohm),
+        resistance_max_ohm=float(resistance_max_ohm),
+        warnings=warnings,
+        # They were measured between the old resistances and would no longer lie on the curves.
+        heating_samples=(),
+        cooling_samples=(),
+    )
+
+
+def _heating(
+    resistance_ohm: npt.ArrayLike, drive_voltage_v: npt.ArrayLike | None, valid: npt.ArrayLike | None
+) -> tuple[npt.NDArray[np.intp], FloatArray]:
+    """Usable samples up to the last maximum of the drive, and their places."""
+    resistance = np.asarray(resistance_ohm, dtype=np.float64)
+    mask = np.ones(resistance.shape, dtype=np.bool_) if valid is None else np.array(valid, dtype=np.bool_)
+    drive = None if drive_voltage_v is None else np.asarray(drive_voltage_v, dtype=np.float64)
+    if (
+        resistance.ndim != 1
+        or mask.shape != resistance.shape
+        or (drive is not None and drive.shape != mask.shape)
+    ):
+        raise RecordingError(
+            "resistance, drive voltage and valid must be columns of equal length, of one wire"
+        )
+    if drive is not None and drive.size:
+        mask = mask & (np.arange(drive.size) <= np.flatnonzero(drive == drive.max())[-1])
+    place = np.flatnonzero(mask)
+    if place.size < LEAST_SAMPLES:
+        raise RecordingError(f"{place.size} usable samples in the sweep, at least {LEAST_SAMPLES} are needed")
+    bad = ~(np.isfinite(resistance[place]) & (resistance[place] > 0.0))
+    if bad.any():
+        raise RecordingError(
+            f"{int(bad.sum())} of {bad.size} samples have no finite positive resistance, the first at index "
+            f"{int(place[np.argmax(bad)])}: mark them in `valid`"
+        )
+    return place, resistance[place]

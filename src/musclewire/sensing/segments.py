@@ -1,0 +1,338 @@
+"""Points A, B and C on both branches of a strain-resistance loop (Fig. 3b), found without help."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.sensing.branches import Branch
+from musclewire.sensing.smoothing import noise_level
+from musclewire.sensing.turning import (
+    LEAST_SWING,
+    Run,
+    Smoothed,
+    branch_runs,
+    smoothed,
+    turning_points,
+)
+
+__all__ = ["LoopSegments", "find_loops", "find_segments"]
+
+FloatArray = npt.NDArray[np.float64]
+
+LEAST_SAMPLES = 20
+LEAST_BRANCH_SAMPLES = 8
+# A cycle is complete when it returns to within this share of its stroke of where it began.
+CLOSURE = 0.15
+# The stroke must be this many times the strain noise (white noise alone spans 8), the fall of resistance this
+# many times its own.
+LEAST_STROKE_NOISES = 20.0
+LEAST_SIGNAL = 10.0
+# From B to C the strain must gain at least this share of the stroke, or the two are unrelated.
+LEAST_STRAIN_SHARE = 0.3
+# Correlation of strain and resistance over the middle of the stroke beyond which the sign is settled.
+SETTLED_SIGN = 0.5
+# Heating without transformation raises the resistance by less than this; a flipped loop moves it by more.
+THERMAL_SHARE = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class LoopSegments:
+    """Points A, B, C of one loop, as indices into the recording, and its B-C branches.
+
+    On heating the wire passes A (coldest), B (most resistance) and C (least resistance) in this order, on
+    cooling C, B, A. Where the loop does not come back to cold A equals B (``returns_cold`` False); where it
+    turns before the transformation is complete C is the turning point (``complete`` False).
+    ``heating`` and ``cooling`` hold the measured samples from B to C, in the order of the recording.
+    ``resistance_max_ohm`` and ``resistance_min_ohm`` are those of B and C on heating, after smoothing;
+    ``strain_cold``, ``strain_max`` the smoothed strain at A and the largest on heating;
+    ``transformation_share`` the part of that stroke that B-C covers on heating (the paper: about 0.85).
+    """
+
+    heating_a: int
+    heating_b: int
+    heating_c: int
+    cooling_c: int
+    cooling_b: int
+    cooling_a: int
+    heating: Branch
+    cooling: Branch
+    resistance_min_ohm: float
+    resistance_max_ohm: float
+    strain_cold: float
+    strain_max: float
+    transformation_share: float
+    returns_cold: bool
+    complete: bool
+    resistance_noise_ohm: float
+    strain_noise: float
+    cycle: int
+    cycles_found: int
+
+
+@dataclass(frozen=True)
+class _Points:
+    """A, B, C of one run as indices into the compressed recording, from cold to hot."""
+
+    a: int
+    b: int
+    c: int
+    returns_cold: bool
+    complete: bool
+
+
+def find_segments(
+    resistance_ohm: npt.ArrayLike,
+    strain: npt.ArrayLike,
+    valid: npt.ArrayLike | None = None,
+    cycle: str | int = "last",
+) -> LoopSegments:
+    """Find A, B and C on one loop of a recording.
+
+    Source: Lan and Fan 2010, Fig. 3(b) and its text. All three columns have shape (n_times,); ``strain`` is
+    contraction positive (displacement or force serve as well), ``valid`` marks samples with current.
+    ``cycle`` is "last", "first" or "largest" complete cycle, or its number (0 the first, -1 the last).
+
+    Raises RecordingError when there is no transformation, the strain has the wrong sign, points are too few
+    or no cycle is complete; CallerError for an unknown ``cycle``.
+    """
+    signals = _Signals.read(resistance_ohm, strain, valid)
+    pairs = signals.cycles()
+    return signals.segments(pairs, _chosen(cycle, pairs, signals.curves))
+
+
+def find_loops(
+    resistance_ohm: npt.ArrayLike, strain: npt.ArrayLike, valid: npt.ArrayLike | None = None
+) -> list[LoopSegments]:
+    """Find A, B and C on every complete cycle of a recording; otherwise as ``find_segments``."""
+    signals = _Signals.read(resistance_ohm, strain, valid)
+    pairs = signals.cycles()
+    return [signals.segments(pairs, number) for number in range(len(pairs))]
+
+
+@dataclass(frozen=True, eq=False)
+class _Signals:
+    """The usable samples of a recording, raw and smoothed, with their places in it."""
+
+    place: npt.NDArray[np.intp]
+    resistance_ohm: FloatArray
+    strain: FloatArray
+    curves: Smoothed
+    turns: list[int]
+    starts_low: bool
+
+    @classmethod
+    def read(
+        cls, resistance_ohm: npt.ArrayLike, strain: npt.ArrayLike, valid: npt.ArrayLike | None
+    ) -> _Signals:
+        place, resistance, contraction = _usable(resistance_ohm, strain, valid)
+        _check_stroke(contraction)
+        swing = max(LEAST_SWING * float(np.ptp(contraction)), LEAST_SIGNAL * noise_level(contraction))
+        turns, starts_low = turning_points(contraction, swing)
+        curves = smoothed(resistance, contraction, len(turns) - 1)
+        _check_fall(curves)
+        return cls(place, resistance, contraction, curves, turns, starts_low)
+
+    def cycles(self) -> list[tuple[Run, Run]]:
+        """Complete cycles as (heating, cooling); cooling may come first when no cycle starts cold."""
+        runs = branch_runs(self.curves, self.turns, self.starts_low)
+        neighbours = list(pairwise(runs))
+        closed = [pair for pair in neighbours if _is_closed(pair, self.curves.strain)]
+        from_cold = [pair for pair in closed if pair[0].rising]
+        if from_cold:
+            return from_cold
+        if closed:
+            return [(after, before) for before, after in closed]
+        raise RecordingError(_no_cycle(runs, self.curves.strain))
+
+    def segments(self, pairs: list[tuple[Run, Run]], number: int) -> LoopSegments:
+        heating, cooling = pairs[number]
+        curves, place = self.curves, self.place
+        up, down = _points(heating, curves), _points(cooling, curves)
+        for run, points in ((heating, up), (cooling, down)):
+            _check_branch(run, points, curves)
+        cold, at_b = float(curves.strain[up.a]), float(curves.strain[up.b])
+        warm = float(curves.strain[up.c])
+        return LoopSegments(
+            heating_a=int(place[up.a]),
+            heating_b=int(place[up.b]),
+            heating_c=int(place[up.c]),
+            cooling_c=int(place[down.c]),
+            cooling_b=int(place[down.b]),
+            cooling_a=int(place[down.a]),
+            heating=self._branch(up.b, up.c),
+            cooling=self._branch(down.c, down.b),
+            resistance_min_ohm=float(curves.resistance_ohm[up.c]),
+            resistance_max_ohm=float(curves.resistance_ohm[up.b]),
+            strain_cold=cold,
+            strain_max=float(curves.strain[heating.first : heating.last + 1].max()),
+            transformation_share=(warm - at_b) / (warm - cold),
+            returns_cold=up.returns_cold,
+            complete=up.complete or down.complete,
+            resistance_noise_ohm=noise_level(self.resistance_ohm),
+            strain_noise=noise_level(self.strain),
+            cycle=number,
+            cycles_found=len(pairs),
+        )
+
+    def _branch(self, first: int, last: int) -> Branch:
+        inside = slice(first, last + 1)
+        return Branch(self.resistance_ohm[inside], self.strain[inside])
+
+
+def _usable(
+    resistance_ohm: npt.ArrayLike, strain: npt.ArrayLike, valid: npt.ArrayLike | None
+) -> tuple[npt.NDArray[np.intp], FloatArray, FloatArray]:
+    """Check the columns and keep the samples that carry a resistance."""
+    resistance = np.asarray(resistance_ohm, dtype=np.float64)
+    contraction = np.asarray(strain, dtype=np.float64)
+    mask = np.ones(resistance.shape, dtype=np.bool_) if valid is None else np.asarray(valid, dtype=np.bool_)
+    if resistance.ndim != 1 or not resistance.shape == contraction.shape == mask.shape:
+        raise RecordingError(
+            f"resistance has shape {resistance.shape}, strain {contraction.shape}, valid {mask.shape}: "
+            "give one wire, columns of equal length"
+        )
+    place = np.flatnonzero(mask)
+    if place.size < LEAST_SAMPLES:
+        raise RecordingError(
+            f"{place.size} usable samples of {mask.size}: a loop needs at least {LEAST_SAMPLES}, better 200"
+        )
+    resistance, contraction = resistance[place], contraction[place]
+    bad = ~(np.isfinite(resistance) & np.isfinite(contraction) & (resistance > 0.0))
+    if bad.any():
+        raise RecordingError(
+            f"{int(bad.sum())} of {bad.size} samples have no finite positive resistance and finite strain, "
+            f"the first at index {int(place[np.argmax(bad)])}: mark them in `valid` or drop them"
+        )
+    return place, resistance, contraction
+
+
+def _check_stroke(strain: FloatArray) -> None:
+    stroke, noise = float(np.ptp(strain)), noise_level(strain)
+    if stroke <= 0.0 or stroke < LEAST_STROKE_NOISES * noise:
+        raise RecordingError(
+            f"no transformation: the strain moves by {stroke:.3g}, its noise is {noise:.3g}, and at least "
+            f"{LEAST_STROKE_NOISES:g} times that are needed: raise the drive or check the strain sensor"
+        )
+
+
+def _check_fall(curves: Smoothed) -> None:
+    """Resistance must fall while strain rises, over the middle of the stroke."""
+    strain, resistance = curves.strain, curves.resistance_ohm
+    sign, change = _middle_trend(strain, resistance)
+    if sign < -SETTLED_SIGN:
+        return
+    stroke = float(np.ptp(strain))
+    if sign > SETTLED_SIGN and change >= THERMAL_SHARE:
+        raise RecordingError(
+            f"strain of the wrong sign: over a stroke of {stroke:.3g} the resistance rises with it by "
+            f"{100 * change:.1f} %: contraction must be positive, negate the strain"
+        )
+    raise RecordingError(
+        f"no transformation: the resistance does not fall as the strain rises over a stroke of {stroke:.3g} "
+        f"(correlation {sign:+.2f}, fall needed {-SETTLED_SIGN:+.1f}; change {100 * change:.1f} %): "
+        "raise the drive voltage, and check that contraction is positive"
+    )
+
+
+def _middle_trend(strain: FloatArray, resistance: FloatArray) -> tuple[float, float]:
+    """Correlation of strain and resistance between 15 and 85 % of the stroke, and the relative change there.
+
+    Means over slices of strain, so that a dwell weighs no more than a fast pass.
+    """
+    share = (strain - strain.min()) / np.ptp(strain)
+    slices = np.floor((share - 0.15) / 0.7 * 20).astype(np.intp)
+    inside = (slices >= 0) & (slices < 20)
+    counts = np.bincount(slices[inside], minlength=20)
+    filled = counts > 0
+    if filled.sum() < 3:
+        return 0.0, 0.0
+    mean = np.bincount(slices[inside], weights=resistance[inside], minlength=20)[filled] / counts[filled]
+    change = float(np.ptp(mean) / mean.mean())
+    if np.ptp(mean) <= 1e-12 * abs(mean.mean()):
+        return 0.0, change
+    return float(np.corrcoef(np.flatnonzero(filled), mean)[0, 1]), change
+
+
+def _is_closed(pair: tuple[Run, Run], strain: FloatArray) -> bool:
+    """Whether the second run ends where the first began, seen against the stroke of the larger of the two."""
+    before, after = pair
+    begin, turn, end = strain[before.first], strain[before.last], strain[after.last]
+    stroke = max(abs(turn - begin), abs(turn - end))
+    return bool(stroke > 0.0 and abs(begin - end) <= CLOSURE * stroke)
+
+
+def _no_cycle(runs: list[Run], strain: FloatArray) -> str:
+    story = ", ".join(
+        f"{'heating' if run.rising else 'cooling'} from {strain[run.first]:.3g} to {strain[run.last]:.3g}"
+        for run in runs
+    )
+    return (
+        f"no complete cycle: the recording holds only {story or 'one turning point'} (strain): "
+        "record heating and cooling back to the strain at the start"
+    )
+
+
+def _chosen(cycle: str | int, pairs: list[tuple[Run, Run]], curves: Smoothed) -> int:
+    """Number of the cycle asked for."""
+    if cycle == "last":
+        return len(pairs) - 1
+    if cycle == "first":
+        return 0
+    if cycle == "largest":
+        return int(np.argmax([curves.strain[up.first : up.last + 1].max() for up, _ in pairs]))
+    if not isinstance(cycle, int):
+        raise CallerError(f"cycle is {cycle!r}: use 'last', 'first', 'largest' or a number")
+    if not -len(pairs) <= cycle < len(pairs):
+        raise CallerError(f"cycle {cycle} asked for, and the recording holds {len(pairs)} (numbered from 0)")
+    return cycle % len(pairs)
+
+
+def _points(run: Run, curves: Smoothed) -> _Points:
+    """A, B, C on one run: B and C span the largest fall of resistance, A is the last of the cold before B.
+
+    A cooling run read backwards looks like a heating run, so both take the same path.
+    """
+    inside = slice(run.first, run.last + 1)
+    resistance = curves.resistance_ohm[inside] if run.rising else curves.resistance_ohm[inside][::-1]
+    highest = np.maximum.accumulate(resistance)
+    c = int(np.argmax(highest - resistance))
+    b = int(np.flatnonzero(resistance[: c + 1] == highest[c])[-1])
+    coldest = float(resistance[: b + 1].min())
+    rise = float(resistance[b]) - coldest
+    tolerance = min(3.0 * curves.resistance_noise_ohm, 0.02 * rise)
+    a = int(np.flatnonzero(resistance[: b + 1] <= coldest + tolerance)[-1])
+    returns_cold = rise > curves.least_bump_ohm
+    complete = float(resistance[c:].max() - resistance[c]) > curves.least_bump_ohm
+    origin, step = (run.first, 1) if run.rising else (run.last, -1)
+    at_a, at_b, at_c = (origin + step * index for index in (a if returns_cold else b, b, c))
+    return _Points(at_a, at_b, at_c, returns_cold, complete)
+
+
+def _check_branch(run: Run, points: _Points, curves: Smoothed) -> None:
+    """A fall of resistance that stands out of the noise, with much of the strain, over enough samples."""
+    resistance, strain = curves.resistance_ohm, curves.strain
+    name = "heating" if run.rising else "cooling"
+    fall = float(resistance[points.b] - resistance[points.c])
+    gain = float((strain[points.c] - strain[points.b]) / np.ptp(strain[run.first : run.last + 1]))
+    if fall < LEAST_SIGNAL * curves.resistance_noise_ohm or gain < LEAST_STRAIN_SHARE:
+        raise RecordingError(
+            f"no transformation: on the {name} branch the resistance falls by {fall:.3g} ohm (its noise is "
+            f"{curves.resistance_noise_ohm:.2g} ohm after smoothing) while strain gains {100 * gain:.0f} % "
+            "of the stroke: raise the drive voltage or average more samples"
+        )
+    if strain[points.c] <= 0.0:
+        raise RecordingError(
+            f"no transformation: on the {name} branch the strain is {strain[points.c]:.3g} at the least "
+            "resistance: contraction must be positive and zero when cold, check drive voltage, sign and zero"
+        )
+    samples = abs(points.c - points.b) + 1
+    if samples < LEAST_BRANCH_SAMPLES:
+        raise RecordingError(
+            f"{samples} samples between B and C on the {name} branch, at least {LEAST_BRANCH_SAMPLES} are "
+            "needed: sample faster or drive more slowly"
+        )

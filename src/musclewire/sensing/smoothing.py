@@ -1,0 +1,71 @@
+"""How noisy a sampled curve is, and a smoother that does nothing where there is no noise."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["noise_level", "smooth", "smoothed_noise", "smoothing_window"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# Smoothing stops when the noise left over is this share of the span of the curve.
+NOISE_GOAL = 1e-3
+# A local parabola over w samples leaves about sqrt(2.25 / w) of the noise in the middle of the window.
+PARABOLA_VARIANCE = 2.25
+SHORTEST_WINDOW = 5
+# Standard deviation of a fourth difference of unit white noise: sqrt(1 + 16 + 36 + 16 + 1).
+FOURTH_DIFFERENCE_STD = sqrt(70.0)
+MEDIAN_TO_STD = 0.6744897501960817
+
+
+def noise_level(values: FloatArray) -> float:
+    """Estimate the standard deviation of white noise on a smooth curve, in the unit of the values.
+
+    ``values`` has shape (n,). The median of fourth differences ignores steps and slow bends of the curve, so
+    that even a curve of 100 samples without noise reads nearly zero. Jitter in the sampling reads as noise.
+    """
+    if values.size < 9:
+        return 0.0
+    differences = np.diff(values, n=4)
+    spread = float(np.median(np.abs(differences - np.median(differences))))
+    return spread / MEDIAN_TO_STD / FOURTH_DIFFERENCE_STD
+
+
+def smoothing_window(noise: float, span: float, longest: int) -> int:
+    """Odd number of samples to smooth over, so that noise falls to 0.1 % of ``span``; 1 means leave alone."""
+    if noise <= 0.0 or span <= 0.0:
+        return 1
+    window = int(min(PARABOLA_VARIANCE * (noise / (NOISE_GOAL * span)) ** 2, longest))
+    if window < SHORTEST_WINDOW:
+        return 1
+    return window if window % 2 else window - 1
+
+
+def smoothed_noise(noise: float, window: int) -> float:
+    """Noise left after ``smooth`` with this window."""
+    return noise if window == 1 else noise * sqrt(PARABOLA_VARIANCE / window)
+
+
+def smooth(values: FloatArray, window: int) -> FloatArray:
+    """Replace each sample by a local parabola's value (Savitzky-Golay of order 2, no phase shift).
+
+    ``values`` and the result have shape (n,). The first and last half window are read off one parabola each.
+    """
+    if window == 1 or values.size < window:
+        return values
+    half = window // 2
+    offset = np.arange(-half, half + 1, dtype=np.float64)
+    norm = (2 * half + 3) * (2 * half + 1) * (2 * half - 1)
+    kernel = 3.0 * (3 * half * half + 3 * half - 1 - 5 * offset**2) / norm
+    level = float(values.mean())  # taken out so that a small ripple on a large level keeps its digits
+    centred = values - level
+    result = np.empty_like(values)
+    result[half:-half] = np.convolve(centred, kernel, mode="valid")
+    basis = np.vander(offset / half, 3)
+    project = basis @ np.linalg.pinv(basis)
+    result[:half] = (project @ centred[:window])[:half]
+    result[-half:] = (project @ centred[-window:])[-half:]
+    return result + level

@@ -1,0 +1,132 @@
+"""Where a recording turns: the cold and hot ends between which branches run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from musclewire.sensing.branches import LONGEST_WINDOW_SHARE
+from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, smoothing_window
+
+__all__ = ["Run", "Smoothed", "branch_runs", "smoothed", "turning_points"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# A swing of less than this share of the whole stroke is a wobble of a branch and not a cycle of its own.
+LEAST_SWING = 0.2
+# Samples within this share of the stroke of an end may belong to the dwell there.
+END_SHARE = 0.02
+# A bump of the resistance counts when it is this many times the noise and this share of the whole range.
+BUMP_NOISES = 6.0
+BUMP_SHARE = 0.005
+
+
+@dataclass(frozen=True, eq=False)
+class Smoothed:
+    """A recording smoothed for finding turns: columns of shape (n,), noise left over, size of a real bump."""
+
+    resistance_ohm: FloatArray
+    strain: FloatArray
+    resistance_noise_ohm: float
+    strain_noise: float
+    least_bump_ohm: float
+
+
+@dataclass(frozen=True)
+class Run:
+    """Samples ``first`` to ``last`` (both included) between two turns; ``rising`` is heating."""
+
+    first: int
+    last: int
+    rising: bool
+
+
+def smoothed(resistance_ohm: FloatArray, strain: FloatArray, branches: int) -> Smoothed:
+    """Smooth both columns over at most 3 % of one of ``branches`` equal branches."""
+    longest = int(LONGEST_WINDOW_SHARE * resistance_ohm.size / max(branches, 1))
+    columns, noises = [], []
+    for column in (resistance_ohm, strain):
+        noise = noise_level(column)
+        window = smoothing_window(noise, float(np.ptp(column)), longest)
+        columns.append(smooth(column, window))
+        noises.append(smoothed_noise(noise, window))
+    bump = max(BUMP_NOISES * noises[0], BUMP_SHARE * float(np.ptp(columns[0])))
+    return Smoothed(columns[0], columns[1], noises[0], noises[1], bump)
+
+
+def turning_points(values: FloatArray, least_swing: float) -> tuple[list[int], bool]:
+    """Return indices of alternating extremes that differ by ``least_swing``, and whether the first is low."""
+    low = high = 0
+    rising = starts_low = False
+    found: list[int] = []
+    sequence = values.tolist()
+    for index, value in enumerate(sequence):
+        if value > sequence[high]:
+            high = index
+        if value < sequence[low]:
+            low = index
+        if (rising or not found) and sequence[high] - value > least_swing:
+            rising, low = False, index
+            found.append(high)
+        elif (not rising or not found) and value - sequence[low] > least_swing:
+            rising, high = True, index
+            starts_low = starts_low or not found
+            found.append(low)
+    if found:
+        found.append(high if rising else low)
+    return found, starts_low
+
+
+def branch_runs(curves: Smoothed, turns: list[int], starts_low: bool) -> list[Run]:
+    """Cut the recording into heating and cooling runs at turns placed by strain, then set by resistance.
+
+    The strain says that the wire turned, not exactly when: it saturates while the hot wire heats on, rests
+    in a dwell, or sticks in its guide. The resistance keeps moving, so within 2 % of the stroke of each
+    extreme the turn is put where the resistance turns.
+    """
+    refined = [_refined_turn(curves, turns, k, starts_low ^ bool(k % 2)) for k in range(len(turns))]
+    return [
+        Run(first, last, starts_low ^ bool(k % 2))
+        for k, (first, last) in enumerate(pairwise(refined))
+        if last > first
+    ]
+
+
+def _refined_turn(curves: Smoothed, turns: list[int], k: int, cold: bool) -> int:
+    """Turn ``k`` set by the resistance, or at a free end of the recording the far side of its dwell."""
+    sign = 1.0 if cold else -1.0
+    inner_first = turns[k - 1] + 1 if k > 0 else 0
+    inner_last = turns[k + 1] - 1 if k + 1 < len(turns) else curves.strain.size - 1
+    # Mirrored for a hot end, so that every end is a low one.
+    height = sign * curves.strain[inner_first : inner_last + 1]
+    extreme = height[turns[k] - inner_first]
+    neighbours = [sign * curves.strain[turns[j]] for j in (k - 1, k + 1) if 0 <= j < len(turns)]
+    tolerance = max(END_SHARE * (min(neighbours) - extreme), 4.0 * curves.strain_noise)
+    near = np.flatnonzero(height <= extreme + tolerance) + inner_first
+    if k == 0:
+        return int(near[0])
+    if k == len(turns) - 1:
+        return int(near[-1])
+    first, last = int(near[0]), int(near[-1])
+    inside = -sign * curves.resistance_ohm[first : last + 1]
+    (passed, excursion), (turned, dip) = _highest_bump(inside), _highest_bump(-inside)
+    # A real excursion beyond C (or back to A) parts the two passes; without one the dip is the turn itself.
+    if excursion > curves.least_bump_ohm or excursion > dip:
+        return first + passed
+    return first + (turned if dip > 0.0 else int(np.argmin(inside)))
+
+
+def _highest_bump(values: FloatArray) -> tuple[int, float]:
+    """Index of the maximum that stands highest above the minima on both its sides, and that height.
+
+    At a hot end, given the resistance, this is the hottest moment between the two passes of C; given the
+    negative resistance it is C itself, where a minor loop turns. At a cold end the signs are swapped.
+    """
+    above_left = values - np.minimum.accumulate(values)
+    above_right = values - np.minimum.accumulate(values[::-1])[::-1]
+    bump = np.minimum(above_left, above_right)
+    index = int(np.argmax(bump))
+    return index, float(bump[index])

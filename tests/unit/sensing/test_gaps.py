@@ -1,0 +1,135 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from loops import LoopMaker, noisy
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.sensing import find_segments, hysteresis_gap, signed_hysteresis_gap
+
+Column = np.ndarray[tuple[int], np.dtype[np.float64]]
+
+
+def straight(offset: float, samples: int = 50) -> tuple[Column, Column]:
+    """Strain falling from 3 % to 1 % between 15 and 17 ohm, shifted by an offset."""
+    resistance = np.linspace(17, 15, samples)
+    return resistance, 0.03 - 0.01 * (resistance - 15) + offset
+
+
+def test_parallel_branches_have_their_distance_over_the_largest_strain() -> None:
+    assert hysteresis_gap(straight(0.0), straight(-0.0003)) == pytest.approx(0.01)
+    assert signed_hysteresis_gap(straight(0.0), straight(-0.0003)) == pytest.approx(0.01)
+    assert signed_hysteresis_gap(straight(-0.0003), straight(0.0)) == pytest.approx(-0.01)
+
+
+def test_identical_branches_have_no_gap() -> None:
+    assert hysteresis_gap(straight(0.0), straight(0.0)) == 0.0
+
+
+def test_branches_that_cross_keep_their_distance_but_lose_their_sign() -> None:
+    maker = LoopMaker(crossing=True, middle_gap=0.001)
+    loop = maker.record(20_000)
+    s = find_segments(loop.resistance_ohm, loop.strain)
+    assert hysteresis_gap(s.heating, s.cooling) == pytest.approx(maker.exact_gap(), abs=1e-4)
+    assert signed_hysteresis_gap(s.heating, s.cooling) == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("middle_gap", [0.0003, 0.001, 0.004])
+@pytest.mark.parametrize("samples", [400, 1800, 20_000])
+def test_the_gap_of_a_clean_loop_is_the_exact_one(middle_gap: float, samples: int) -> None:
+    maker = LoopMaker(middle_gap=middle_gap)
+    loop = maker.record(samples)
+    s = find_segments(loop.resistance_ohm, loop.strain)
+    assert hysteresis_gap(s.heating, s.cooling) == pytest.approx(maker.exact_gap(), rel=0.005)
+
+
+@pytest.mark.parametrize("crossing", [False, True])
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_of_a_fiftieth_percent_moves_the_gap_by_less_than_a_tenth_of_a_point(
+    crossing: bool, seed: int
+) -> None:
+    for middle_gap in (0.0002, 0.001, 0.003):
+        maker = LoopMaker(middle_gap=middle_gap, crossing=crossing)
+        loop = noisy(maker.record(1800), 2e-4, 1e-3, seed)
+        s = find_segments(loop.resistance_ohm, loop.strain)
+        assert hysteresis_gap(s.heating, s.cooling) == pytest.approx(maker.exact_gap(), abs=1e-3)
+
+
+def test_only_shared_resistances_are_compared() -> None:
+    low = (np.linspace(15, 16, 40), np.linspace(0.03, 0.02, 40))
+    high = (np.linspace(15.5, 17, 40), np.linspace(0.025, 0.01, 40))
+    assert hysteresis_gap(low, high) == pytest.approx(0.0, abs=1e-12)
+    with pytest.raises(RecordingError, match="share no resistance"):
+        hysteresis_gap(low, (np.linspace(16.5, 17, 9), np.linspace(0.02, 0.01, 9)))
+
+
+def test_a_larger_maximum_elsewhere_on_the_loop_can_be_given() -> None:
+    plain = hysteresis_gap(straight(0.0), straight(-0.0003))
+    assert hysteresis_gap(straight(0.0), straight(-0.0003), maximum=0.06) == pytest.approx(plain / 2)
+
+
+def test_elongation_positive_strain_has_no_gap() -> None:
+    resistance, strain = straight(0.0)
+    with pytest.raises(RecordingError, match="contraction must be positive"):
+        hysteresis_gap((resistance, -strain), (resistance, -strain))
+
+
+def test_unusable_branches_and_arguments_are_named() -> None:
+    with pytest.raises(RecordingError, match="heating branch has 1 points"):
+        hysteresis_gap(([16.0], [0.02]), straight(0.0))
+    with pytest.raises(RecordingError, match="cooling branch: every resistance"):
+        hysteresis_gap(straight(0.0), ([16.0, 16.0], [0.02, 0.03]))
+    with pytest.raises(RecordingError, match="cooling branch: 1 of 3 points are not finite"):
+        hysteresis_gap(straight(0.0), ([16.0, np.nan, 15.0], [0.02, 0.03, 0.03]))
+    with pytest.raises(CallerError, match="at least 1 point"):
+        hysteresis_gap(straight(0.0), straight(0.0), points=0)
+
+
+branches = st.integers(10, 400).flatmap(
+    lambda n: st.tuples(st.just(n), st.floats(0.3, 3.0), st.floats(-0.002, 0.002))
+)
+
+
+def curve(shape: tuple[int, float, float]) -> tuple[Column, Column]:
+    samples, bend, bow = shape
+    share = np.linspace(0, 1, samples)
+    return 17 - 2 * share, 0.01 + 0.02 * share**bend + bow * np.sin(np.pi * share)
+
+
+@settings(deadline=None)
+@given(branches, branches, st.floats(0.01, 100), st.floats(1e-3, 1e3))
+def test_scaling_either_axis_changes_nothing(
+    h: tuple[int, float, float], c: tuple[int, float, float], ohms: float, units: float
+) -> None:
+    (rh, sh), (rc, sc) = curve(h), curve(c)
+    plain = hysteresis_gap((rh, sh), (rc, sc))
+    scaled = hysteresis_gap((ohms * rh, units * sh), (ohms * rc, units * sc))
+    assert scaled == pytest.approx(plain, rel=1e-3, abs=1e-6)
+
+
+@settings(deadline=None)
+@given(branches, branches)
+def test_direction_doubled_samples_and_resampling_change_nothing(
+    h: tuple[int, float, float], c: tuple[int, float, float]
+) -> None:
+    heating, cooling = curve(h), curve(c)
+    plain = hysteresis_gap(heating, cooling)
+    backwards = tuple(column[::-1] for column in heating)
+    assert hysteresis_gap((backwards[0], backwards[1]), cooling) == pytest.approx(plain, rel=1e-3, abs=1e-6)
+    doubled = tuple(np.repeat(column, 2) for column in heating)
+    assert hysteresis_gap((doubled[0], doubled[1]), cooling) == pytest.approx(plain, rel=1e-9, abs=1e-12)
+    finer = np.linspace(17, 15, 2 * h[0] - 1)
+    resampled = (finer, np.interp(finer, heating[0][::-1], heating[1][::-1]))
+    assert hysteresis_gap(resampled, cooling) == pytest.approx(plain, rel=1e-3, abs=2e-5)
+
+
+@settings(deadline=None)
+@given(branches, branches)
+def test_the_gap_is_symmetric_and_not_smaller_than_its_sign_tells(
+    h: tuple[int, float, float], c: tuple[int, float, float]
+) -> None:
+    gap, signed = hysteresis_gap(curve(h), curve(c)), signed_hysteresis_gap(curve(h), curve(c))
+    assert hysteresis_gap(curve(c), curve(h)) == pytest.approx(gap, abs=1e-12)
+    assert abs(signed) <= gap + 1e-12

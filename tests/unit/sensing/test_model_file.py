@@ -1,0 +1,121 @@
+"""Model files; the only tests of this room that touch a folder, and only a temporary one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from loops import LoopMaker, noisy
+
+from musclewire.errors import CallerError
+from musclewire.sensing import SensingModel, fit_loop, load_model
+
+Damage = Callable[[dict[str, Any]], object]
+
+
+@pytest.fixture(scope="module")
+def model() -> SensingModel:
+    loop = noisy(LoopMaker().record(), 2e-4, 1e-3)
+    return fit_loop(
+        loop.resistance_ohm, loop.strain, wire={"name": "d100", "diameter_m": 1e-4}, source="a test"
+    )
+
+
+def test_a_model_comes_back_from_its_file_to_the_bit(model: SensingModel, tmp_path: Path) -> None:
+    model.save(tmp_path / "model.json")
+    assert load_model(str(tmp_path / "model.json")) == model
+    assert (tmp_path / "model.json").stat().st_size < 50_000
+
+
+def test_saving_leaves_nothing_else_behind_and_replaces_what_was_there(
+    model: SensingModel, tmp_path: Path
+) -> None:
+    (tmp_path / "model.json").write_text("old", encoding="utf-8")
+    model.save(tmp_path / "model.json")
+    assert [path.name for path in tmp_path.iterdir()] == ["model.json"]
+    assert load_model(tmp_path / "model.json").order == model.order
+
+
+def test_a_save_that_fails_leaves_the_old_file_and_no_other(
+    model: SensingModel, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full_disk(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    (tmp_path / "model.json").write_text("old", encoding="utf-8")
+    monkeypatch.setattr("os.fsync", full_disk)
+    with pytest.raises(CallerError, match="No space left"):
+        model.save(tmp_path / "model.json")
+    assert [path.read_text(encoding="utf-8") for path in tmp_path.iterdir()] == ["old"]
+
+
+def test_a_missing_folder_or_file_is_named(model: SensingModel, tmp_path: Path) -> None:
+    with pytest.raises(CallerError, match="cannot write model file"):
+        model.save(tmp_path / "nowhere" / "model.json")
+    with pytest.raises(CallerError, match="cannot read model file"):
+        load_model(tmp_path / "model.json")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"not json", b"\xff\xfe\x00", b"[1, 2]", b'{"format": "other"}', b"[" * 100_000, b"1" * 5000],
+)
+def test_a_file_that_is_no_model_is_told_in_one_line(content: bytes, tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(content)
+    with pytest.raises(CallerError, match="is not a model file") as told:
+        load_model(tmp_path / "file")
+    assert "\n" not in str(told.value)
+
+
+def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b" " * 1_000_001)
+    with pytest.raises(CallerError, match="larger than 1000000 bytes"):
+        load_model(tmp_path / "file")
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda d: d.update(version=2), "has version 2"),
+        (lambda d: d.update(strain_gapp=1), "unknown key 'strain_gapp'"),
+        (lambda d: d.update(resistance_min_ohms=1), "did you mean 'resistance_min_ohm'"),
+        (lambda d: d.pop("resistance_min_ohm"), "key 'resistance_min_ohm' is missing"),
+        (lambda d: d.update(resistance_min_ohm="15"), "resistance_min_ohm: Input should be a valid number"),
+        (lambda d: d.update(resistance_min_ohm=float("nan")), "finite"),
+        (lambda d: d.update(resistance_min_ohm=18.0), "least below the most"),
+        (lambda d: d["heating_coefficients"].append(0.0), "fit both alike"),
+        (lambda d: d.update(order=5), "order 5"),
+        (lambda d: d.update(unit="m"), "unit 'm'"),
+        (lambda d: d.update(quantity_max=0.04), "the file was altered"),
+        (lambda d: d.update(normalised_max=2.0), "must rise within"),
+        (lambda d: d.update(heating_standard_errors=[0.1]), "1 standard errors"),
+        (lambda d: d.update(samples=-1), "samples"),
+        (lambda d: d.update(wire={"name": [1]}), "wire"),
+        (lambda d: d.update(heating_coefficients=[0.1] * 17), "heating_coefficients"),
+    ],
+)
+def test_a_damaged_model_is_told_in_one_line(
+    damage: Damage, message: str, model: SensingModel, tmp_path: Path
+) -> None:
+    path = tmp_path / "model.json"
+    model.save(path)
+    document = json.loads(path.read_text(encoding="utf-8"))
+    damage(document)
+    path.write_text(json.dumps(document), encoding="utf-8")
+    with pytest.raises(CallerError, match=message) as told:
+        load_model(path)
+    assert "\n" not in str(told.value)
+    assert str(path) in str(told.value)
+
+
+def test_numbers_of_numpy_are_written_as_plain_ones(model: SensingModel, tmp_path: Path) -> None:
+    import numpy as np
+
+    wire = {"length_m": np.float64(0.14), "new": True, "load_n": float("nan")}
+    odd = replace(model, resistance_min_ohm=np.float64(model.resistance_min_ohm), wire=wire)
+    odd.save(tmp_path / "model.json")
+    assert load_model(tmp_path / "model.json").wire == {"length_m": 0.14, "new": "True", "load_n": "nan"}

@@ -1,0 +1,78 @@
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.errors import CallerError
+from musclewire.sensing import wire_resistance, wire_resistance_from_current
+
+anything = st.floats(allow_nan=True, allow_infinity=True)
+
+
+def test_two_volts_over_the_wire_and_an_eighth_over_one_ohm_are_sixteen_ohm() -> None:
+    assert wire_resistance(2.0, 0.125, 1.0) == (16.0, True)
+
+
+def test_one_sample_gives_plain_values() -> None:
+    reading = wire_resistance(2.0, 0.125, 1.0)
+    assert type(reading.resistance_ohm) is float
+    assert type(reading.valid) is bool
+
+
+def test_whole_numbers_serve_as_one_sample() -> None:
+    assert wire_resistance(16, 1, 1) == (16.0, True)
+
+
+def test_no_current_is_zero_ohm_and_invalid_not_nan() -> None:
+    assert wire_resistance(0.0, 0.0, 1.0) == (0.0, False)
+    assert wire_resistance(1e-3, 9e-4, 1.0) == (0.0, False)
+
+
+def test_reversed_current_is_still_a_resistance() -> None:
+    assert wire_resistance(-2.0, -0.125, 1.0) == (16.0, True)
+
+
+def test_swapped_leads_are_invalid() -> None:
+    assert wire_resistance(2.0, -0.125, 1.0) == (0.0, False)
+
+
+def test_several_wires_keep_their_shape_and_spoil_only_themselves() -> None:
+    wire = np.array([[2.0, 2.0, 2.0], [2.0, math.nan, 2.0]])
+    shunt = np.array([[0.125, 0.0, 0.25], [0.125, 0.125, math.inf]])
+    reading = wire_resistance(wire, shunt, 1.0)
+    assert reading.valid.tolist() == [[True, False, True], [True, False, False]]
+    assert reading.resistance_ohm.tolist() == [[16.0, 0.0, 8.0], [16.0, 0.0, 0.0]]
+
+
+def test_a_measured_current_gives_the_same_as_a_shunt() -> None:
+    assert wire_resistance_from_current(2.0, 0.125) == (16.0, True)
+    assert wire_resistance_from_current(np.array([2.0]), np.array([0.0])).valid.tolist() == [False]
+
+
+@pytest.mark.parametrize(("shunt", "least"), [(0.0, 1e-3), (-1.0, 1e-3), (math.nan, 1e-3), (1.0, 0.0)])
+def test_senseless_constants_are_the_callers_fault(shunt: float, least: float) -> None:
+    with pytest.raises(CallerError, match="must be positive"):
+        wire_resistance(1.0, 1.0, shunt, least)
+
+
+def test_columns_of_different_lengths_are_refused() -> None:
+    with pytest.raises(CallerError, match="same shape"):
+        wire_resistance(np.ones(3), np.ones(4), 1.0)
+
+
+@given(anything, anything, st.floats(1e-3, 1e3), st.floats(1e-6, 1.0))
+def test_any_voltages_give_a_finite_value_without_a_warning(
+    wire: float, shunt: float, shunt_ohm: float, least: float
+) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        one = wire_resistance(wire, shunt, shunt_ohm, least)
+        many = wire_resistance(np.array([wire]), np.array([shunt]), shunt_ohm, least)
+    assert math.isfinite(one.resistance_ohm)
+    assert one.valid == (one.resistance_ohm > 0.0)
+    assert (many.resistance_ohm[0], many.valid[0]) == (one.resistance_ohm, one.valid)
