@@ -16,7 +16,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
-import numba.core.config
+from numba.core import config
+
+numba_config: Any = config  # its options are set at run time, where mypy cannot see them
 
 __all__ = ["compiled", "compiled_inline", "compiled_loop_over_grains"]
 
@@ -38,8 +40,8 @@ def kernel_source_hash() -> str:
 
 def cache_root() -> Path:
     """Return the user's cache folder for compiled kernels (``NUMBA_CACHE_DIR`` wins where it is set)."""
-    if numba.core.config.CACHE_DIR:
-        return Path(numba.core.config.CACHE_DIR)
+    if numba_config.CACHE_DIR:
+        return Path(numba_config.CACHE_DIR)
     if sys.platform == "win32":
         base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
     else:
@@ -60,14 +62,14 @@ def cache_folder() -> str | None:
 
 def _compile(function: Function, **options: Any) -> Function:
     folder = cache_folder()
-    before = numba.core.config.CACHE_DIR
+    before = numba_config.CACHE_DIR
     # Numba chooses the folder while it decorates, so the setting is ours for that moment only.
-    numba.core.config.CACHE_DIR = folder or before
+    numba_config.CACHE_DIR = folder or before
     try:
         dispatcher = numba.njit(cache=folder is not None, error_model="numpy", **options)(function)
     finally:
-        numba.core.config.CACHE_DIR = before
-    return dispatcher  # type: ignore[no-any-return]
+        numba_config.CACHE_DIR = before
+    return dispatcher
 
 
 def compiled(function: Function) -> Function:

@@ -34,7 +34,7 @@ add_rig_commands(app)
 add_model_commands(app)
 
 
-def stop_on_sigterm(number: int, frame: FrameType | None) -> None:
+def stop_on_sigterm(_number: int, _frame: FrameType | None) -> None:
     """Turn SIGTERM into an exception, so that every ``finally`` between here and the rig runs."""
     raise SystemExit(TERMINATED)
 

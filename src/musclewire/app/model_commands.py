@@ -18,9 +18,7 @@ __all__ = ["add_model_commands"]
 
 RecordingPath = Annotated[
     str,
-    typer.Argument(
-        metavar="RECORDING", help="HDF5, CSV or Parquet file, or 'lan-fan-2010-table-2', the paper's."
-    ),
+    typer.Argument(metavar="RECORDING", help="HDF5, CSV or Parquet file, or 'lan-fan-2010-table-2', the paper's."),
 ]
 PUBLISHED = ("lan-fan-2010-table-2",)
 
@@ -134,12 +132,8 @@ def estimate(
 
 
 def rules(
-    name: Annotated[
-        str, typer.Argument(metavar="[RULES]", help="Name of a rule base, or a TOML file.")
-    ] = "zhao-1993",
-    plot: Annotated[
-        Path | None, typer.Option("--plot", help="Write the surfaces (.svg, .png, .pdf).")
-    ] = None,
+    name: Annotated[str, typer.Argument(metavar="[RULES]", help="Name of a rule base, or a TOML file.")] = "zhao-1993",
+    plot: Annotated[Path | None, typer.Option("--plot", help="Write the surfaces (.svg, .png, .pdf).")] = None,
     json: Json = False,
 ) -> None:
     """Show a fuzzy rule base, and its surfaces with --plot."""

@@ -27,9 +27,7 @@ Columns = Annotated[
 ]
 Length = Annotated[
     str | None,
-    typer.Option(
-        "--length", help="Length whose shortening is the strain, as '70 mm': one leg of a V-shaped wire."
-    ),
+    typer.Option("--length", help="Length whose shortening is the strain, as '70 mm': one leg of a V-shaped wire."),
 ]
 Shunt = Annotated[str | None, typer.Option("--shunt", help="Shunt resistance of Eq. 1, as '1.0 ohm'.")]
 OutputPath = Annotated[Path | None, typer.Option("--output", "-o", help="Where to write.")]
@@ -41,9 +39,7 @@ def mapping(pairs: list[str] | None, option: str = "--column") -> dict[str, str]
     for pair in pairs or ():
         name, separator, value = pair.partition("=")
         if not (separator and name.strip() and value.strip()):
-            raise CallerError(
-                f"{option} {pair}: write NAME=HEADER or NAME=HEADER:UNIT, as wire_voltage_v='Vw:V'"
-            )
+            raise CallerError(f"{option} {pair}: write NAME=HEADER or NAME=HEADER:UNIT, as wire_voltage_v='Vw:V'")
         found[name.strip()] = value.strip()
     return found
 

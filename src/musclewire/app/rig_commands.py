@@ -110,16 +110,13 @@ def characterize(
     else:
         say(f"{len(recording)} samples in {output}")
         say(
-            answer.get("problem")
-            or f"strain gap {answer['strain_gap_pct']:.3f} %, stroke {answer['stroke_pct']:.2f} %"
+            answer.get("problem") or f"strain gap {answer['strain_gap_pct']:.3f} %, stroke {answer['stroke_pct']:.2f} %"
         )
 
 
 def pretension(
     rig: RigName,
-    at: Annotated[
-        list[str] | None, typer.Option("--at", help="A pretension to try, as '1.9 N'. Repeatable.")
-    ] = None,
+    at: Annotated[list[str] | None, typer.Option("--at", help="A pretension to try, as '1.9 N'. Repeatable.")] = None,
     amplitude: Amplitude = None,
     period: Period = 90.0,
     cycles: Annotated[int, typer.Option("--cycles", help="Cycles at each setting.", min=1)] = 2,
@@ -155,13 +152,11 @@ def pretension(
         for row in sweep.rows
     ]
     if json:
-        emit_json(
-            {"rows": rows, "best_pretension_n": sweep.best.pretension_n, "failures": list(sweep.failures)}
-        )
+        emit_json({"rows": rows, "best_pretension_n": sweep.best.pretension_n, "failures": list(sweep.failures)})
         return
     for row in sweep.rows:
-        force = "-" if row.force_gap_pct is None else f"{row.force_gap_pct:6.3f}"
-        say(f"{row.pretension_n:6.2f} N   strain gap {row.strain_gap_pct:6.3f} %   force gap {force} %")
+        force_gap = "-" if row.force_gap_pct is None else f"{row.force_gap_pct:6.3f}"
+        say(f"{row.pretension_n:6.2f} N   strain gap {row.strain_gap_pct:6.3f} %   force gap {force_gap} %")
     say(f"best: {sweep.best.pretension_n:.2f} N")
 
 
@@ -194,9 +189,7 @@ def control(
 
     loaded = load_model(model)
     if loaded.quantity != quantity:
-        raise CallerError(
-            f"model {model} senses {loaded.quantity}, not {quantity}: fit one with --quantity {quantity}"
-        )
+        raise CallerError(f"model {model} senses {loaded.quantity}, not {quantity}: fit one with --quantity {quantity}")
     target = read_reference(reference, quantity)
     settings = FuzzyPidSettings(rule_base=rules)
     if output is not None:
@@ -277,9 +270,7 @@ def read_reference(reference: str, quantity: str) -> Reference:
 
     if reference == "staircase":
         if quantity != "strain":
-            raise CallerError(
-                f"the built-in staircase is in strain; give --reference FILE with targets in {quantity}"
-            )
+            raise CallerError(f"the built-in staircase is in strain; give --reference FILE with targets in {quantity}")
         return staircase()
     table = read_recording(reference)
     return sampled_reference(table["time_s"] - table["time_s"][0], table[f"target_{COLUMN_SUFFIX[quantity]}"])
@@ -288,9 +279,7 @@ def read_reference(reference: str, quantity: str) -> Reference:
 def require_suffix(path: Path, suffix: str) -> None:
     """Raise CallerError for an output file of another kind: a run is recorded as HDF5 while it goes."""
     if path.suffix != suffix:
-        raise CallerError(
-            f"{path}: a run is recorded as {suffix} (it survives a crash); 'musclewire import' converts"
-        )
+        raise CallerError(f"{path}: a run is recorded as {suffix} (it survives a crash); 'musclewire import' converts")
 
 
 def save_figure(axes: Any, path: Path) -> None:

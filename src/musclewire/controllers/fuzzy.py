@@ -54,9 +54,7 @@ def infer_ratios(rule_base: RuleBase, error_ratio: float, change_ratio: float) -
     from musclewire.controllers import kernels
 
     if math.isnan(error_ratio) or math.isnan(change_ratio):
-        raise NumericsError(
-            f"fuzzy inputs are {error_ratio} and {change_ratio}; NaN has no place in a rule table"
-        )
+        raise NumericsError(f"fuzzy inputs are {error_ratio} and {change_ratio}; NaN has no place in a rule table")
     return FuzzyRatios(*kernels.infer(pack_rules(rule_base), float(error_ratio), float(change_ratio)))
 
 
@@ -75,9 +73,7 @@ def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: Arr
         )
     except ValueError:
         shapes = f"{np.shape(error_ratio)} and {np.shape(change_ratio)}"
-        raise CallerError(
-            f"error_ratio and change_ratio have shapes {shapes}, which do not broadcast"
-        ) from None
+        raise CallerError(f"error_ratio and change_ratio have shapes {shapes}, which do not broadcast") from None
     if np.isnan(errors).any() or np.isnan(changes).any():
         raise NumericsError("fuzzy inputs hold NaN, which has no place in a rule table")
     ratios = np.empty((3, errors.size))
@@ -112,9 +108,7 @@ def pack_rules(rule_base: RuleBase) -> NDArray[np.float64]:
         "product-weighted-sum": kernels.PRODUCT_WEIGHTED_SUM,
         "min-max-centroid": kernels.MIN_MAX_CENTROID,
     }[rules.inference]
-    values[kernels.AT_MIRRORED] = {"no": 0.0, "positive-error": 1.0, "negative-error": -1.0}[
-        rule_base.mirrored
-    ]
+    values[kernels.AT_MIRRORED] = {"no": 0.0, "positive-error": 1.0, "negative-error": -1.0}[rule_base.mirrored]
     values[kernels.AT_TABLES : kernels.AT_OUTPUT_SETS] = np.stack(_tables(rules)).ravel()
     if not isinstance(rules, ConstantRules):
         sets = [_set_values(rule_base.input_sets[name]) for name in SET_NAMES]
@@ -131,9 +125,7 @@ def _tables(rules: ZhaoRules | MamdaniRules | ConstantRules) -> list[NDArray[np.
         return [_set_indices(table) for table in (rules.kp, rules.ki, rules.kd)]
     alpha = np.array(rules.alpha)
     integral = (1.0 / alpha - 1.0 / ALPHA_WEAKEST) / (1.0 / ALPHA_STRONGEST - 1.0 / ALPHA_WEAKEST)
-    kp, kd = (
-        np.array([[float(cell == "B") for cell in row] for row in table]) for table in (rules.kp, rules.kd)
-    )
+    kp, kd = (np.array([[float(cell == "B") for cell in row] for row in table]) for table in (rules.kp, rules.kd))
     return [kp, np.clip(integral, 0.0, 1.0), kd]
 
 
@@ -154,6 +146,4 @@ def _sampled_output_sets(rules: MamdaniRules) -> NDArray[np.float64]:
 
     universe = np.linspace(-kernels.UNIVERSE_END, kernels.UNIVERSE_END, kernels.UNIVERSE_POINTS)
     sets = [_set_values(rules.output_sets[name]) for name in SET_NAMES]
-    return np.array(
-        [[kernels.membership(*values, float(x)) for x in universe] for values in sets], dtype=np.float64
-    )
+    return np.array([[kernels.membership(*values, float(x)) for x in universe] for values in sets], dtype=np.float64)

@@ -76,8 +76,8 @@ class FuzzyPidSettings(StrictModel):
     kd_range: Range = (0.0005, 0.001)
     input_scale: Positive = 20.0
     error_unit: Positive = 0.01
-    error_range: Positive = 0.3
-    change_range: Positive = 0.3
+    error_range: Positive = 0.5
+    change_range: Positive = 9.0
     derivative_filter_s: Annotated[float, Field(ge=0.0)] = 0.1
     rule_base: str = DEFAULT_RULE_BASE
 
@@ -184,16 +184,12 @@ class FuzzyPid:
                 "every input must be finite; hold the drive until the measurement is back"
             )
         if dt_s <= 0.0:
-            raise CallerError(
-                f"controller step with dt_s {dt_s}: the time since the last step must be above zero"
-            )
+            raise CallerError(f"controller step with dt_s {dt_s}: the time since the last step must be above zero")
         drive, error, measured, measured_rate, error_rate, known, kp, ki, kd = self._tick(
             *state, target, measured, dt_s, self._setting_values, self._rule_values
         )
         if not math.isfinite(measured_rate + error_rate):
-            raise NumericsError(
-                f"controller step with target {target}, measured {measured} overflows; check the units"
-            )
+            raise NumericsError(f"controller step with target {target}, measured {measured} overflows; check the units")
         next_state = ControllerState(drive, error, measured, measured_rate, error_rate, known)
         return StepResult(next_state, drive, kp, ki, kd)
 

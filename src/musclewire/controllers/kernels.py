@@ -71,9 +71,7 @@ def grade_inputs(rules: Floats, ratio: float, grades: Floats) -> None:
 
 
 @compiled
-def product_weighted_sum(
-    rules: Floats, error_grades: Floats, change_grades: Floats
-) -> tuple[float, float, float]:
+def product_weighted_sum(rules: Floats, error_grades: Floats, change_grades: Floats) -> tuple[float, float, float]:
     """Return (kp, ki, kd) ratios after Zhao, Tomizuka, Isaka 1993, doi 10.1109/21.260670.
 
     A rule fires with mu, the product of its two grades. Inverting mu_S = -ln(x)/4 and mu_B = -ln(1-x)/4
@@ -97,9 +95,7 @@ def product_weighted_sum(
 
 
 @compiled
-def fire_labels(
-    rules: Floats, table: int, error_grades: Floats, change_grades: Floats, fired: Floats
-) -> None:
+def fire_labels(rules: Floats, table: int, error_grades: Floats, change_grades: Floats, fired: Floats) -> None:
     """Write how strongly each output set of one table fires into ``fired``: min for and, max for or."""
     for label in range(7):
         fired[label] = 0.0

@@ -152,8 +152,7 @@ def staircase(
         raise CallerError(f"staircase from {start} to {stop} by {increment}: every number must be finite")
     if increment <= 0.0 or stop <= start:
         raise CallerError(
-            f"staircase from {start} to {stop} by {increment}: "
-            "stop must be above start and the increment above zero"
+            f"staircase from {start} to {stop} by {increment}: stop must be above start and the increment above zero"
         )
     count = round((stop - start) / increment)
     if count < 1 or abs(start + count * increment - stop) > 1e-9 * (abs(start) + abs(stop)):
@@ -174,19 +173,13 @@ def sampled_reference(time_s: ArrayLike, target: ArrayLike) -> SampledReference:
     times = np.array(time_s, dtype=np.float64)
     targets = np.array(target, dtype=np.float64)
     if times.ndim != 1 or times.shape != targets.shape or times.size == 0:
-        raise CallerError(
-            f"a reference needs two columns of one length, not shapes {times.shape} and {targets.shape}"
-        )
+        raise CallerError(f"a reference needs two columns of one length, not shapes {times.shape} and {targets.shape}")
     if not (np.isfinite(times).all() and np.isfinite(targets).all()):
         row = int(np.argmin(np.isfinite(times) & np.isfinite(targets)))
-        raise CallerError(
-            f"the reference holds a value that is not finite, first in row {row}; remove that row"
-        )
+        raise CallerError(f"the reference holds a value that is not finite, first in row {row}; remove that row")
     if (np.diff(times) <= 0.0).any():
         row = int(np.argmax(np.diff(times) <= 0.0)) + 1
-        raise CallerError(
-            f"the times of the reference must increase; row {row} has {times[row]} s; sort the rows"
-        )
+        raise CallerError(f"the times of the reference must increase; row {row} has {times[row]} s; sort the rows")
     return SampledReference(times, targets)
 
 

@@ -160,9 +160,7 @@ class RuleBase(StrictModel):
 
 def rule_base_names() -> tuple[str, ...]:
     """Return the names of the rule bases that come with the package, the default first."""
-    names = sorted(
-        path.name.removesuffix(".toml") for path in _folder().iterdir() if path.name.endswith(".toml")
-    )
+    names = sorted(path.name.removesuffix(".toml") for path in _folder().iterdir() if path.name.endswith(".toml"))
     return (DEFAULT_RULE_BASE, *(name for name in names if name != DEFAULT_RULE_BASE))
 
 
@@ -177,9 +175,7 @@ def load_rule_base(name: str | Path = DEFAULT_RULE_BASE) -> RuleBase:
         try:
             text = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            raise CallerError(
-                f"cannot read the rule base {path}: {error}; give a readable TOML file"
-            ) from None
+            raise CallerError(f"cannot read the rule base {path}: {error}; give a readable TOML file") from None
         return parse_rule_base(text, where=str(path))
     return _built_in(name)
 

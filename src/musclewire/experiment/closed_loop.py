@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from musclewire.controllers import DriveLimits, FuzzyPid, FuzzyPidSettings
+from musclewire.controllers.fuzzy_pid import ControllerState
 from musclewire.controllers.references import Reference, staircase
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.metrics import ControlRun, control_metrics
@@ -18,6 +19,7 @@ from musclewire.experiment.run import Decision, OnSample, run_on_rig
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.resistance import wire_resistance
+from musclewire.signals.recording import MetadataValue
 from musclewire.signals.samples import RawSample
 
 __all__ = ["SelfSensingPolicy", "control", "controller_for"]
@@ -62,7 +64,7 @@ class SelfSensingPolicy:
         self._sample_period_s = sample_period_s
         self._approach_s = approach_s
         self._first_drive_voltage_v = controller.limits.clamp(first_drive_voltage_v)
-        self._state = None
+        self._state: ControllerState | None = None
         self._estimate = model.quantity_min
         self._std = 0.0
         self._blind_samples = 0
@@ -159,7 +161,11 @@ def control(
         approach_s=approach_s,
         first_drive_voltage_v=rig.drive_voltage_v,
     )
-    metadata = {"experiment": "closed loop", "quantity": model.quantity, "approach_s": approach_s}
+    metadata: dict[str, MetadataValue] = {
+        "experiment": "closed loop",
+        "quantity": model.quantity,
+        "approach_s": approach_s,
+    }
     recording = run_on_rig(
         rig,
         policy,
@@ -169,9 +175,7 @@ def control(
         overwrite=overwrite,
         on_sample=on_sample,
     )
-    return ControlRun(
-        recording.columns, recording.metadata, control_metrics(recording, model.quantity, chosen)
-    )
+    return ControlRun(recording.columns, recording.metadata, control_metrics(recording, model.quantity, chosen))
 
 
 def check_targets(model: SensingModel, reference: Reference, sample_period_s: float) -> None:

@@ -41,7 +41,7 @@ class DemoResult:
     files: Mapping[str, Path]
 
 
-def no_progress(task: str, total_s: float) -> AbstractContextManager[OnSample]:
+def no_progress(_task: str, _total_s: float) -> AbstractContextManager[OnSample]:
     """Show nothing."""
     return nullcontext(lambda _: None)
 

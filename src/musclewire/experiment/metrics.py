@@ -71,9 +71,7 @@ class ControlRun(Recording):
     metrics: ControlMetrics = field(default_factory=lambda: ControlMetrics("strain"))
 
 
-def mean_absolute_error(
-    values: NDArray[np.float64], wanted: NDArray[np.float64] | float, per: float
-) -> float:
+def mean_absolute_error(values: NDArray[np.float64], wanted: NDArray[np.float64] | float, per: float) -> float:
     """Return the mean of |value - wanted| over ``per``, in percent (Lan and Fan 2010, Eq. 7)."""
     return float(100.0 * np.mean(np.abs(values - wanted)) / abs(per))
 

@@ -52,7 +52,7 @@ class WaveformPolicy:
         """Return the waveform's start."""
         return self._waveform(0.0)
 
-    def after(self, sample: RawSample, elapsed_s: float) -> Decision:
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:  # noqa: ARG002
         """Return the waveform's next value; a sample that ends a cycle belongs to that cycle."""
         cycle = math.ceil(elapsed_s / self._period_s - 1e-9)
         return Decision(self._waveform(elapsed_s), {"cycle": float(max(cycle, 1))})

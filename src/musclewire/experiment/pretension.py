@@ -55,12 +55,8 @@ class PretensionSweep:
 
             axes = plt.figure(figsize=(6.0, 4.0), layout="constrained").add_subplot()
         forces = [row.pretension_n for row in self.rows]
-        axes.plot(
-            forces, [row.strain_gap_pct for row in self.rows], "o-", color="#1f6f8b", label="strain gap"
-        )
-        with_force = [
-            (row.pretension_n, row.force_gap_pct) for row in self.rows if row.force_gap_pct is not None
-        ]
+        axes.plot(forces, [row.strain_gap_pct for row in self.rows], "o-", color="#1f6f8b", label="strain gap")
+        with_force = [(row.pretension_n, row.force_gap_pct) for row in self.rows if row.force_gap_pct is not None]
         if with_force:
             axes.plot(*zip(*with_force, strict=True), "s--", color="#c8553d", label="force gap")
         axes.axvline(self.best.pretension_n, color="0.7", linewidth=1.0, zorder=0)
@@ -114,9 +110,7 @@ def pretension_sweep(
         if on_setting is not None:
             on_setting(pretension)
         rig.set_pretension(pretension)
-        recording = characterize(
-            rig, amplitude_v=amplitude_v, period_s=period_s, cycles=cycles, on_sample=on_sample
-        )
+        recording = characterize(rig, amplitude_v=amplitude_v, period_s=period_s, cycles=cycles, on_sample=on_sample)
         try:
             gaps = loop_gaps(recording)
         except RecordingError as error:
@@ -132,7 +126,5 @@ def pretension_sweep(
             )
         )
     if not rows:
-        raise RecordingError(
-            f"no pretension gave a usable loop; the last: {failures[-1] if failures else 'none'}"
-        )
+        raise RecordingError(f"no pretension gave a usable loop; the last: {failures[-1] if failures else 'none'}")
     return PretensionSweep(tuple(rows), tuple(failures))

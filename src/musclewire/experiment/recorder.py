@@ -44,9 +44,7 @@ class Recorder:
             "start_time": datetime.now(UTC).isoformat(timespec="seconds"),
         }
         self._rows: list[tuple[float, ...]] = []
-        self._writer = (
-            None if path is None else RecordingWriter(path, columns, self._metadata, overwrite=overwrite)
-        )
+        self._writer = None if path is None else RecordingWriter(path, columns, self._metadata, overwrite=overwrite)
         self._ended = "running"
 
     def append(self, row: Mapping[str, float]) -> None:

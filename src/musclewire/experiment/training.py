@@ -1,8 +1,7 @@
 """What a wire needs before it is used: the first cycles of its life, and a fresh anchor at every start.
 
 A new wire changes in its first cycles: it keeps some strain, its resistance drifts, its hysteresis narrows
-(Churchill and Shaw, SMASIS2009-48968; Hartwich et al., Sensors 21 (2021) 6804, doi 10.3390/s21206804). A model fitted before
-that is over does not last. And a settled wire still reads a little differently from day to day, so R_max and
+(Churchill and Shaw, SMASIS2009-48968; Hartwich et al. 2021, doi 10.3390/s21206804). A model fitted before that is over does not last. And a settled wire still reads a little differently from day to day, so R_max and
 R_min are found anew at each start, from the resistance alone.
 """
 
@@ -68,9 +67,7 @@ def train(
     cycles: list[TrainingCycle] = []
     calm = 0
     for number in range(1, most_cycles + 1):
-        recording = characterize(
-            rig, amplitude_v=amplitude_v, period_s=period_s, cycles=1, on_sample=on_sample
-        )
+        recording = characterize(rig, amplitude_v=amplitude_v, period_s=period_s, cycles=1, on_sample=on_sample)
         reading = resistance_reading(recording)
         segments = find_segments(reading.resistance_ohm, required_quantity(recording), reading.valid)
         cycle = TrainingCycle(
@@ -125,9 +122,7 @@ def recalibrate(
 
     Raises RecordingError where the sweep shows no transformation, or did not reach its ends.
     """
-    recording = characterize(
-        rig, amplitude_v=amplitude_v, period_s=period_s, cycles=1, path=path, on_sample=on_sample
-    )
+    recording = characterize(rig, amplitude_v=amplitude_v, period_s=period_s, cycles=1, path=path, on_sample=on_sample)
     reading = resistance_reading(recording)
     extremes = find_resistance_extremes(reading.resistance_ohm, recording["drive_voltage_v"], reading.valid)
     if not extremes.saw_b:

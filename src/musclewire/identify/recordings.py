@@ -59,12 +59,10 @@ def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatA
         if "force_n" not in recording:
             return None
         pretension = recording.metadata.get("pretension_n")
-        base = (
-            float(pretension) if isinstance(pretension, (int, float)) else float(recording["force_n"].min())
-        )
+        base = float(pretension) if isinstance(pretension, (int, float)) else float(recording["force_n"].min())
         return np.asarray(recording["force_n"] - base)
     if quantity == "displacement":
-        return recording["displacement_m"] if "displacement_m" in recording else None
+        return recording.columns.get("displacement_m")
     if "reference_strain" in recording:
         return recording["reference_strain"]
     length = leg_length_m(recording)
@@ -88,6 +86,5 @@ def required_quantity(recording: Recording, quantity: str = "strain") -> FloatAr
         "force": "force_n",
     }
     raise RecordingError(
-        f"this recording has no {quantity}: it needs the column {needed[quantity]}; it has "
-        f"{', '.join(recording.names)}"
+        f"this recording has no {quantity}: it needs the column {needed[quantity]}; it has {', '.join(recording.names)}"
     )

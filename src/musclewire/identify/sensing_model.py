@@ -57,19 +57,15 @@ def fit(
     )
 
 
-def fit_table(
-    recording: Recording, order: int | str, notes: dict[str, str | float], source: str
-) -> SensingModel:
+def fit_table(recording: Recording, order: int | str, notes: dict[str, str | float], source: str) -> SensingModel:
     """Fit a printed loop: strain on both branches at given resistances."""
     resistance = recording["resistance_ohm"]
-    limits = {
-        name: number(recording.metadata.get(name)) for name in ("resistance_min_ohm", "resistance_max_ohm")
-    }
     return fit_branches(
         (resistance, recording["strain_heating"]),
         (resistance, recording["strain_cooling"]),
         order,
-        **limits,
+        resistance_min_ohm=number(recording.metadata.get("resistance_min_ohm")),
+        resistance_max_ohm=number(recording.metadata.get("resistance_max_ohm")),
         wire=notes,
         source=source,
     )

@@ -62,23 +62,15 @@ class ParameterGroup(BaseModel):
 class Alloy(ParameterGroup):
     """What the metal is, whatever the wire's size. Symbols as in docs/reference/symbols.md."""
 
-    martensite_temperature_k: Parameter = parameter(
-        "K", "T_M0: austenite and martensite in balance, no stress"
-    )
-    martensite_stress_rate_pa_per_k: Parameter = parameter(
-        "Pa/K", "C_M: Clausius-Clapeyron slope of martensite"
-    )
-    martensite_barrier_k: Parameter = parameter(
-        "K", "h_M: half the hysteresis between austenite and martensite"
-    )
+    martensite_temperature_k: Parameter = parameter("K", "T_M0: austenite and martensite in balance, no stress")
+    martensite_stress_rate_pa_per_k: Parameter = parameter("Pa/K", "C_M: Clausius-Clapeyron slope of martensite")
+    martensite_barrier_k: Parameter = parameter("K", "h_M: half the hysteresis between austenite and martensite")
     martensite_barrier_per_pa: Parameter = parameter("K/Pa", "change of h_M with stress")
     martensite_spread_k: Parameter = parameter("K", "w_M: spread of T_M0 over the grains")
     grain_skew: Parameter = parameter("1", "stretch of the upper against the lower half of the spread")
     grain_tail: Parameter = parameter("1", "power of the tails: 0 is a normal distribution")
     r_phase_temperature_k: Parameter = parameter("K", "T_R0: austenite and R-phase in balance, no stress")
-    r_phase_stress_rate_pa_per_k: Parameter = parameter(
-        "Pa/K", "C_R: Clausius-Clapeyron slope of the R-phase"
-    )
+    r_phase_stress_rate_pa_per_k: Parameter = parameter("Pa/K", "C_R: Clausius-Clapeyron slope of the R-phase")
     r_phase_spread_k: Parameter = parameter("K", "w_R: spread of T_R0 over the grains")
     r_phase_entropy_ratio: Parameter = parameter("1", "r: entropy of A to R over that of A to M")
     r_phase_barrier_k: Parameter = parameter("K", "h_R: barrier between austenite and R-phase")
@@ -113,9 +105,7 @@ class Wire(ParameterGroup):
     diameter_m: Parameter = parameter("m", "diameter")
     resistance_per_metre_ohm_per_m: Parameter = parameter("ohm/m", "as sold, martensite, room temperature")
     resistivity_factor: Parameter = parameter("1", "this spool's resistivity over the alloy's")
-    maximum_force_n: Parameter = parameter(
-        "N", "largest force allowed, one leg pair as the paper's Table 1 has it"
-    )
+    maximum_force_n: Parameter = parameter("N", "largest force allowed, one leg pair as the paper's Table 1 has it")
     nominal_force_n: Parameter = parameter("N", "force that stretches the cold wire")
     convection_factor: Parameter = parameter("1", "measured or fitted convection over Churchill and Chu's")
 
@@ -134,9 +124,7 @@ class Bench(ParameterGroup):
     maximum_voltage_v: Parameter = parameter("V", "highest drive voltage allowed")
     shunt_resistance_ohm: Parameter = parameter("ohm", "R of Eq. 1")
     lead_resistance_ohm: Parameter = parameter("ohm", "leads and clamps outside the measured voltages")
-    amplifier_resolution_v: Parameter = parameter(
-        "V", "step of the output converter behind the buffer amplifier"
-    )
+    amplifier_resolution_v: Parameter = parameter("V", "step of the output converter behind the buffer amplifier")
     acquisition_range_v: Parameter = parameter("V", "half of the input range")
     acquisition_bits: Parameter = parameter("1", "resolution of the input converter")
     acquisition_noise_v: Parameter = parameter("V", "input noise, rms per reading")

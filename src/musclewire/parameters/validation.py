@@ -27,9 +27,7 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
     problem = error.errors(include_url=False)[0]
     place = ".".join(str(part) for part in problem["loc"])
     if problem["type"] == "extra_forbidden":
-        return (
-            f"unknown key '{place}'{nearest_hint(str(problem['loc'][-1]), known_keys(model, problem['loc']))}"
-        )
+        return f"unknown key '{place}'{nearest_hint(str(problem['loc'][-1]), known_keys(model, problem['loc']))}"
     message = str(problem["msg"]).removeprefix("Value error, ").replace("\n", " ")
     if problem["type"] == "missing":
         return f"the key '{place}' is missing"

@@ -24,9 +24,7 @@ def maximum_transformation_strain(
     Lagoudas, Hartl, Chemisky, Machado and Popov 2012, Int. J. Plasticity 32-33, 155, Eq. 28,
     doi 10.1016/j.ijplas.2011.10.009.
     """
-    return strain_saturated - (strain_saturated - strain_at_no_stress) * math.exp(
-        -stress_pa / stress_scale_pa
-    )
+    return strain_saturated - (strain_saturated - strain_at_no_stress) * math.exp(-stress_pa / stress_scale_pa)
 
 
 @compiled
@@ -38,13 +36,9 @@ def maximum_transformation_strain_slope_per_pa(
 
 
 @compiled
-def reuss_modulus_pa(
-    martensite_fraction: float, austenite_modulus_pa: float, martensite_modulus_pa: float
-) -> float:
+def reuss_modulus_pa(martensite_fraction: float, austenite_modulus_pa: float, martensite_modulus_pa: float) -> float:
     """Return the modulus [Pa] of phases in series under one stress (Reuss); the R-phase counts as austenite."""
-    return 1.0 / (
-        (1.0 - martensite_fraction) / austenite_modulus_pa + martensite_fraction / martensite_modulus_pa
-    )
+    return 1.0 / ((1.0 - martensite_fraction) / austenite_modulus_pa + martensite_fraction / martensite_modulus_pa)
 
 
 @compiled

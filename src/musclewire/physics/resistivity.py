@@ -15,9 +15,7 @@ def phase_resistivity_ohm_m(
     resistivity_ohm_m: float, temperature_coefficient_per_k: float, temperature_k: float
 ) -> float:
     """Return the resistivity [ohm m] of one phase, linear in temperature from 20 C."""
-    return resistivity_ohm_m * (
-        1.0 + temperature_coefficient_per_k * (temperature_k - REFERENCE_TEMPERATURE_K)
-    )
+    return resistivity_ohm_m * (1.0 + temperature_coefficient_per_k * (temperature_k - REFERENCE_TEMPERATURE_K))
 
 
 @compiled

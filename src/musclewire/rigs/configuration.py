@@ -39,9 +39,7 @@ def read_rig_file(path: str | Path) -> RigConfiguration:
     try:
         data: dict[str, Any] = tomllib.loads(file.read_text("utf-8"))
     except FileNotFoundError:
-        raise CallerError(
-            f"there is no rig file {file}; use the word 'simulated' for the simulated rig"
-        ) from None
+        raise CallerError(f"there is no rig file {file}; use the word 'simulated' for the simulated rig") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise CallerError(f"rig file {file} cannot be read: {error}") from None
     return validated(RigConfiguration, data, f"rig file {file}")

@@ -54,9 +54,7 @@ class SimulatedRig:
         self._real_time = real_time
         self._next_due_s: float | None = None
         self._steps = self._steps_of_a_sample()
-        self._voltage_step_v = (
-            2.0 * self._bench["acquisition_range_v"] / 2.0 ** self._bench["acquisition_bits"]
-        )
+        self._voltage_step_v = 2.0 * self._bench["acquisition_range_v"] / 2.0 ** self._bench["acquisition_bits"]
 
     def _steps_of_a_sample(self) -> int:
         ratio = self._bench["sample_period_s"] / self._bench["time_step_s"]

@@ -67,9 +67,7 @@ def single_valued(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str = "this
 
     resistance, quantity = _in_order(_without_repeats(checked_branch(branch, name)))
     if np.ptp(resistance) <= 0.0:
-        raise RecordingError(
-            f"{name} branch: every resistance is {resistance[0]:.6g} ohm, nothing to compare"
-        )
+        raise RecordingError(f"{name} branch: every resistance is {resistance[0]:.6g} ohm, nothing to compare")
     window = _window(resistance, quantity)
     pooled = isotonic_regression(smooth(resistance, window))
     starts = np.asarray(pooled.blocks[:-1])
@@ -81,8 +79,7 @@ def single_valued(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str = "this
 def _window(resistance: FloatArray, quantity: FloatArray) -> int:
     longest = int(LONGEST_WINDOW_SHARE * resistance.size)
     return max(
-        smoothing_window(noise_level(column), float(np.ptp(column)), longest)
-        for column in (resistance, quantity)
+        smoothing_window(noise_level(column), float(np.ptp(column)), longest) for column in (resistance, quantity)
     )
 
 

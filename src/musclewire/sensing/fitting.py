@@ -178,9 +178,7 @@ def _shared_range(curves: tuple[Branch, Branch], low_ohm: float, high_ohm: float
 
 def _inside(points: FitPoints, shared: tuple[float, float]) -> FitPoints:
     # A rounding error at the end must not cost the end point.
-    inside = (points.normalised_resistance >= shared[0] - 1e-9) & (
-        points.normalised_resistance <= shared[1] + 1e-9
-    )
+    inside = (points.normalised_resistance >= shared[0] - 1e-9) & (points.normalised_resistance <= shared[1] + 1e-9)
     return FitPoints(points.normalised_resistance[inside], points.quantity[inside], points.weights[inside])
 
 
@@ -259,13 +257,10 @@ def _fit_warnings(
     if valid_range != shared:
         lost = 1.0 - (valid_range[1] - valid_range[0]) / (shared[1] - shared[0])
         warnings.append(
-            f"the average polynomial turns back near an end: {100 * lost:.1f} % of the "
-            "resistance range is left out"
+            f"the average polynomial turns back near an end: {100 * lost:.1f} % of the resistance range is left out"
         )
     if min(fit.spare_points for fit in fits) == 0:
-        warnings.append(
-            "the polynomial passes through every point: its residuals and standard errors say nothing"
-        )
+        warnings.append("the polynomial passes through every point: its residuals and standard errors say nothing")
     return tuple(warnings)
 
 
@@ -275,9 +270,7 @@ def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
     stroke = segments.strain_max - segments.strain_cold
     cold_share = 1.0 - segments.transformation_share
     if not segments.returns_cold:
-        warnings.append(
-            "the loop does not come back to cold: B is where it turns, resistances above it are unknown"
-        )
+        warnings.append("the loop does not come back to cold: B is where it turns, resistances above it are unknown")
     elif not USUAL_COLD_SHARE[0] <= cold_share <= USUAL_COLD_SHARE[1]:
         warnings.append(
             f"segment A-B takes {100 * cold_share:.0f} % of the stroke (usually 5 to 25 %): strain below "
@@ -290,9 +283,7 @@ def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
             f"the loop turns, {quantity} above {factor * segments.strain_max:.3g} {unit} is unknown"
         )
     if segments.returns_cold and abs(segments.strain_cold) > UNZEROED_SHARE * stroke:
-        warnings.append(
-            f"{quantity} at cold is {factor * segments.strain_cold:.3g} {unit}, not zero: zero the sensor"
-        )
+        warnings.append(f"{quantity} at cold is {factor * segments.strain_cold:.3g} {unit}, not zero: zero the sensor")
     return tuple(warnings)
 
 

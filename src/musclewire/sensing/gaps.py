@@ -14,9 +14,7 @@ FloatArray = npt.NDArray[np.float64]
 AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
 
 
-def hysteresis_gap(
-    heating: AnyBranch, cooling: AnyBranch, points: int = 400, maximum: float | None = None
-) -> float:
+def hysteresis_gap(heating: AnyBranch, cooling: AnyBranch, points: int = 400, maximum: float | None = None) -> float:
     """Mean distance of the two branches at equal resistance, as a fraction of the maximal quantity.
 
     Source: Lan and Fan 2010, Eq. 2 (strain gap, force gap) and Eq. 9 (displacement gap), without the factor
@@ -69,8 +67,7 @@ def _differences(
     largest = max(float(rising.quantity.max()), float(falling.quantity.max())) if maximum is None else maximum
     if not largest > 0.0:
         raise RecordingError(
-            f"the largest quantity of the loop is {largest:.4g}: contraction must be positive, "
-            "negate the column"
+            f"the largest quantity of the loop is {largest:.4g}: contraction must be positive, negate the column"
         )
     on_heating = np.interp(resistances, rising.resistance_ohm, rising.quantity)
     on_cooling = np.interp(resistances, falling.resistance_ohm, falling.quantity)

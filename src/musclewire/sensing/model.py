@@ -117,16 +117,10 @@ class SensingModel:
             raise CallerError("a sensing model needs at least 2 finite coefficients a branch (order 1)")
         low, high = self.normalised_min, self.normalised_max
         if not -0.5 <= low < high <= 1.5:
-            raise CallerError(
-                f"valid range of normalised resistance {low} to {high}: must rise within -0.5 to 1.5"
-            )
+            raise CallerError(f"valid range of normalised resistance {low} to {high}: must rise within -0.5 to 1.5")
         numbers = (self.hysteresis_gap, self.rmse_heating, self.rmse_cooling, self.rmse_average)
-        if not all(
-            0.0 <= number < inf for number in (*numbers, self.resistance_noise_ohm, float(self.samples))
-        ):
-            raise CallerError(
-                "gap, root mean square errors, noise and samples of a model must be finite, at least 0"
-            )
+        if not all(0.0 <= number < inf for number in (*numbers, self.resistance_noise_ohm, float(self.samples))):
+            raise CallerError("gap, root mean square errors, noise and samples of a model must be finite, at least 0")
         slope = evaluate(_derivative(self.average_coefficients), np.linspace(low, high, DERIVATIVE_CHECKS))
         if not (slope[1:-1] < 0.0).all():
             raise CallerError(
@@ -159,9 +153,7 @@ class SensingModel:
     @overload
     def estimate(self, resistance_ohm: float, resistance_std_ohm: float | None = ...) -> Estimate: ...
     @overload
-    def estimate(
-        self, resistance_ohm: FloatArray, resistance_std_ohm: float | None = ...
-    ) -> ArrayEstimate: ...
+    def estimate(self, resistance_ohm: FloatArray, resistance_std_ohm: float | None = ...) -> ArrayEstimate: ...
     def estimate(
         self, resistance_ohm: float | FloatArray, resistance_std_ohm: float | None = None
     ) -> Estimate | ArrayEstimate:
@@ -304,9 +296,7 @@ class SensingModel:
     def _branch_value(
         self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray
     ) -> float | FloatArray: ...
-    def _branch_value(
-        self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray
-    ) -> float | FloatArray:
+    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray) -> float | FloatArray:
         """A polynomial of the clipped normalised resistance; what is not finite reads as fully contracted."""
         low, high = self.normalised_min, self.normalised_max
         share = (resistance_ohm - self.resistance_min_ohm) * self._per_ohm

@@ -119,9 +119,7 @@ def _document(source: Path) -> dict[str, Any]:
     except OSError as error:
         raise CallerError(f"cannot read model file {source}: {error.strerror or error}") from error
     if len(data) > LARGEST_FILE_BYTES:
-        raise CallerError(
-            f"model file {source} is larger than {LARGEST_FILE_BYTES} bytes: this is no sensing model"
-        )
+        raise CallerError(f"model file {source} is larger than {LARGEST_FILE_BYTES} bytes: this is no sensing model")
     try:
         document = json.loads(data.decode("utf-8"))
     except (ValueError, RecursionError) as error:
@@ -141,11 +139,7 @@ def _contents(model: SensingModel) -> dict[str, Any]:
     return {
         "format": MODEL_FORMAT,
         "version": MODEL_VERSION,
-        **{
-            name: _plain(getattr(model, name))
-            for name in ModelFile.model_fields
-            if name not in ("format", "version")
-        },
+        **{name: _plain(getattr(model, name)) for name in ModelFile.model_fields if name not in ("format", "version")},
     }
 
 
@@ -184,9 +178,7 @@ def _check_derived(model: SensingModel, contents: ModelFile) -> None:
     for name in ("quantity_min", "quantity_max"):
         written, computed = getattr(contents, name), getattr(model, name)
         if abs(written - computed) > allowed:
-            raise CallerError(
-                f"{name} is {written:.6g} and its polynomials give {computed:.6g}: the file was altered"
-            )
+            raise CallerError(f"{name} is {written:.6g} and its polynomials give {computed:.6g}: the file was altered")
     for errors in (contents.heating_standard_errors, contents.cooling_standard_errors):
         if errors and len(errors) != model.order + 1:
             raise CallerError(f"{len(errors)} standard errors for {model.order + 1} coefficients")

@@ -39,9 +39,7 @@ BLOCKS_PER_FOLD = 6
 
 
 @overload
-def normalised_resistance(
-    resistance_ohm: float, resistance_min_ohm: float, resistance_max_ohm: float
-) -> float: ...
+def normalised_resistance(resistance_ohm: float, resistance_min_ohm: float, resistance_max_ohm: float) -> float: ...
 @overload
 def normalised_resistance(
     resistance_ohm: FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
@@ -82,9 +80,7 @@ def evaluate(coefficients: Sequence[float], normalised_resistance: float | Float
 def average(heating: Sequence[float], cooling: Sequence[float]) -> tuple[float, ...]:
     """Coefficients of g_a = (g_h + g_c) / 2 (Lan and Fan 2010, Eq. 5); CallerError on unequal orders."""
     if len(heating) != len(cooling):
-        raise CallerError(
-            f"heating has {len(heating)} coefficients and cooling {len(cooling)}: fit both alike"
-        )
+        raise CallerError(f"heating has {len(heating)} coefficients and cooling {len(cooling)}: fit both alike")
     return tuple((h + c) / 2.0 for h, c in zip(heating, cooling, strict=True))
 
 
@@ -166,9 +162,7 @@ def fit_polynomial(points: FitPoints, order: int, name: str = "this") -> Polynom
 def check_order(order: int) -> None:
     """Raise CallerError unless the order is a whole number from 1 to 15."""
     if not isinstance(order, int) or isinstance(order, bool) or not 1 <= order <= LARGEST_ORDER:
-        raise CallerError(
-            f"polynomial order is {order!r}: use a whole number from 1 to {LARGEST_ORDER}, or 'auto'"
-        )
+        raise CallerError(f"polynomial order is {order!r}: use a whole number from 1 to {LARGEST_ORDER}, or 'auto'")
 
 
 def choose_order(branches: Sequence[FitPoints], largest: int = 9) -> int:
@@ -180,9 +174,7 @@ def choose_order(branches: Sequence[FitPoints], largest: int = 9) -> int:
     """
     smallest = min(points.normalised_resistance.size for points in branches)
     candidates = range(1, max(min(largest, smallest * (FOLDS - 1) // FOLDS - 1), 1) + 1)
-    errors = np.array(
-        [np.concatenate([_left_out_errors(p, order) for p in branches]) for order in candidates]
-    )
+    errors = np.array([np.concatenate([_left_out_errors(p, order) for p in branches]) for order in candidates])
     means = errors.mean(axis=1)
     spread = errors.std(axis=1, ddof=1) / np.sqrt(errors.shape[1])
     best = int(np.argmin(means))

@@ -113,14 +113,8 @@ def _heating(
     resistance = np.asarray(resistance_ohm, dtype=np.float64)
     mask = np.ones(resistance.shape, dtype=np.bool_) if valid is None else np.array(valid, dtype=np.bool_)
     drive = None if drive_voltage_v is None else np.asarray(drive_voltage_v, dtype=np.float64)
-    if (
-        resistance.ndim != 1
-        or mask.shape != resistance.shape
-        or (drive is not None and drive.shape != mask.shape)
-    ):
-        raise RecordingError(
-            "resistance, drive voltage and valid must be columns of equal length, of one wire"
-        )
+    if resistance.ndim != 1 or mask.shape != resistance.shape or (drive is not None and drive.shape != mask.shape):
+        raise RecordingError("resistance, drive voltage and valid must be columns of equal length, of one wire")
     if drive is not None and drive.size:
         mask = mask & (np.arange(drive.size) <= np.flatnonzero(drive == drive.max())[-1])
     place = np.flatnonzero(mask)

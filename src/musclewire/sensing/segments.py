@@ -126,9 +126,7 @@ class _Signals:
     starts_low: bool
 
     @classmethod
-    def read(
-        cls, resistance_ohm: npt.ArrayLike, strain: npt.ArrayLike, valid: npt.ArrayLike | None
-    ) -> _Signals:
+    def read(cls, resistance_ohm: npt.ArrayLike, strain: npt.ArrayLike, valid: npt.ArrayLike | None) -> _Signals:
         place, resistance, contraction = _usable(resistance_ohm, strain, valid)
         _check_stroke(contraction)
         swing = max(LEAST_SWING * float(np.ptp(contraction)), LEAST_SIGNAL * noise_level(contraction))

@@ -89,9 +89,7 @@ def branch_runs(curves: Smoothed, turns: list[int], starts_low: bool) -> list[Ru
     """
     refined = [_refined_turn(curves, turns, k, starts_low ^ bool(k % 2)) for k in range(len(turns))]
     return [
-        Run(first, last, starts_low ^ bool(k % 2))
-        for k, (first, last) in enumerate(pairwise(refined))
-        if last > first
+        Run(first, last, starts_low ^ bool(k % 2)) for k, (first, last) in enumerate(pairwise(refined)) if last > first
     ]
 
 

@@ -200,9 +200,7 @@ def _is_number(value: object) -> bool:
     return True
 
 
-def _create_file(
-    path: Path, names: Sequence[str], metadata: Mapping[str, MetadataValue], overwrite: bool
-) -> Any:
+def _create_file(path: Path, names: Sequence[str], metadata: Mapping[str, MetadataValue], overwrite: bool) -> Any:
     import h5py
 
     try:
@@ -214,9 +212,7 @@ def _create_file(
         raise CallerError(f"{path}: cannot be written: {reason}; check the folder") from None
     for name in names:
         # A row that never arrived is NaN, not a plausible zero.
-        dataset = file.create_dataset(
-            name, (0,), dtype="f8", maxshape=(None,), chunks=(_CHUNK_ROWS,), fillvalue=np.nan
-        )
+        dataset = file.create_dataset(name, (0,), dtype="f8", maxshape=(None,), chunks=(_CHUNK_ROWS,), fillvalue=np.nan)
         dataset.attrs["unit"] = COLUMNS[name].unit
     file.attrs["format"] = FORMAT
     file.attrs["format_version"] = FORMAT_VERSION
@@ -231,25 +227,17 @@ def _open_file(path: Path) -> Any:
     import h5py
 
     if not path.is_file():
-        raise RecordingError(
-            f"{path}: {'is a folder' if path.is_dir() else 'no such file'}; give a recording file"
-        )
+        raise RecordingError(f"{path}: {'is a folder' if path.is_dir() else 'no such file'}; give a recording file")
     try:
         return h5py.File(path, "r")
     except BlockingIOError:
-        raise RecordingError(
-            f"{path}: is still being written by another process; wait until it ends"
-        ) from None
+        raise RecordingError(f"{path}: is still being written by another process; wait until it ends") from None
     except PermissionError:
         raise RecordingError(f"{path}: may not be read; check its permissions") from None
     except OSError as problem:
         if "signature not found" in str(problem):
-            raise RecordingError(
-                f"{path}: is not an HDF5 file; export it as CSV with units in the header"
-            ) from None
-        raise RecordingError(
-            f"{path}: is a damaged HDF5 file ({_first_line(problem)}); use another copy"
-        ) from None
+            raise RecordingError(f"{path}: is not an HDF5 file; export it as CSV with units in the header") from None
+        raise RecordingError(f"{path}: is a damaged HDF5 file ({_first_line(problem)}); use another copy") from None
 
 
 @contextlib.contextmanager
@@ -260,9 +248,7 @@ def _damage_reported(path: Path) -> Any:
     except RecordingError:
         raise
     except (OSError, KeyError, RuntimeError, ValueError, TypeError) as problem:
-        raise RecordingError(
-            f"{path}: is a damaged recording ({_first_line(problem)}); use another copy"
-        ) from None
+        raise RecordingError(f"{path}: is a damaged recording ({_first_line(problem)}); use another copy") from None
 
 
 def _check_format(file: Any, path: Path) -> None:
@@ -283,9 +269,7 @@ def _values(file: Any, name: str, path: Path) -> NDArray[np.float64]:
         raise RecordingError(f"{path}: the column '{name}' is announced and missing; use another copy")
     values: NDArray[np.float64] = np.asarray(file[name][()], dtype=np.float64)
     if values.ndim != 1:
-        raise RecordingError(
-            f"{path}: column '{name}' has shape {values.shape}; it must have one value per row"
-        )
+        raise RecordingError(f"{path}: column '{name}' has shape {values.shape}; it must have one value per row")
     return values
 
 

@@ -113,9 +113,7 @@ def _find(name: str, wanted: str, headers: Sequence[str], path: str) -> tuple[in
                 return indices[0], extra
             if indices and spelling(text):
                 same = ", ".join(f"'{headers[i]}'" for i in indices)
-                raise RecordingError(
-                    f"{path}: {name}={wanted} fits {same}; write the whole header, with its unit"
-                )
+                raise RecordingError(f"{path}: {name}={wanted} fits {same}; write the whole header, with its unit")
     hint = nearest_hint(header if colon else wanted, headers)
     raise RecordingError(f"{path}: no column '{header if colon else wanted}', mapped to {name}{hint}")
 
@@ -134,9 +132,7 @@ def _recognised(header: str, index: int, path: str, spoken_for: frozenset[str]) 
         name, unit, candidates = _with_unit_as_last_word(header)
     candidates = tuple(column for column in candidates if column.name not in spoken_for)
     if not candidates:
-        return Ignored(
-            header, "its column is mapped to another header" if columns_called(name) else "name not known"
-        )
+        return Ignored(header, "its column is mapped to another header" if columns_called(name) else "name not known")
     fitting = [column for column in candidates if unit is not None and measures(unit, column.name)]
     column = (fitting or list(candidates))[0]
     if unit is None and column.unit and column.kind == "control":
@@ -187,9 +183,7 @@ def _taken(
             f"or map it: {column.name}={bare}:{column.unit}"
         )
     conversion = conversion_to_si(unit or "", column.name, f"{path}: column '{header.strip()}'")
-    return Taken(
-        header, index, column.name, unit or "", unit is not None, conversion.factor, conversion.offset, how
-    )
+    return Taken(header, index, column.name, unit or "", unit is not None, conversion.factor, conversion.offset, how)
 
 
 def _as_branch_table(taken: list[Taken]) -> list[Taken]:
@@ -198,10 +192,7 @@ def _as_branch_table(taken: list[Taken]) -> list[Taken]:
     is_table = {"strain_heating", "strain_cooling"} <= columns and not {"time_s", BRANCH_TABLE[0]} & columns
     if not is_table:
         return taken
-    return [
-        replace(item, column=BRANCH_TABLE[0]) if item.column == "wire_resistance_ohm" else item
-        for item in taken
-    ]
+    return [replace(item, column=BRANCH_TABLE[0]) if item.column == "wire_resistance_ohm" else item for item in taken]
 
 
 def _check_taken_once(taken: Sequence[Taken], path: str) -> None:

@@ -37,9 +37,7 @@ def checked_metadata(metadata: Mapping[str, MetadataValue]) -> Mapping[str, Meta
 
 def _checked_key(key: str) -> str:
     if not isinstance(key, str) or not _KEY.fullmatch(key):
-        raise CallerError(
-            f"metadata key {key!r} must be lower-case letters, digits, '_' and '.', as wire_length_m"
-        )
+        raise CallerError(f"metadata key {key!r} must be lower-case letters, digits, '_' and '.', as wire_length_m")
     if key in RESERVED:
         raise CallerError(f"metadata key '{key}' belongs to the file format; choose another name")
     return key

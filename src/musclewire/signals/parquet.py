@@ -85,8 +85,7 @@ def fill_parquet(recording: Recording, path: Path) -> None:
     """Write ``recording`` to ``path`` with our names, units as field metadata, and the metadata as JSON."""
     pa, parquet = _pyarrow()
     fields = [
-        pa.field(name, pa.float64(), nullable=False, metadata={"unit": COLUMNS[name].unit})
-        for name in recording.names
+        pa.field(name, pa.float64(), nullable=False, metadata={"unit": COLUMNS[name].unit}) for name in recording.names
     ]
     document = json.dumps({"format_version": 1, "metadata": dict(recording.metadata)})
     schema = pa.schema(fields, metadata={_KEY: document.encode()})

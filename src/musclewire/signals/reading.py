@@ -50,9 +50,7 @@ class Understanding:
     def __str__(self) -> str:
         """Say it in lines for a person."""
         lines = [f"{self.path}: {self.layout}, {self.row_count} rows"]
-        lines += [
-            f"  '{item.header}' -> {item.column}{_arithmetic(item)} ({item.how})" for item in self.taken
-        ]
+        lines += [f"  '{item.header}' -> {item.column}{_arithmetic(item)} ({item.how})" for item in self.taken]
         lines += [f"  '{item.header}' ignored: {item.reason}" for item in self.ignored]
         lines += [f"  {key} = {value}" for key, value in self.metadata.items()]
         return "\n".join(lines)

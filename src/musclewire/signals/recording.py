@@ -112,9 +112,7 @@ class Recording:
         added = {**(columns or {}), **more}
         return Recording({**self.columns, **added}, self.metadata)  # type: ignore[dict-item]
 
-    def with_metadata(
-        self, metadata: Mapping[str, MetadataValue] | None = None, /, **more: MetadataValue
-    ) -> Recording:
+    def with_metadata(self, metadata: Mapping[str, MetadataValue] | None = None, /, **more: MetadataValue) -> Recording:
         """Return a recording in which these metadata are added or replaced."""
         return Recording(self.columns, {**self.metadata, **(metadata or {}), **more})
 
@@ -122,9 +120,7 @@ class Recording:
         """Return rows ``start`` to ``stop`` (not included), counted from 0 as in a Python slice."""
         for row in (start, stop):
             if row is not None and not isinstance(row, (int, np.integer)):
-                raise CallerError(
-                    f"between() counts rows, got {row!r}; use numpy.searchsorted on time_s for times"
-                )
+                raise CallerError(f"between() counts rows, got {row!r}; use numpy.searchsorted on time_s for times")
         return Recording({name: values[start:stop] for name, values in self.columns.items()}, self.metadata)
 
     def to_pandas(self) -> pd.DataFrame:
@@ -171,13 +167,9 @@ def _read_only(name: str, values: ArrayLike) -> FloatArray:
     try:
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise CallerError(
-            f"column '{name}' must be numbers; got {type(values).__name__} of something else"
-        ) from None
+        raise CallerError(f"column '{name}' must be numbers; got {type(values).__name__} of something else") from None
     if array.ndim != 1:
-        raise CallerError(
-            f"column '{name}' has shape {array.shape}; give one number per row, shape (n_times,)"
-        )
+        raise CallerError(f"column '{name}' has shape {array.shape}; give one number per row, shape (n_times,)")
     if array.flags.writeable:
         # Whoever handed us the array keeps theirs; ours must not change under the readers.
         array = array.copy()

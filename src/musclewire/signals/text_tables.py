@@ -137,9 +137,7 @@ def _comments_and_lines(text: str, path: Path) -> tuple[list[str], list[_Line]]:
     while lines and not lines[-1][1].strip(" \t;,"):
         lines.pop()
     if not lines:
-        raise RecordingError(
-            f"{path}: has no rows; the first line names the columns, the others hold numbers"
-        )
+        raise RecordingError(f"{path}: has no rows; the first line names the columns, the others hold numbers")
     return comments, lines
 
 
@@ -175,9 +173,7 @@ def _split(line: str, separator: str) -> list[str]:
         return line.split(separator)
 
 
-def _cells(
-    lines: Sequence[_Line], separator: str, path: Path
-) -> tuple[list[str], list[list[str]], list[int]]:
+def _cells(lines: Sequence[_Line], separator: str, path: Path) -> tuple[list[str], list[list[str]], list[int]]:
     rows = [_split(line, separator) for _, line in lines[1:]]
     header_line = lines[0][1]
     if separator == " ":
@@ -209,9 +205,7 @@ def _spaced_headers(line: str, width: int, path: Path) -> list[str]:
     )
 
 
-def _commented_headers(
-    comments: Sequence[str], separator: str, cells: Sequence[str], path: Path
-) -> list[str]:
+def _commented_headers(comments: Sequence[str], separator: str, cells: Sequence[str], path: Path) -> list[str]:
     """Take the last comment as headers, as numpy.savetxt writes them; RecordingError when there are none."""
     last = comments[-1] if comments else ""
     if last and "=" not in last:

@@ -24,9 +24,7 @@ def write_whole(path: Path, write: Callable[[Path], None]) -> None:
         _to_disk(temporary)
         temporary.replace(path)
     except OSError as problem:
-        raise CallerError(
-            f"{path}: cannot be written: {problem.strerror or problem}; check the folder"
-        ) from None
+        raise CallerError(f"{path}: cannot be written: {problem.strerror or problem}; check the folder") from None
     finally:
         temporary.unlink(missing_ok=True)
 

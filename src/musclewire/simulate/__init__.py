@@ -1,0 +1,1 @@
+"""Simulated wires: state in, state out."""

@@ -153,9 +153,7 @@ class Drives(NamedTuple):
 
 
 @compiled
-def drives_at(
-    constants: WireConstants, temperature_k: float, stress_pa: float, barrier_factor: float
-) -> Drives:
+def drives_at(constants: WireConstants, temperature_k: float, stress_pa: float, barrier_factor: float) -> Drives:
     """Return the six drives at a temperature and a stress."""
     martensite = advantage_k(
         temperature_k,
@@ -167,9 +165,7 @@ def drives_at(
         temperature_k, stress_pa, constants.r_phase_temperature_k, constants.r_phase_stress_rate_pa_per_k
     )
     preference = martensite - r_phase
-    barrier = barrier_factor * (
-        constants.martensite_barrier_k + constants.martensite_barrier_per_pa * stress_pa
-    )
+    barrier = barrier_factor * (constants.martensite_barrier_k + constants.martensite_barrier_per_pa * stress_pa)
     return Drives(
         martensite - barrier,
         r_phase - constants.r_phase_barrier_k,
@@ -267,9 +263,7 @@ def strain_at(
         stress_pa, constants.strain_at_no_stress, constants.strain_saturated, constants.strain_stress_scale_pa
     )
     transformation = orientable * martensite + constants.r_phase_strain * r_phase
-    elastic = stress_pa / reuss_modulus_pa(
-        martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa
-    )
+    elastic = stress_pa / reuss_modulus_pa(martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa)
     expansion = constants.martensite_expansion_per_k * martensite + constants.austenite_expansion_per_k * (
         1.0 - martensite
     )
@@ -327,14 +321,10 @@ def resistance_of(
 ) -> float:
     """Return the wire's resistance [ohm]: phases mixed by volume, then the change of shape."""
     transformation, elastic, thermal = strain_at(constants, stress_pa, martensite, r_phase, temperature_k)
-    martensite_resistivity = constants.martensite_resistivity_ohm_m * (
-        1.0 + constants.shakedown_resistivity * fresh
-    )
+    martensite_resistivity = constants.martensite_resistivity_ohm_m * (1.0 + constants.shakedown_resistivity * fresh)
     resistivity = (
         martensite
-        * phase_resistivity_ohm_m(
-            martensite_resistivity, constants.martensite_resistivity_per_k, temperature_k
-        )
+        * phase_resistivity_ohm_m(martensite_resistivity, constants.martensite_resistivity_per_k, temperature_k)
         + r_phase
         * phase_resistivity_ohm_m(
             constants.r_phase_resistivity_ohm_m, constants.r_phase_resistivity_per_k, temperature_k
@@ -414,22 +404,12 @@ def advance(
         new_martensite = martensite
         new_r_phase = r_phase
         # A grain moves only when a drive has risen since the grains last saw it.
-        if (
-            drives.a_to_m_k > seen.a_to_m_k
-            or drives.a_to_r_k > seen.a_to_r_k
-            or drives.r_to_m_k > seen.r_to_m_k
-        ):
+        if drives.a_to_m_k > seen.a_to_m_k or drives.a_to_r_k > seen.a_to_r_k or drives.r_to_m_k > seen.r_to_m_k:
             new_martensite, new_r_phase = cool_grains(constants, drives, grain_martensite, grain_r_phase)
-        if (
-            drives.m_to_a_k > seen.m_to_a_k
-            or drives.r_to_a_k > seen.r_to_a_k
-            or drives.m_to_r_k > seen.m_to_r_k
-        ):
+        if drives.m_to_a_k > seen.m_to_a_k or drives.r_to_a_k > seen.r_to_a_k or drives.m_to_r_k > seen.m_to_r_k:
             new_martensite, new_r_phase = heat_grains(constants, drives, grain_martensite, grain_r_phase)
         seen = drives
-        transformed = (new_martensite - martensite) + constants.r_phase_entropy_ratio * (
-            new_r_phase - r_phase
-        )
+        transformed = (new_martensite - martensite) + constants.r_phase_entropy_ratio * (new_r_phase - r_phase)
         cycles += 0.5 * abs(new_martensite - martensite)
         martensite = new_martensite
         r_phase = new_r_phase
@@ -440,13 +420,9 @@ def advance(
         )
 
         # Mechanical balance with the load.
-        new_stress = stress_in_balance_pa(
-            constants, stress, martensite, r_phase, temperature, friction, residual
-        )
+        new_stress = stress_in_balance_pa(constants, stress, martensite, r_phase, temperature, friction, residual)
         new_contraction = (
-            constants.cold_strain
-            - total_strain(constants, new_stress, martensite, r_phase, temperature)
-            - residual
+            constants.cold_strain - total_strain(constants, new_stress, martensite, r_phase, temperature) - residual
         )
         friction = friction_force_n(
             friction,
@@ -483,7 +459,5 @@ def advance(
         grain_martensite,
         grain_r_phase,
     )
-    means = Sums(
-        wire_voltage_sum / steps, shunt_voltage_sum / steps, displacement_sum / steps, force_sum / steps
-    )
+    means = Sums(wire_voltage_sum / steps, shunt_voltage_sum / steps, displacement_sum / steps, force_sum / steps)
     return after, means

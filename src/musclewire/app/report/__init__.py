@@ -1,0 +1,1 @@
+"""The report of the demo: figures and one HTML page."""

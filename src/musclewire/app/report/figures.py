@@ -58,7 +58,8 @@ def svg(figure: Figure, name: str) -> str:
     """Return a figure as an <svg> element; ``name`` keeps its ids apart from other figures in one page."""
     text = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
-        FigureCanvasSVG(figure).print_svg(text, metadata={"Date": None})
+        FigureCanvasSVG(figure)
+        figure.savefig(text, format="svg", metadata={"Date": None})
     whole = text.getvalue()
     return whole[whole.index("<svg") :]
 
@@ -66,7 +67,7 @@ def svg(figure: Figure, name: str) -> str:
 def report_figures(result: DemoResult) -> Mapping[str, str]:
     """Return every figure of the report as SVG, by name."""
     major = next(iter(result.loops.values()))
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(STYLE):  # type: ignore[arg-type]  # matplotlib lists every key as a literal
         figures = {
             "loops": loops_figure(result.loops, result.gaps),
             "fit": fit_figure(result.model, result.gaps),
@@ -91,17 +92,13 @@ def loops_figure(loops: Mapping[float, Recording], gaps: LoopGaps) -> Figure:
     for shade, (volts, recording) in zip(MINOR_SHADES, minor, strict=False):
         last = recording["cycle"] == recording["cycle"].max()
         strain = 100.0 * required_quantity(recording)[last]
-        left.plot(
-            recording["drive_voltage_v"][last], strain, color=shade, linewidth=1.1, label=f"{volts:g} V"
-        )
+        left.plot(recording["drive_voltage_v"][last], strain, color=shade, linewidth=1.1, label=f"{volts:g} V")
         resistance = resistance_reading(recording).resistance_ohm[last]
         right.plot(resistance, strain, color=shade, linewidth=1.1)
     strain = 100.0 * required_quantity(major)
     resistance = resistance_reading(major).resistance_ohm
     for part, colour, name in zip(halves(gaps), (HEATING, COOLING), ("heating", "cooling"), strict=True):
-        left.plot(
-            major["drive_voltage_v"][part], strain[part], color=colour, label=f"{amplitude:g} V, {name}"
-        )
+        left.plot(major["drive_voltage_v"][part], strain[part], color=colour, label=f"{amplitude:g} V, {name}")
         right.plot(resistance[part], strain[part], color=colour)
     mark_points(right, resistance, strain, gaps)
     left.set(xlabel="drive voltage [V]", ylabel="strain [%]", title="Strain against voltage: a wide loop")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.metadata import version
 from importlib.resources import files
@@ -47,7 +47,11 @@ def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
         version=escape(version("musclewire")),
         files="".join(f"<li><code>{escape(file.name)}</code></li>" for file in result.files.values()),
     )
-    write_whole(path, lambda part: part.write_text(page, "utf-8"))
+
+    def write(part: Path) -> None:
+        part.write_text(page, "utf-8")
+
+    write_whole(path, write)
 
 
 def cards(result: DemoResult, wall_s: float) -> str:
@@ -144,8 +148,6 @@ def warnings_list(warnings: Iterable[str]) -> str:
     return f'<div class="warning"><b>The fit says:</b><ul>{items}</ul></div>' if items else ""
 
 
-def table_rows(rows: Sequence[Sequence[str]] | Sequence[Mapping[str, str]]) -> str:
+def table_rows(rows: Sequence[Sequence[str]]) -> str:
     """Return rows of an HTML table, every cell escaped."""
-    return "".join(
-        "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows
-    )
+    return "".join("<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows)
