@@ -265,7 +265,7 @@ def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:
 def read_reference(reference: str, quantity: str) -> Reference:
     """Return the paper's staircase, or the targets in a recording file."""
     from musclewire.controllers import sampled_reference, staircase
-    from musclewire.experiment.metrics import COLUMN_SUFFIX
+    from musclewire.identify.recordings import COLUMN_SUFFIX
     from musclewire.signals import read_recording
 
     if reference == "staircase":

@@ -16,6 +16,7 @@ from musclewire.controllers.references import Reference, staircase
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
+from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.resistance import wire_resistance
@@ -30,7 +31,6 @@ APPROACH_S = 12.0
 LONGEST_BLIND_SAMPLES = 10
 # What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
 RANGE_AS_PERCENT_STRAIN = 3.0
-COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
 
 
 def controller_for(rig: Rig, model: SensingModel, settings: FuzzyPidSettings | None = None) -> FuzzyPid:

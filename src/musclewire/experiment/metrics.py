@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.controllers.references import Reference, Staircase, Step
-from musclewire.identify.recordings import reference_quantity
+from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity
 from musclewire.signals.recording import Recording
 
 __all__ = ["ControlMetrics", "ControlRun", "StepMetrics", "control_metrics", "mean_absolute_error"]
 
 # Eq. 7 counts "sequentially after one second of each step (till the end of each step)".
 SETTLE_S = 1.0
-COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
 
 
 @dataclass(frozen=True)

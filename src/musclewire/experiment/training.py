@@ -1,8 +1,9 @@
 """What a wire needs before it is used: the first cycles of its life, and a fresh anchor at every start.
 
 A new wire changes in its first cycles: it keeps some strain, its resistance drifts, its hysteresis narrows
-(Churchill and Shaw, SMASIS2009-48968; Hartwich et al. 2021, doi 10.3390/s21206804). A model fitted before that is over does not last. And a settled wire still reads a little differently from day to day, so R_max and
-R_min are found anew at each start, from the resistance alone.
+(Churchill and Shaw, SMASIS2009-48968; Hartwich et al. 2021, doi 10.3390/s21206804). A model fitted before that is
+over does not last. And a settled wire still reads a little differently from day to day, so R_max and R_min are
+found anew at each start, from the resistance alone.
 """
 
 from __future__ import annotations

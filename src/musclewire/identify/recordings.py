@@ -10,10 +10,12 @@ from musclewire.sensing.resistance import ArrayReading, wire_resistance, wire_re
 from musclewire.signals.electrical import ElectricalSource, require_electrical
 from musclewire.signals.recording import Recording
 
-__all__ = ["QUANTITIES", "reference_quantity", "required_quantity", "resistance_reading"]
+__all__ = ["COLUMN_SUFFIX", "QUANTITIES", "reference_quantity", "required_quantity", "resistance_reading"]
 
 FloatArray = NDArray[np.float64]
 QUANTITIES = ("strain", "displacement", "force")
+# How columns of each quantity end: target_strain, estimated_displacement_m, target_force_n.
+COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
 
 
 def resistance_reading(recording: Recording) -> ArrayReading:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.errors import RecordingError
-from musclewire.identify.recordings import reference_quantity, required_quantity, resistance_reading
+from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity, required_quantity, resistance_reading
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.recording import MetadataValue, Recording
@@ -24,7 +24,6 @@ WIRE_NOTES = (
     "pretension_n",
     "spring_stiffness_n_per_m",
 )
-COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
 
 
 def fit(

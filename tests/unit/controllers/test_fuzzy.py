@@ -78,12 +78,8 @@ def test_liu_agrees_with_scikit_fuzzy(error: float, change: float) -> None:
 
 @pytest.mark.parametrize(("error", "change"), POINTS)
 def test_mirrored_liu_agrees_with_scikit_fuzzy_at_the_mirrored_point(error: float, change: float) -> None:
-    expected = scikit_fuzzy_ratios(
-        load_rule_base("liu-7x7"), -abs(error), -math.copysign(1.0, error) * change
-    )
-    assert infer_ratios(load_rule_base("liu-7x7-mirrored"), error, change) == pytest.approx(
-        expected, abs=1e-12
-    )
+    expected = scikit_fuzzy_ratios(load_rule_base("liu-7x7"), -abs(error), -math.copysign(1.0, error) * change)
+    assert infer_ratios(load_rule_base("liu-7x7-mirrored"), error, change) == pytest.approx(expected, abs=1e-12)
 
 
 @cache
@@ -165,9 +161,7 @@ def test_zhao_at_the_origin_is_big_third_big() -> None:
 @given(ratios, ratios)
 def test_zhao_tunes_both_directions_alike(error: float, change: float) -> None:
     rule_base = load_rule_base("zhao-1993")
-    assert infer_ratios(rule_base, error, change) == pytest.approx(
-        infer_ratios(rule_base, -error, -change), abs=1e-13
-    )
+    assert infer_ratios(rule_base, error, change) == pytest.approx(infer_ratios(rule_base, -error, -change), abs=1e-13)
 
 
 @given(ratios, ratios)

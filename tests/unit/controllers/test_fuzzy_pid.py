@@ -126,9 +126,7 @@ def test_the_drive_never_leaves_its_limits_whatever_is_measured(
         assert LIMITS.sense_voltage_v <= value <= LIMITS.maximum_voltage_v
 
 
-@given(
-    st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=20), st.floats(1e-3, 1.0)
-)
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=20), st.floats(1e-3, 1.0))
 def test_absurd_but_finite_measurements_are_survived_or_refused_but_never_leave_the_limits(
     measured: list[float], dt_s: float
 ) -> None:
@@ -230,9 +228,7 @@ def test_the_error_unit_makes_metres_control_like_strain() -> None:
     assert in_metres == pytest.approx(in_strain, rel=1e-9)
 
 
-@given(
-    st.sampled_from(rule_base_names()), st.floats(0.4, 3.2), strains, strains, strains, st.floats(1e-3, 1.0)
-)
+@given(st.sampled_from(rule_base_names()), st.floats(0.4, 3.2), strains, strains, strains, st.floats(1e-3, 1.0))
 def test_the_compiled_tick_equals_plain_python_to_the_bit(
     rule_base: str, drive: float, before: float, measured: float, target: float, dt_s: float
 ) -> None:
@@ -288,9 +284,7 @@ def test_an_unknown_rule_base_is_refused_when_the_controller_is_built() -> None:
     ("sense", "maximum", "message"),
     [(0.0, 3.0, "Eq. 1"), (-1.0, 3.0, "above zero"), (3.0, 3.0, "must be below"), (0.4, math.nan, "finite")],
 )
-def test_limits_without_room_or_without_sense_current_are_refused(
-    sense: float, maximum: float, message: str
-) -> None:
+def test_limits_without_room_or_without_sense_current_are_refused(sense: float, maximum: float, message: str) -> None:
     with pytest.raises(CallerError, match=message):
         DriveLimits(sense, maximum)
 

@@ -60,9 +60,7 @@ def test_one_way_stairs_stop_at_the_top() -> None:
         (1e9, 0.015),
     ],
 )
-def test_the_target_changes_at_the_start_of_its_step_and_stays_after_the_end(
-    time_s: float, target: float
-) -> None:
+def test_the_target_changes_at_the_start_of_its_step_and_stays_after_the_end(time_s: float, target: float) -> None:
     assert staircase().target_at(time_s) == target
 
 
@@ -83,9 +81,7 @@ def test_many_targets_equal_one_at_a_time(times_s: list[float]) -> None:
 
 
 @given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=20), st.floats(0.01, 100.0))
-def test_every_step_of_any_staircase_shows_its_own_level_in_its_middle(
-    levels: list[float], hold_s: float
-) -> None:
+def test_every_step_of_any_staircase_shows_its_own_level_in_its_middle(levels: list[float], hold_s: float) -> None:
     stairs = Staircase(tuple(levels), hold_s)
     for step in stairs.steps:
         assert stairs.target_at((step.start_s + step.stop_s) / 2.0) == step.target

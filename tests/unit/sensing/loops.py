@@ -89,9 +89,7 @@ def noisy(loop: Loop, resistance_share: float, strain_share: float, seed: int = 
     """White noise: a share of the mean resistance, and a share of the stroke."""
     random = np.random.default_rng(seed)
     size = loop.strain.size
-    resistance = (
-        loop.resistance_ohm + random.normal(size=size) * resistance_share * loop.resistance_ohm.mean()
-    )
+    resistance = loop.resistance_ohm + random.normal(size=size) * resistance_share * loop.resistance_ohm.mean()
     strain = loop.strain + random.normal(size=size) * strain_share * np.ptp(loop.strain)
     return Loop(resistance, strain, loop.time_s)
 

@@ -47,9 +47,7 @@ def test_a_rest_in_the_middle_does_not_pull_the_fit() -> None:
     steady = MAKER.along(np.concatenate([up, up[::-1]]))
     resting = MAKER.along(np.concatenate([up[:300], np.full(5000, up[300]), up[300:], up[::-1]]))
     resistance = np.linspace(15.2, 17.4, 40)
-    assert fitted(resting, 3).strain(resistance) == pytest.approx(
-        fitted(steady, 3).strain(resistance), abs=2e-5
-    )
+    assert fitted(resting, 3).strain(resistance) == pytest.approx(fitted(steady, 3).strain(resistance), abs=2e-5)
 
 
 def test_segments_already_found_give_the_same_model() -> None:

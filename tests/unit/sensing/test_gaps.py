@@ -47,9 +47,7 @@ def test_the_gap_of_a_clean_loop_is_the_exact_one(middle_gap: float, samples: in
 
 @pytest.mark.parametrize("crossing", [False, True])
 @pytest.mark.parametrize("seed", range(5))
-def test_noise_of_a_fiftieth_percent_moves_the_gap_by_less_than_a_tenth_of_a_point(
-    crossing: bool, seed: int
-) -> None:
+def test_noise_of_a_fiftieth_percent_moves_the_gap_by_less_than_a_tenth_of_a_point(crossing: bool, seed: int) -> None:
     for middle_gap in (0.0002, 0.001, 0.003):
         maker = LoopMaker(middle_gap=middle_gap, crossing=crossing)
         loop = noisy(maker.record(1800), 2e-4, 1e-3, seed)
@@ -87,9 +85,7 @@ def test_unusable_branches_and_arguments_are_named() -> None:
         hysteresis_gap(straight(0.0), straight(0.0), points=0)
 
 
-branches = st.integers(10, 400).flatmap(
-    lambda n: st.tuples(st.just(n), st.floats(0.3, 3.0), st.floats(-0.002, 0.002))
-)
+branches = st.integers(10, 400).flatmap(lambda n: st.tuples(st.just(n), st.floats(0.3, 3.0), st.floats(-0.002, 0.002)))
 
 
 def curve(shape: tuple[int, float, float]) -> tuple[Column, Column]:

@@ -69,9 +69,7 @@ def test_the_average_of_the_inverse_returns_the_strain(model: SensingModel, plac
 
 @settings(deadline=None)
 @given(monotone_models(), st.lists(st.floats(5, 30), min_size=1, max_size=10))
-def test_one_sample_and_an_array_give_the_same_estimates(
-    model: SensingModel, resistances: list[float]
-) -> None:
+def test_one_sample_and_an_array_give_the_same_estimates(model: SensingModel, resistances: list[float]) -> None:
     many = model.estimate(np.array(resistances))
     for index, resistance in enumerate(resistances):
         one = model.estimate(resistance)
@@ -83,9 +81,7 @@ def test_one_sample_and_an_array_give_the_same_estimates(
 
 @settings(deadline=None)
 @given(monotone_models(), st.floats(allow_nan=True, allow_infinity=True))
-def test_any_resistance_gives_a_finite_estimate_within_the_range(
-    model: SensingModel, resistance: float
-) -> None:
+def test_any_resistance_gives_a_finite_estimate_within_the_range(model: SensingModel, resistance: float) -> None:
     estimate = model.estimate(resistance)
     assert model.quantity_min - 1e-12 <= estimate.value <= model.quantity_max + 1e-12
     assert 0.0 <= estimate.std <= model.quantity_max - model.quantity_min

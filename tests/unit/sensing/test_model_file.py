@@ -20,9 +20,7 @@ Damage = Callable[[dict[str, Any]], object]
 @pytest.fixture(scope="module")
 def model() -> SensingModel:
     loop = noisy(LoopMaker().record(), 2e-4, 1e-3)
-    return fit_loop(
-        loop.resistance_ohm, loop.strain, wire={"name": "d100", "diameter_m": 1e-4}, source="a test"
-    )
+    return fit_loop(loop.resistance_ohm, loop.strain, wire={"name": "d100", "diameter_m": 1e-4}, source="a test")
 
 
 def test_a_model_comes_back_from_its_file_to_the_bit(model: SensingModel, tmp_path: Path) -> None:
@@ -31,9 +29,7 @@ def test_a_model_comes_back_from_its_file_to_the_bit(model: SensingModel, tmp_pa
     assert (tmp_path / "model.json").stat().st_size < 50_000
 
 
-def test_saving_leaves_nothing_else_behind_and_replaces_what_was_there(
-    model: SensingModel, tmp_path: Path
-) -> None:
+def test_saving_leaves_nothing_else_behind_and_replaces_what_was_there(model: SensingModel, tmp_path: Path) -> None:
     (tmp_path / "model.json").write_text("old", encoding="utf-8")
     model.save(tmp_path / "model.json")
     assert [path.name for path in tmp_path.iterdir()] == ["model.json"]
@@ -98,9 +94,7 @@ def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
         (lambda d: d.update(heating_coefficients=[0.1] * 17), "heating_coefficients"),
     ],
 )
-def test_a_damaged_model_is_told_in_one_line(
-    damage: Damage, message: str, model: SensingModel, tmp_path: Path
-) -> None:
+def test_a_damaged_model_is_told_in_one_line(damage: Damage, message: str, model: SensingModel, tmp_path: Path) -> None:
     path = tmp_path / "model.json"
     model.save(path)
     document = json.loads(path.read_text(encoding="utf-8"))

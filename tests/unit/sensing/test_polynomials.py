@@ -37,9 +37,7 @@ def test_a_senseless_range_of_resistance_is_the_callers_fault(low: float, high: 
 
 
 @given(coefficient_lists, st.floats(-2, 2))
-def test_horner_agrees_with_the_sum_of_powers_for_scalars_and_arrays(
-    coefficients: list[float], at: float
-) -> None:
+def test_horner_agrees_with_the_sum_of_powers_for_scalars_and_arrays(coefficients: list[float], at: float) -> None:
     expected = sum(c * at**power for power, c in enumerate(coefficients))
     assert evaluate(coefficients, at) == pytest.approx(expected, abs=1e-9)
     assert evaluate(coefficients, np.array([[at]]))[0, 0] == pytest.approx(expected, abs=1e-9)
@@ -87,9 +85,7 @@ def test_uneven_sampling_has_no_say_in_the_fit() -> None:
 
 def test_too_few_points_name_the_largest_order() -> None:
     share = np.linspace(0, 1, 4)
-    with pytest.raises(
-        RecordingError, match=r"order 4 needs at least 5 points and the cooling branch has 4.*is 3"
-    ):
+    with pytest.raises(RecordingError, match=r"order 4 needs at least 5 points and the cooling branch has 4.*is 3"):
         fit_polynomial(points_of(share, share), 4, "cooling")
     exact = fit_polynomial(points_of(share**3, share), 3)
     assert exact.spare_points == 0

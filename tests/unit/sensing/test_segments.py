@@ -28,9 +28,7 @@ def test_a_clean_loop_is_cut_where_it_was_made_to_turn(samples: int) -> None:
     loop = MAKER.record(samples)
     segments = found(loop)
     # A is placed to within one sample; near the cold end the sine hardly moves.
-    assert strains(loop, segments) == pytest.approx(
-        [0, 15, 100, 100, 15, 0], abs=4.0 if samples < 400 else 1.0
-    )
+    assert strains(loop, segments) == pytest.approx([0, 15, 100, 100, 15, 0], abs=4.0 if samples < 400 else 1.0)
     assert segments.resistance_max_ohm == pytest.approx(MAKER.resistance_max_ohm, abs=0.02)
     assert segments.resistance_min_ohm == pytest.approx(MAKER.resistance_min_ohm, abs=0.02)
     assert segments.complete
@@ -244,9 +242,7 @@ def test_units_of_neither_axis_matter(scale: float, stroke: float, samples: int,
     resistance=st.lists(st.floats(1, 100), min_size=25, max_size=60),
     seed=st.integers(0, 100),
 )
-def test_any_columns_give_segments_or_a_recording_error_in_one_line(
-    resistance: list[float], seed: int
-) -> None:
+def test_any_columns_give_segments_or_a_recording_error_in_one_line(resistance: list[float], seed: int) -> None:
     strain = np.random.default_rng(seed).random(len(resistance))
     try:
         s = find_segments(resistance, strain)

@@ -27,9 +27,7 @@ while True:
 
 def write_and_kill(path, enough_rows):
     """Return the rows the writer had acknowledged when it was killed, in the middle of writing more."""
-    with subprocess.Popen(
-        [sys.executable, "-c", WRITER, str(path)], stdout=subprocess.PIPE, text=True
-    ) as writer:
+    with subprocess.Popen([sys.executable, "-c", WRITER, str(path)], stdout=subprocess.PIPE, text=True) as writer:
         acknowledged = -1
         while acknowledged < enough_rows:
             acknowledged = int(writer.stdout.readline())

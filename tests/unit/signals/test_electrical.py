@@ -32,7 +32,5 @@ def test_a_shunt_needs_a_positive_resistance(shunt):
 
 
 def test_what_is_missing_is_named():
-    with pytest.raises(
-        RecordingError, match="it lacks shunt_voltage_v, wire_current_a, wire_resistance_ohm: give"
-    ):
+    with pytest.raises(RecordingError, match="it lacks shunt_voltage_v, wire_current_a, wire_resistance_ohm: give"):
         require_electrical(recording_of("wire_voltage_v"))

@@ -63,8 +63,7 @@ def test_the_unit_decides_what_a_name_with_two_meanings_is():
 
 def test_a_header_without_a_unit_is_told_how_to_get_one():
     assert refusal(["time_s", "Voltage"]) == (
-        "loop.csv: column 'Voltage' has no unit: write 'Voltage [V]' in the header "
-        "or map it: wire_voltage_v=Voltage:V"
+        "loop.csv: column 'Voltage' has no unit: write 'Voltage [V]' in the header or map it: wire_voltage_v=Voltage:V"
     )
 
 
@@ -73,9 +72,7 @@ def test_a_strain_without_a_unit_is_a_fraction():
 
 
 def test_a_unit_of_something_else_names_the_column():
-    assert refusal(["time_s", "Force [mm]"]) == (
-        "loop.csv: column 'Force [mm]': mm is a length, force_n needs a force"
-    )
+    assert refusal(["time_s", "Force [mm]"]) == ("loop.csv: column 'Force [mm]': mm is a length, force_n needs a force")
 
 
 def test_an_unknown_unit_names_the_column():
@@ -137,9 +134,7 @@ def test_a_mapped_header_without_a_unit_is_told_how_to_get_one():
 
 
 def test_a_mapping_that_fits_two_headers_is_refused():
-    assert "fits 'pos [mm]', 'pos [V]'" in refusal(
-        ["time_s", "pos [mm]", "pos [V]"], {"displacement_m": "pos"}
-    )
+    assert "fits 'pos [mm]', 'pos [V]'" in refusal(["time_s", "pos [mm]", "pos [V]"], {"displacement_m": "pos"})
 
 
 def test_a_mapping_cannot_use_one_header_twice():

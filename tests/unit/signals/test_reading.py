@@ -46,9 +46,7 @@ def test_metadata_of_the_caller_come_before_those_of_the_file(foreign):
 
 def test_understanding_tells_header_by_header_what_was_made_of_it(foreign):
     found = understand(foreign, columns={"displacement_m": "pos:mm"})
-    assert [
-        (item.header, item.column, item.unit, item.factor, item.offset, item.how) for item in found.taken
-    ] == [
+    assert [(item.header, item.column, item.unit, item.factor, item.offset, item.how) for item in found.taken] == [
         ("Time [ms]", "time_s", "ms", 0.001, 0.0, "synonym"),
         ("V_SMA [mV]", "wire_voltage_v", "mV", 0.001, 0.0, "synonym"),
         ("V_R [V]", "shunt_voltage_v", "V", 1.0, 0.0, "synonym"),
@@ -98,9 +96,7 @@ def test_a_strain_beyond_one_without_a_unit_is_taken_for_percent_and_refused(tmp
     (tmp_path / "a.csv").write_text("time_s,strain\n0,0.5\n1,3.5\n")
     message = refusal(tmp_path / "a.csv")
     assert "line 3, column 'strain': 3.5 is no strain as a fraction: write 'strain [%]'" in message
-    assert (
-        read_recording(tmp_path / "a.csv", {"reference_strain": "strain:%"})["reference_strain"][1] == 0.035
-    )
+    assert read_recording(tmp_path / "a.csv", {"reference_strain": "strain:%"})["reference_strain"][1] == 0.035
 
 
 def test_our_own_hdf5_is_judged_like_every_other_file(tmp_path):

@@ -30,9 +30,7 @@ def test_a_misspelt_column_is_the_callers_error_with_the_nearest_name(loop):
 
 
 def test_a_column_it_does_not_have_is_the_recordings_error(loop):
-    with pytest.raises(
-        RecordingError, match="this recording has no column 'stress_pa'; it has time_s, force_n"
-    ):
+    with pytest.raises(RecordingError, match="this recording has no column 'stress_pa'; it has time_s, force_n"):
         loop["stress_pa"]
 
 
@@ -89,9 +87,7 @@ def test_without_a_clock_a_recording_must_be_a_printed_loop():
         Recording({"force_n": [0.0, 1.0]})
     with pytest.raises(RecordingError, match="got no columns"):
         Recording({})
-    table = Recording(
-        {"resistance_ohm": [3.0, 4.0], "strain_heating": [0.04, 0.0], "strain_cooling": [0.04, 0.0]}
-    )
+    table = Recording({"resistance_ohm": [3.0, 4.0], "strain_heating": [0.04, 0.0], "strain_cooling": [0.04, 0.0]})
     assert table.is_branch_table
     assert "branch table" in repr(table)
     with pytest.raises(RecordingError, match="has no column 'time_s'"):

@@ -15,9 +15,7 @@ from musclewire.signals.metadata import checked_metadata, entry_from_text, value
 TEXT_KEYS = ["wire", "rig", "software_version", "start_time", "ended", "note"]
 
 words = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=30)
-tricky_words = st.sampled_from(
-    ["1.0", "1.0 ohm", "5 %", "true", "none", '"quoted"', " space ", "a # b", "x\ny", "nan"]
-)
+tricky_words = st.sampled_from(["1.0", "1.0 ohm", "5 %", "true", "none", '"quoted"', " space ", "a # b", "x\ny", "nan"])
 numbers = st.integers(-(2**63), 2**63 - 1) | st.floats(allow_nan=False) | st.booleans()
 free_keys = st.from_regex(r"[a-z][a-z0-9_.]{0,12}", fullmatch=True).filter(
     lambda key: (

@@ -160,12 +160,8 @@ def test_headers_that_do_not_fit_their_numbers_are_refused(file):
     assert message.startswith("the headers do not fit the 3 numbers below them")
 
 
-cells = st.sampled_from(
-    ["0", "1.5", "-2,5", "", "nan", "x", '"', '"a"', "1e3", "#", "time_s", "force_n", "t [s]"]
-)
-scraps = st.lists(
-    cells | st.text(max_size=6) | st.sampled_from([",", ";", "\t", "\n", " ", "\n# a = 1 ohm\n"])
-)
+cells = st.sampled_from(["0", "1.5", "-2,5", "", "nan", "x", '"', '"a"', "1e3", "#", "time_s", "force_n", "t [s]"])
+scraps = st.lists(cells | st.text(max_size=6) | st.sampled_from([",", ";", "\t", "\n", " ", "\n# a = 1 ohm\n"]))
 
 
 @settings(max_examples=300, deadline=None)
