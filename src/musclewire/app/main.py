@@ -10,7 +10,6 @@ import signal
 import sys
 from types import FrameType
 
-import click
 import typer
 
 from musclewire.app.model_commands import add_model_commands
@@ -21,6 +20,8 @@ from musclewire.errors import MusclewireError
 __all__ = ["app", "main"]
 
 INTERRUPTED, TERMINATED = 130, 143
+# Typer carries its own copy of click since 0.26; this finds the base of all usage errors in either.
+UsageProblem: type[Exception] = typer.BadParameter.__mro__[2]
 
 app = typer.Typer(
     name="musclewire",
@@ -52,17 +53,17 @@ def run(arguments: list[str] | None = None) -> int:
         return result if isinstance(result, int) else 0
     except MusclewireError as error:
         return report_error(error)
-    except click.exceptions.Abort as stop:
+    except typer.Abort as stop:
         return report_stop(stop.__context__ or stop, INTERRUPTED)
     except KeyboardInterrupt as stop:
         return report_stop(stop, INTERRUPTED)
     except SystemExit as stop:
         return report_stop(stop, TERMINATED) if stop.code == TERMINATED else int(stop.code or 0)
-    except click.ClickException as error:
-        say(f"musclewire: {error.format_message()}")
+    except typer.Exit as done:
+        return int(done.exit_code)
+    except UsageProblem as error:
+        say(f"musclewire: {error.format_message()  # type: ignore[attr-defined]}")
         return 2
-    except click.exceptions.Exit as done:
-        return done.exit_code
     except BrokenPipeError:
         return 1
 

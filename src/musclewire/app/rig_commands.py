@@ -246,7 +246,7 @@ def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:
     """Return the metrics of a closed loop under the keys of the interface."""
     steps = [
         {
-            "target_pct": 100 * step.target if metrics.quantity == "strain" else step.target,
+            "target_pct": round(100 * step.target, 10) if metrics.quantity == "strain" else step.target,
             "direction": step.direction,
             "mae_pct": step.mae_pct,
             "estimate_mae_pct": step.estimate_mae_pct,

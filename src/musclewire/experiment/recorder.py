@@ -34,9 +34,14 @@ class Recorder:
         columns: Sequence[str],
         metadata: Mapping[str, MetadataValue],
         path: str | Path | None = None,
+        *,
         overwrite: bool = False,
+        block_rows: int = 20,
     ) -> None:
-        """Start an empty recording. Raises CallerError where ``path`` exists and may not be replaced."""
+        """Start an empty recording; ``block_rows`` rows go to disk together.
+
+        Raises CallerError where ``path`` exists and may not be replaced.
+        """
         self._columns = tuple(columns)
         self._metadata = {
             **metadata,
@@ -44,7 +49,7 @@ class Recorder:
             "start_time": datetime.now(UTC).isoformat(timespec="seconds"),
         }
         self._rows: list[tuple[float, ...]] = []
-        self._writer = None if path is None else RecordingWriter(path, columns, self._metadata, overwrite=overwrite)
+        self._writer = None if path is None else RecordingWriter(path, columns, self._metadata, block_rows, overwrite)
         self._ended = "running"
 
     def append(self, row: Mapping[str, float]) -> None:

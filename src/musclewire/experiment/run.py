@@ -19,6 +19,8 @@ from musclewire.signals.samples import RawSample
 __all__ = ["Decision", "OnSample", "Policy", "run_on_rig"]
 
 OnSample = Callable[[Mapping[str, float]], None]
+# Rows that may be lost to a power cut: about a second of a paced rig, a fraction of one where no clock paces.
+PACED_BLOCK_ROWS, FREE_BLOCK_ROWS = 20, 200
 REFERENCE_COLUMNS = ("displacement_m", "force_n", "ambient_temperature_k")
 
 
@@ -70,7 +72,9 @@ def run_on_rig(
     start_s = sample.time_s - rig.sample_period_s
     references = [name for name in REFERENCE_COLUMNS if getattr(sample, name) is not None]
     columns = [*RawSample._fields[:4], *references, *policy.columns]
-    with Recorder(columns, {**rig.metadata(), **(metadata or {})}, path, overwrite) as recorder:
+    block_rows = PACED_BLOCK_ROWS if rig.paced else FREE_BLOCK_ROWS
+    described = {**rig.metadata(), **(metadata or {})}
+    with Recorder(columns, described, path, overwrite=overwrite, block_rows=block_rows) as recorder:
         try:
             for index in range(samples):
                 if index:

@@ -25,6 +25,11 @@ class Rig(Protocol):
         ...
 
     @property
+    def paced(self) -> bool:
+        """Whether samples come at the pace of a real clock."""
+        ...
+
+    @property
     def sense_voltage_v(self) -> float:
         """Drive voltage that heats the wire by little and still lets its resistance be measured."""
         ...

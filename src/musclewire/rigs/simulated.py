@@ -71,6 +71,11 @@ class SimulatedRig:
         return self._bench["sample_period_s"]
 
     @property
+    def paced(self) -> bool:
+        """Whether samples wait for the clock."""
+        return self._real_time
+
+    @property
     def sense_voltage_v(self) -> float:
         """Lowest drive voltage while sensing."""
         return self._bench["sense_voltage_v"]
