@@ -9,6 +9,7 @@ from __future__ import annotations
 import signal
 import sys
 from types import FrameType
+from typing import Any
 
 import typer
 
@@ -21,7 +22,7 @@ __all__ = ["app", "main"]
 
 INTERRUPTED, TERMINATED = 130, 143
 # Typer carries its own copy of click since 0.26; this finds the base of all usage errors in either.
-UsageProblem: type[Exception] = typer.BadParameter.__mro__[2]
+UsageProblem: Any = typer.BadParameter.__mro__[2]
 
 app = typer.Typer(
     name="musclewire",
@@ -62,7 +63,7 @@ def run(arguments: list[str] | None = None) -> int:
     except typer.Exit as done:
         return int(done.exit_code)
     except UsageProblem as error:
-        say(f"musclewire: {error.format_message()  # type: ignore[attr-defined]}")
+        say(f"musclewire: {error.format_message()}")
         return 2
     except BrokenPipeError:
         return 1
