@@ -20,7 +20,7 @@ from numba.core import config
 
 numba_config: Any = config  # its options are set at run time, where mypy cannot see them
 
-__all__ = ["compiled", "compiled_inline", "compiled_loop_over_grains"]
+__all__ = ["compiled", "compiled_inline"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 ROOMS_WITH_KERNELS = ("physics", "simulate", "controllers", "sensing")
@@ -78,13 +78,5 @@ def compiled(function: Function) -> Function:
 
 
 def compiled_inline(function: Function) -> Function:
-    """Like :func:`compiled`, and copied into each compiled caller, whose loop it would keep from vectors."""
+    """Like :func:`compiled`, and copied into each compiled caller: worth it for a few lines in an inner loop."""
     return _compile(function, inline="always")
-
-
-def compiled_loop_over_grains(function: Function) -> Function:
-    """Compile a loop over grains for vector instructions: sums reordered, products fused, no NaN expected.
-
-    On one machine the result is still the same to the bit from run to run.
-    """
-    return _compile(function, fastmath={"reassoc", "contract", "nsz", "nnan"})

@@ -6,9 +6,7 @@ made safe; 130 and 143 interrupted by Ctrl-C and SIGTERM, rig made safe.
 
 from __future__ import annotations
 
-import signal
 import sys
-from types import FrameType
 from typing import Any
 
 import typer
@@ -16,11 +14,11 @@ import typer
 from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
 from musclewire.app.rig_commands import add_rig_commands
+from musclewire.app.stopping import STOPPED, listen_for_signals
 from musclewire.errors import MusclewireError
 
 __all__ = ["app", "main"]
 
-INTERRUPTED, TERMINATED = 130, 143
 # Typer carries its own copy of click since 0.26; this finds the base of all usage errors in either.
 UsageProblem: Any = typer.BadParameter.__mro__[2]
 
@@ -36,14 +34,9 @@ add_rig_commands(app)
 add_model_commands(app)
 
 
-def stop_on_sigterm(_number: int, _frame: FrameType | None) -> None:
-    """Turn SIGTERM into an exception, so that every ``finally`` between here and the rig runs."""
-    raise SystemExit(TERMINATED)
-
-
 def main() -> None:
     """Run the command line and end the process with the documented exit code."""
-    signal.signal(signal.SIGTERM, stop_on_sigterm)
+    listen_for_signals()
     sys.exit(run())
 
 
@@ -54,12 +47,9 @@ def run(arguments: list[str] | None = None) -> int:
         return result if isinstance(result, int) else 0
     except MusclewireError as error:
         return report_error(error)
-    except typer.Abort as stop:
-        return report_stop(stop.__context__ or stop, INTERRUPTED)
-    except KeyboardInterrupt as stop:
-        return report_stop(stop, INTERRUPTED)
     except SystemExit as stop:
-        return report_stop(stop, TERMINATED) if stop.code == TERMINATED else int(stop.code or 0)
+        code = stop.code if isinstance(stop.code, int) else 1
+        return report_stop(stop, code) if code in STOPPED else code
     except typer.Exit as done:
         return int(done.exit_code)
     except UsageProblem as error:
@@ -79,7 +69,7 @@ def report_error(error: MusclewireError) -> int:
 
 def report_stop(stop: BaseException, code: int) -> int:
     """Say that a run was stopped, that the rig is safe, and where the recording is."""
-    say("musclewire: interrupted; the rig is safe")
+    say(f"musclewire: stopped by {STOPPED[code]}; the rig is safe")
     for note in getattr(stop, "__notes__", ()):
         say(f"musclewire: {note.replace(' in error.recording and', '')}")
     return code

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app.options import Columns, Force, Json, Length, OutputPath, Shunt, mapping, quantity_option
-from musclewire.app.output import emit_json, say
+from musclewire.app.output import emit_json, show
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
@@ -53,9 +53,9 @@ def import_recordings(
         emit_json({"files": [item.as_dict() for item in understood]})
         return
     for item in understood:
-        say(str(item))
+        show(str(item))
     if output is not None:
-        say(f"written to {output}")
+        show(f"written to {output}")
 
 
 def fit(
@@ -90,9 +90,9 @@ def fit(
     if json:
         emit_json({**model.report(), "model": None if output is None else str(output)})
         return
-    say(model.summary())
+    show(model.summary())
     if output is not None:
-        say(f"model written to {output}")
+        show(f"model written to {output}")
 
 
 def estimate(
@@ -128,7 +128,7 @@ def estimate(
         if report.rms_pct is None
         else f"error {report.rms_pct:.3f} % rms, {report.max_pct:.3f} % largest, of stroke"
     )
-    say(f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in the model's range; {errors}")
+    show(f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in the model's range; {errors}")
 
 
 def rules(
@@ -147,8 +147,8 @@ def rules(
     if json:
         emit_json({"known": list(rule_base_names()), **rule_base.model_dump(mode="json")})
         return
-    say(str(rule_base))
-    say(f"known: {', '.join(rule_base_names())}")
+    show(str(rule_base))
+    show(f"known: {', '.join(rule_base_names())}")
 
 
 def cite(json: Json = False) -> None:
@@ -169,7 +169,7 @@ def cite(json: Json = False) -> None:
     if json:
         emit_json({"cite": items})
     else:
-        print("\n".join(items))
+        show("\n".join(items))
 
 
 def read(recording: str, column: list[str] | None, length: str | None, shunt: str | None) -> Recording:

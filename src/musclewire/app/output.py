@@ -1,4 +1,4 @@
-"""What the command line shows: JSON on stdout, everything for people on stderr."""
+"""What the command line shows: results on stdout (or one JSON document), progress and problems on stderr."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from musclewire.app.stopping import stop_if_asked
+
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.progress import Progress
 
-__all__ = ["console", "emit_json", "progress_bar", "say"]
+__all__ = ["console", "emit_json", "progress_bar", "say", "show"]
 
 Advance = Callable[..., None]
 
@@ -24,8 +27,13 @@ def console() -> Console:
 
 
 def say(text: str) -> None:
-    """Print one line for people."""
+    """Print progress, a warning or an error: stderr."""
     print(text, file=sys.stderr)
+
+
+def show(text: str) -> None:
+    """Print a result for people: stdout. With --json, :func:`emit_json` takes its place."""
+    print(text)
 
 
 def emit_json(document: Mapping[str, Any]) -> None:
@@ -43,32 +51,57 @@ def plain(value: Any) -> Any:
 def progress_bar(task: str, total_s: float, quiet: bool = False) -> Iterator[Advance]:
     """Show a bar over simulated or real seconds; yields the function to call after each sample.
 
-    On a pipe there is no bar, only the line that names the task.
+    Nothing is shown before the first sample, so that wrong input stays one line. On a pipe there is no bar, only
+    the line that names the task.
     """
     if quiet:
-        yield lambda *_: None
+        yield stop_if_asked
         return
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    bar = Bar(task, total_s)
+    try:
+        yield bar.advance
+    finally:
+        bar.stop()
 
-    columns = (
-        TextColumn("{task.description:<34}"),
-        BarColumn(bar_width=32),
-        TextColumn("{task.completed:>6.0f}/{task.total:.0f} s of wire time"),
-        TimeElapsedColumn(),
-    )
-    shown = console()
-    if not shown.is_terminal:
-        say(task)
-        yield lambda *_: None
-        return
-    with Progress(*columns, console=shown, refresh_per_second=8) as progress:
-        bar = progress.add_task(task, total=total_s)
-        start: list[float] = []
 
-        def advance(row: Mapping[str, float]) -> None:
-            if not start:
-                start.append(row["time_s"])
-            progress.update(bar, completed=row["time_s"] - start[0])
+class Bar:
+    """A progress bar that appears with its first sample."""
 
-        yield advance
-        progress.update(bar, completed=total_s)
+    def __init__(self, task: str, total_s: float) -> None:
+        """Remember the task and how many seconds it has."""
+        self._task = task
+        self._total_s = total_s
+        self._start_s: float | None = None
+        self._progress: Progress | None = None
+
+    def advance(self, row: Mapping[str, float]) -> None:
+        """Move the bar to a sample's time; a signal that waited for the sample stops the run here."""
+        stop_if_asked()
+        if self._start_s is None:
+            self._start_s = row["time_s"]
+            self._open()
+        if self._progress is not None:
+            self._progress.update(self._progress.task_ids[0], completed=row["time_s"] - self._start_s)
+
+    def _open(self) -> None:
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        shown = console()
+        if not shown.is_terminal:
+            say(self._task)
+            return
+        self._progress = Progress(
+            TextColumn("{task.description:<34}"),
+            BarColumn(bar_width=32),
+            TextColumn("{task.completed:>6.0f}/{task.total:.0f} s of wire time"),
+            TimeElapsedColumn(),
+            console=shown,
+            refresh_per_second=8,
+        )
+        self._progress.add_task(self._task, total=self._total_s)
+        self._progress.start()
+
+    def stop(self) -> None:
+        """Leave the bar as it stands."""
+        if self._progress is not None:
+            self._progress.stop()

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app.options import Force, Json, OutputPath, RealTime, RigName, Seed, quantity_option
-from musclewire.app.output import emit_json, progress_bar, say
+from musclewire.app.output import emit_json, progress_bar, say, show
+from musclewire.app.stopping import stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError, RecordingError
 
 if TYPE_CHECKING:
@@ -40,7 +41,8 @@ def demo(
     from musclewire.app.report.page import write_report
     from musclewire.experiment.demo import run_demo
 
-    result = run_demo(out, seed=seed, progress=lambda task, total_s: progress_bar(task, total_s, quiet=json))
+    with stops_between_samples():
+        result = run_demo(out, seed=seed, progress=lambda task, total_s: progress_bar(task, total_s, quiet=json))
     report = out / "report.html"
     write_report(result, report, time.perf_counter() - started)
     model, metrics = result.model, result.run.metrics
@@ -62,10 +64,10 @@ def demo(
             }
         )
         return
-    say(f"strain gap {100 * result.gaps.strain_gap:.3f} %, R {model.resistance_min_ohm:.3f} to "
+    show(f"strain gap {100 * result.gaps.strain_gap:.3f} %, R {model.resistance_min_ohm:.3f} to "
         f"{model.resistance_max_ohm:.3f} ohm")  # fmt: skip
-    say(str(metrics))
-    say(f"{wall_s:.1f} s; open {report}")
+    show(str(metrics))
+    show(f"{wall_s:.1f} s; open {report}")
 
 
 def characterize(
@@ -85,7 +87,7 @@ def characterize(
     from musclewire.rigs.configuration import open_rig
 
     require_suffix(output, ".h5")
-    with open_rig(rig, seed=seed, real_time=real_time) as opened:
+    with stops_between_samples(), open_rig(rig, seed=seed, real_time=real_time) as opened:
         volts = quantity_option(amplitude, "V")
         with progress_bar("Slow sine", cycles * period, quiet=json) as on_sample:
             recording = run_characterize(
@@ -108,8 +110,8 @@ def characterize(
     if json:
         emit_json(answer)
     else:
-        say(f"{len(recording)} samples in {output}")
-        say(
+        show(f"{len(recording)} samples in {output}")
+        show(
             answer.get("problem") or f"strain gap {answer['strain_gap_pct']:.3f} %, stroke {answer['stroke_pct']:.2f} %"
         )
 
@@ -129,7 +131,7 @@ def pretension(
     from musclewire.rigs.configuration import open_rig
 
     forces = [force for text in at or () if (force := quantity_option(text, "N")) is not None] or None
-    with open_rig(rig, seed=seed) as opened:
+    with stops_between_samples(), open_rig(rig, seed=seed) as opened:
         sweep = pretension_sweep(
             opened,
             forces,
@@ -137,6 +139,7 @@ def pretension(
             period_s=period,
             cycles=cycles,
             on_setting=None if json else lambda force: say(f"pretension {force:.2f} N"),
+            on_sample=stop_if_asked,
         )
     for failure in sweep.failures:
         say(f"not usable: {failure}")
@@ -156,8 +159,8 @@ def pretension(
         return
     for row in sweep.rows:
         force_gap = "-" if row.force_gap_pct is None else f"{row.force_gap_pct:6.3f}"
-        say(f"{row.pretension_n:6.2f} N   strain gap {row.strain_gap_pct:6.3f} %   force gap {force_gap} %")
-    say(f"best: {sweep.best.pretension_n:.2f} N")
+        show(f"{row.pretension_n:6.2f} N   strain gap {row.strain_gap_pct:6.3f} %   force gap {force_gap} %")
+    show(f"best: {sweep.best.pretension_n:.2f} N")
 
 
 def control(
@@ -194,7 +197,7 @@ def control(
     settings = FuzzyPidSettings(rule_base=rules)
     if output is not None:
         require_suffix(output, ".h5")
-    with open_rig(rig, seed=seed, real_time=real_time) as opened:
+    with stops_between_samples(), open_rig(rig, seed=seed, real_time=real_time) as opened:
         if recalibrate:
             with progress_bar("Anchoring R_min and R_max", 90.0, quiet=json) as on_sample:
                 loaded = anchor(opened, loaded, on_sample=on_sample).model
@@ -205,7 +208,7 @@ def control(
     if json:
         emit_json({**metrics_json(run.metrics), "ended": run.metadata["ended"], "samples": len(run)})
     else:
-        say(str(run.metrics))
+        show(str(run.metrics))
 
 
 def train(
@@ -221,23 +224,24 @@ def train(
     from musclewire.experiment.training import train as run_train
     from musclewire.rigs.configuration import open_rig
 
-    def show(cycle: TrainingCycle) -> None:
+    def say_cycle(cycle: TrainingCycle) -> None:
         change = "" if cycle.change is None else f", moved by {100 * cycle.change:.2f} %"
         say(f"cycle {cycle.number}: R {cycle.resistance_min_ohm:.3f} to {cycle.resistance_max_ohm:.3f} ohm, "
             f"stroke {100 * cycle.stroke:.3f} %{change}")  # fmt: skip
 
-    with open_rig(rig, seed=seed) as opened:
+    with stops_between_samples(), open_rig(rig, seed=seed) as opened:
         training = run_train(
             opened,
             amplitude_v=quantity_option(amplitude, "V"),
             period_s=period,
             most_cycles=most_cycles,
-            on_cycle=None if json else show,
+            on_cycle=None if json else say_cycle,
+            on_sample=stop_if_asked,
         )
     if json:
         emit_json({"settled": training.settled, "cycles": [vars(cycle) for cycle in training.cycles]})
     else:
-        say("settled" if training.settled else f"not settled after {len(training.cycles)} cycles")
+        show("settled" if training.settled else f"not settled after {len(training.cycles)} cycles")
     if not training.settled:
         raise typer.Exit(1)
 

@@ -95,7 +95,7 @@ def pretension_sweep(
 ) -> PretensionSweep:
     """Characterise the wire at each pretension and compare the gaps.
 
-    ``on_setting`` hears each pretension before it is set. A setting whose loop cannot be used (slack, or no
+    ``on_setting`` hears each pretension once it is set. A setting whose loop cannot be used (slack, or no
     transformation left at high stress) is kept as a failure with its reason. Raises CallerError for a rig without
     a stage that software can move, RecordingError when no setting gives a loop.
     """
@@ -107,9 +107,9 @@ def pretension_sweep(
     rows: list[PretensionRow] = []
     failures: list[str] = []
     for pretension in default_pretensions_n(rig) if pretensions_n is None else pretensions_n:
+        rig.set_pretension(pretension)
         if on_setting is not None:
             on_setting(pretension)
-        rig.set_pretension(pretension)
         recording = characterize(rig, amplitude_v=amplitude_v, period_s=period_s, cycles=cycles, on_sample=on_sample)
         try:
             gaps = loop_gaps(recording)

@@ -16,8 +16,9 @@ FloatArray = NDArray[np.float64]
 
 
 class GrainSpread(NamedTuple):
-    """Middle and width of each grain in units of the spread, both (n_grains,), middles rising."""
+    """Grains as intervals in units of the spread that leave no gap: edges (n_grains + 1,), the rest (n_grains,)."""
 
+    edges: FloatArray
     middle: FloatArray
     width: FloatArray
 
@@ -39,13 +40,12 @@ def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> Float
 def spread_grains(grains: int, skew: float, tail: float) -> GrainSpread:
     """Return ``grains`` classes of equal share of a signed-power distribution.
 
-    Class j lies at the quantile (j + 1/2)/n and reaches to its neighbours; the outermost two, whose true
-    reach is endless, are as wide outwards as inwards.
+    Class j reaches from the quantile j/n to (j + 1)/n; the outermost two, whose true reach is endless, reach as
+    far outwards from the quantile in their middle as inwards.
     """
     if grains < 2:
         raise CallerError(f"grains is {grains}: an ensemble needs at least 2")
-    middle = signed_power(ndtri((np.arange(grains) + 0.5) / grains), skew, tail)
     inner = signed_power(ndtri(np.arange(1, grains) / grains), skew, tail)
-    lower = np.concatenate(([2.0 * middle[0] - inner[0]], inner))
-    upper = np.concatenate((inner, [2.0 * middle[-1] - inner[-1]]))
-    return GrainSpread(middle=middle, width=upper - lower)
+    outermost = signed_power(ndtri(np.array([0.5, grains - 0.5]) / grains), skew, tail)
+    edges = np.concatenate(([2.0 * outermost[0] - inner[0]], inner, [2.0 * outermost[1] - inner[-1]]))
+    return GrainSpread(edges=edges, middle=0.5 * (edges[1:] + edges[:-1]), width=np.diff(edges))

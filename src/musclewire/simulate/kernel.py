@@ -7,12 +7,12 @@ The order of a step and its two linear predictions are explained in docs/explana
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.compiled import compiled, compiled_loop_over_grains
+from musclewire.compiled import compiled
 from musclewire.physics.mechanics import (
     friction_force_n,
     maximum_transformation_strain,
@@ -27,14 +27,17 @@ from musclewire.physics.resistivity import (
 from musclewire.physics.transformation import advantage_k, cooled_grain, heated_grain
 
 __all__ = [
-    "LEDGER",
+    "Drives",
     "Sums",
     "WireConstants",
     "WireState",
     "advance",
-    "cool_grains",
+    "cool_swept",
+    "cooled_plain",
     "drives_at",
+    "heat_swept",
     "strain_at",
+    "switch_grains",
     "total_strain",
 ]
 
@@ -98,12 +101,16 @@ class WireConstants(NamedTuple):
     cold_strain: float
     martensite_spread_k: float
     r_phase_spread_k: float
+    grain_edges: FloatArray
     grain_middle: FloatArray
-    grain_inverse_width: FloatArray
+    grain_width: FloatArray
 
 
 class WireState(NamedTuple):
-    """All that a wire remembers. ``grain_*`` are shares of each grain, (n_grains,)."""
+    """All that a wire remembers.
+
+    ``grain_*`` are shares of each grain, (n_grains,); ``seen_drives_k`` the drives they last followed, (6,).
+    """
 
     time_s: float
     temperature_k: float
@@ -121,6 +128,7 @@ class WireState(NamedTuple):
     stress_slope_pa_per_k: float
     grain_martensite: FloatArray
     grain_r_phase: FloatArray
+    seen_drives_k: FloatArray
 
 
 class Sums(NamedTuple):
@@ -130,9 +138,6 @@ class Sums(NamedTuple):
     shunt_voltage_v: float
     displacement_m: float
     force_n: float
-
-
-LEDGER = ("heat_in_j", "heat_out_j", "enthalpy_j")
 
 
 @compiled
@@ -176,82 +181,138 @@ def drives_at(constants: WireConstants, temperature_k: float, stress_pa: float, 
     )
 
 
-@compiled_loop_over_grains
-def cool_grains(
-    constants: WireConstants, drives: Drives, grain_martensite: FloatArray, grain_r_phase: FloatArray
-) -> tuple[float, float]:
-    """Let every grain follow the cooling drives, in place; return the two phase fractions."""
-    # Few arrays on purpose: with more than about eight pairs to check for overlap the compiler gives up vectors.
-    spread_m, spread_r, per_m, per_r, per_p = spreads(constants)
-    middle, inverse_width = constants.grain_middle, constants.grain_inverse_width
-    grains = grain_martensite.shape[0]
-    sum_m = 0.0
-    sum_r = 0.0
-    for j in range(grains):
-        offset_m = spread_m * middle[j]
-        offset_r = spread_r * middle[j]
-        m, r = cooled_grain(
-            grain_martensite[j],
-            grain_r_phase[j],
-            drives.a_to_m_k + offset_m,
-            drives.a_to_r_k + offset_r,
-            drives.r_to_m_k + (offset_m - offset_r),
-            inverse_width[j] * per_m,
-            inverse_width[j] * per_r,
-            inverse_width[j] * per_p,
-        )
-        grain_martensite[j] = m
-        grain_r_phase[j] = r
-        sum_m += m
-        sum_r += r
-    return sum_m / grains, sum_r / grains
-
-
-@compiled_loop_over_grains
-def heat_grains(
-    constants: WireConstants, drives: Drives, grain_martensite: FloatArray, grain_r_phase: FloatArray
-) -> tuple[float, float]:
-    """Let every grain follow the heating drives, in place; return the two phase fractions."""
-    spread_m, spread_r, per_m, per_r, per_p = spreads(constants)
-    middle, inverse_width = constants.grain_middle, constants.grain_inverse_width
-    grains = grain_martensite.shape[0]
-    sum_m = 0.0
-    sum_r = 0.0
-    for j in range(grains):
-        offset_m = spread_m * middle[j]
-        offset_r = spread_r * middle[j]
-        m, r = heated_grain(
-            grain_martensite[j],
-            grain_r_phase[j],
-            drives.m_to_a_k - offset_m,
-            drives.r_to_a_k - offset_r,
-            drives.m_to_r_k - (offset_m - offset_r),
-            inverse_width[j] * per_m,
-            inverse_width[j] * per_r,
-            inverse_width[j] * per_p,
-        )
-        grain_martensite[j] = m
-        grain_r_phase[j] = r
-        sum_m += m
-        sum_r += r
-    return sum_m / grains, sum_r / grains
-
-
 @compiled
-def spreads(constants: WireConstants) -> tuple[float, float, float, float, float]:
-    """Return the spreads [K] of f_M and f_R over the grains and the inverses for f_M, f_R and f_M - f_R.
+def spreads(constants: WireConstants) -> tuple[float, float, float]:
+    """Return the spreads [K] over the grains of f_M, f_R and f_M - f_R.
 
     A spread under a microkelvin counts as that: a switch rather than a ramp.
     """
     spread_m = constants.martensite_spread_k
     spread_r = constants.r_phase_entropy_ratio * constants.r_phase_spread_k
-    return (
-        spread_m,
-        spread_r,
-        1.0 / max(abs(spread_m), 1e-6),
-        1.0 / max(abs(spread_r), 1e-6),
-        1.0 / max(abs(spread_m - spread_r), 1e-6),
-    )
+    spread_p = spread_m - spread_r
+    if abs(spread_p) < 1e-6:
+        spread_p = 1e-6
+    return max(spread_m, 1e-6), max(spread_r, 1e-6), spread_p
+
+
+@compiled
+def grain_at(edges: FloatArray, place: float) -> int:
+    """Return the number of the grain that holds a place in units of the spread; -1 and n_grains lie outside."""
+    low = -1
+    high = edges.shape[0]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if edges[middle] <= place:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@compiled
+def grains_swept(edges: FloatArray, before: float, after: float) -> tuple[int, int]:
+    """Return first and past-the-last grain between two places of a moving threshold, both places included."""
+    first = grain_at(edges, min(before, after))
+    last = grain_at(edges, max(before, after))
+    return max(first, 0), min(last + 1, edges.shape[0] - 1)
+
+
+@compiled
+def cool_swept(
+    constants: WireConstants,
+    drives: Drives,
+    first: int,
+    last: int,
+    grain_martensite: FloatArray,
+    grain_r_phase: FloatArray,
+) -> None:
+    """Let grains ``first`` to before ``last`` follow the cooling drives, in place."""
+    spread_m, spread_r, spread_p = spreads(constants)
+    for j in range(first, last):
+        middle = constants.grain_middle[j]
+        per_width = 1.0 / constants.grain_width[j]
+        grain_martensite[j], grain_r_phase[j] = cooled_grain(
+            grain_martensite[j],
+            grain_r_phase[j],
+            drives.a_to_m_k + spread_m * middle,
+            drives.a_to_r_k + spread_r * middle,
+            drives.r_to_m_k + spread_p * middle,
+            per_width / spread_m,
+            per_width / spread_r,
+            per_width / abs(spread_p),
+        )
+
+
+@compiled
+def heat_swept(
+    constants: WireConstants,
+    drives: Drives,
+    first: int,
+    last: int,
+    grain_martensite: FloatArray,
+    grain_r_phase: FloatArray,
+) -> None:
+    """Let grains ``first`` to before ``last`` follow the heating drives, in place."""
+    spread_m, spread_r, spread_p = spreads(constants)
+    for j in range(first, last):
+        middle = constants.grain_middle[j]
+        per_width = 1.0 / constants.grain_width[j]
+        grain_martensite[j], grain_r_phase[j] = heated_grain(
+            grain_martensite[j],
+            grain_r_phase[j],
+            drives.m_to_a_k - spread_m * middle,
+            drives.r_to_a_k - spread_r * middle,
+            drives.m_to_r_k - spread_p * middle,
+            per_width / spread_m,
+            per_width / spread_r,
+            per_width / abs(spread_p),
+        )
+
+
+@compiled
+def switch_grains(
+    constants: WireConstants,
+    drives: Drives,
+    seen: Drives,
+    grain_martensite: FloatArray,
+    grain_r_phase: FloatArray,
+) -> tuple[float, float]:
+    """Let every grain follow drives that changed from ``seen``, in place; return the change of both sums of shares.
+
+    A grain moves only when one of its drives has risen, and only if that drive's threshold swept over it: so a
+    step looks at the few grains between the thresholds before and after, whatever their number in all.
+    """
+    spread_m, spread_r, spread_p = spreads(constants)
+    edges = constants.grain_edges
+    change_m = 0.0
+    change_r = 0.0
+    for change in range(6):
+        if change == 0:
+            new, old, spread = drives.a_to_m_k, seen.a_to_m_k, -spread_m
+        elif change == 1:
+            new, old, spread = drives.a_to_r_k, seen.a_to_r_k, -spread_r
+        elif change == 2:
+            new, old, spread = drives.r_to_m_k, seen.r_to_m_k, -spread_p
+        elif change == 3:
+            new, old, spread = drives.m_to_a_k, seen.m_to_a_k, spread_m
+        elif change == 4:
+            new, old, spread = drives.r_to_a_k, seen.r_to_a_k, spread_r
+        else:
+            new, old, spread = drives.m_to_r_k, seen.m_to_r_k, spread_p
+        if new <= old:
+            continue
+        first, last = grains_swept(edges, old / spread, new / spread)
+        for j in range(first, last):
+            change_m -= grain_martensite[j]
+            change_r -= grain_r_phase[j]
+        if change < 3:
+            cool_swept(constants, drives, first, last, grain_martensite, grain_r_phase)
+        else:
+            heat_swept(constants, drives, first, last, grain_martensite, grain_r_phase)
+        for j in range(first, last):
+            change_m += grain_martensite[j]
+            change_r += grain_r_phase[j]
+    return change_m, change_r
 
 
 @compiled
@@ -350,7 +411,6 @@ def convection_w_per_m2_k(constants: WireConstants, temperature_k: float) -> flo
     return constants.convection_factor * (table[low] * (1.0 - part) + table[low + 1] * part)
 
 
-@compiled
 def advance(
     state: WireState, constants: WireConstants, drive_voltage_v: float, dt_s: float, steps: int
 ) -> tuple[WireState, Sums]:
@@ -359,6 +419,23 @@ def advance(
     The state given is left as it was. Energy is kept to rounding: enthalpy changes by heat in minus heat
     out, and temperature follows from enthalpy and phase fractions.
     """
+    # Only plain tuples cross into compiled code and back. Numba would call the class of a named tuple on the way
+    # out; a Ctrl-C that arrives in that call finds nobody to handle it, and the process dies on the spot.
+    values = advance_plain(tuple(state), tuple(constants), drive_voltage_v, dt_s, steps)
+    return WireState(*values[: len(WireState._fields)]), Sums(*values[len(WireState._fields) :])
+
+
+@compiled
+def advance_plain(
+    state_values: tuple[Any, ...],
+    constant_values: tuple[Any, ...],
+    drive_voltage_v: float,
+    dt_s: float,
+    steps: int,
+) -> tuple[Any, ...]:
+    """Do the work of :func:`advance` on plain tuples: state and means in one tuple."""
+    state = WireState(*state_values)
+    constants = WireConstants(*constant_values)
     grain_martensite = state.grain_martensite.copy()
     grain_r_phase = state.grain_r_phase.copy()
     temperature = state.temperature_k
@@ -378,7 +455,9 @@ def advance(
     fresh = math.exp(-cycles / constants.shakedown_cycles)
     residual = constants.shakedown_strain * (1.0 - fresh)
     barrier_factor = 1.0 + constants.shakedown_barrier * fresh
-    seen = Drives(-math.inf, -math.inf, -math.inf, -math.inf, -math.inf, -math.inf)
+    drive = state.seen_drives_k
+    seen = Drives(drive[0], drive[1], drive[2], drive[3], drive[4], drive[5])
+    grains = grain_martensite.shape[0]
     own_capacity = constants.heat_capacity_j_per_k
     wire_voltage_sum = 0.0
     shunt_voltage_sum = 0.0
@@ -401,13 +480,9 @@ def advance(
         enthalpy += heat
         rise = heat / capacity
         drives = drives_at(constants, temperature + rise, stress + stress_slope * rise, barrier_factor)
-        new_martensite = martensite
-        new_r_phase = r_phase
-        # A grain moves only when a drive has risen since the grains last saw it.
-        if drives.a_to_m_k > seen.a_to_m_k or drives.a_to_r_k > seen.a_to_r_k or drives.r_to_m_k > seen.r_to_m_k:
-            new_martensite, new_r_phase = cool_grains(constants, drives, grain_martensite, grain_r_phase)
-        if drives.m_to_a_k > seen.m_to_a_k or drives.r_to_a_k > seen.r_to_a_k or drives.m_to_r_k > seen.m_to_r_k:
-            new_martensite, new_r_phase = heat_grains(constants, drives, grain_martensite, grain_r_phase)
+        change_m, change_r = switch_grains(constants, drives, seen, grain_martensite, grain_r_phase)
+        new_martensite = martensite + change_m / grains
+        new_r_phase = r_phase + change_r / grains
         seen = drives
         transformed = (new_martensite - martensite) + constants.r_phase_entropy_ratio * (new_r_phase - r_phase)
         cycles += 0.5 * abs(new_martensite - martensite)
@@ -441,7 +516,10 @@ def advance(
         displacement_sum += contraction * constants.leg_length_m
         force_sum += stress * constants.legs * constants.area_m2
 
-    after = WireState(
+    # Sums kept step by step gather rounding errors; the state goes out with fresh ones.
+    martensite = grain_martensite.mean()
+    r_phase = grain_r_phase.mean()
+    return (
         state.time_s + steps * dt_s,
         temperature,
         stress,
@@ -458,6 +536,29 @@ def advance(
         stress_slope,
         grain_martensite,
         grain_r_phase,
+        np.array([seen.a_to_m_k, seen.a_to_r_k, seen.r_to_m_k, seen.m_to_a_k, seen.r_to_a_k, seen.m_to_r_k]),
+        wire_voltage_sum / steps,
+        shunt_voltage_sum / steps,
+        displacement_sum / steps,
+        force_sum / steps,
     )
-    means = Sums(wire_voltage_sum / steps, shunt_voltage_sum / steps, displacement_sum / steps, force_sum / steps)
-    return after, means
+
+
+@compiled
+def cooled_plain(
+    constant_values: tuple[Any, ...], stress_pa: float, hottest_k: float, coldest_k: float, steps: int
+) -> tuple[Any, ...]:
+    """Return martensite and R-phase of the grains, and drives, after cooling from all austenite at one stress."""
+    constants = WireConstants(*constant_values)
+    grains = constants.grain_middle.shape[0]
+    grain_martensite = np.zeros(grains)
+    grain_r_phase = np.zeros(grains)
+    drives = drives_at(constants, hottest_k, stress_pa, 1.0)
+    for step in range(steps + 1):
+        temperature = hottest_k + (coldest_k - hottest_k) * step / steps
+        drives = drives_at(constants, temperature, stress_pa, 1.0)
+        cool_swept(constants, drives, 0, grains, grain_martensite, grain_r_phase)
+    seen = np.array(
+        [drives.a_to_m_k, drives.a_to_r_k, drives.r_to_m_k, drives.m_to_a_k, drives.r_to_a_k, drives.m_to_r_k]
+    )
+    return grain_martensite, grain_r_phase, seen

@@ -11,14 +11,7 @@ from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
 from musclewire.simulate.grains import FloatArray, spread_grains
-from musclewire.simulate.kernel import (
-    WireConstants,
-    WireState,
-    cool_grains,
-    drives_at,
-    resistance_of,
-    total_strain,
-)
+from musclewire.simulate.kernel import WireConstants, WireState, cooled_plain, resistance_of, total_strain
 
 __all__ = ["constants_from", "resting_state", "with_ambient", "with_pretension"]
 
@@ -75,8 +68,9 @@ def constants_from(alloy: Alloy, wire: Wire, rig: Bench, *, new_wire: bool = Fal
         friction_n=bench["guide_friction_n"],
         friction_presliding_m=bench["guide_presliding_m"],
         cold_strain=0.0,
+        grain_edges=spread.edges,
         grain_middle=spread.middle,
-        grain_inverse_width=1.0 / spread.width,
+        grain_width=spread.width,
     )
     return with_pretension(constants, bench["pretension_n"])
 
@@ -86,8 +80,10 @@ def with_pretension(constants: WireConstants, pretension_n: float) -> WireConsta
     if pretension_n < 0.0:
         raise CallerError(f"pretension is {pretension_n} N: a wire cannot be pushed, give 0 or more")
     stress = pretension_n / (constants.legs * constants.area_m2)
-    _, _, martensite, r_phase = cooled_grains(constants, stress)
-    cold = total_strain(constants, stress, martensite, r_phase, constants.ambient_temperature_k)
+    martensite, r_phase, _ = cooled_grains(constants, stress)
+    cold = total_strain(
+        constants, stress, float(martensite.mean()), float(r_phase.mean()), constants.ambient_temperature_k
+    )
     return constants._replace(
         pretension_n=pretension_n,
         cold_strain=cold,
@@ -104,22 +100,18 @@ def with_ambient(constants: WireConstants, ambient_temperature_k: float) -> Wire
     )
 
 
-def cooled_grains(constants: WireConstants, stress_pa: float) -> tuple[FloatArray, FloatArray, float, float]:
-    """Return grains and phase fractions of a wire cooled from hot austenite to ambient at one stress."""
-    grains = constants.grain_middle.shape[0]
-    grain_martensite, grain_r_phase = np.zeros(grains), np.zeros(grains)
-    steps = max(int((HOTTEST_START_K - constants.ambient_temperature_k) / COOLING_STEP_K), 1)
-    martensite = r_phase = 0.0
-    for temperature in np.linspace(HOTTEST_START_K, constants.ambient_temperature_k, steps + 1):
-        drives = drives_at(constants, float(temperature), stress_pa, 1.0)
-        martensite, r_phase = cool_grains(constants, drives, grain_martensite, grain_r_phase)
-    return grain_martensite, grain_r_phase, martensite, r_phase
+def cooled_grains(constants: WireConstants, stress_pa: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return martensite and R-phase of the grains, and their drives, of a wire cooled from hot to ambient."""
+    ambient = constants.ambient_temperature_k
+    steps = max(int((HOTTEST_START_K - ambient) / COOLING_STEP_K), 1)
+    return cooled_plain(tuple(constants), stress_pa, HOTTEST_START_K, ambient, steps)
 
 
 def resting_state(constants: WireConstants) -> WireState:
     """Return a wire at rest, cooled to ambient under its pretension."""
     stress = constants.pretension_n / (constants.legs * constants.area_m2)
-    grain_martensite, grain_r_phase, martensite, r_phase = cooled_grains(constants, stress)
+    grain_martensite, grain_r_phase, seen_drives_k = cooled_grains(constants, stress)
+    martensite, r_phase = float(grain_martensite.mean()), float(grain_r_phase.mean())
     temperature = constants.ambient_temperature_k
     transformed = martensite + constants.r_phase_entropy_ratio * r_phase
     return WireState(
@@ -140,4 +132,5 @@ def resting_state(constants: WireConstants) -> WireState:
         stress_slope_pa_per_k=0.0,
         grain_martensite=grain_martensite,
         grain_r_phase=grain_r_phase,
+        seen_drives_k=seen_drives_k,
     )

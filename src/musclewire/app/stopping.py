@@ -1,0 +1,55 @@
+"""Ctrl-C and SIGTERM, taken between two samples of a run and at once everywhere else.
+
+A signal that becomes an exception inside compiled code's Python callbacks is lost there or worse (Numba raises
+SystemError, or the process dies). So while a rig is open the first signal only leaves a note, which the run reads
+after its next sample; a second one does not wait.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from types import FrameType
+
+__all__ = ["STOPPED", "listen_for_signals", "stop_if_asked", "stops_between_samples"]
+
+STOPPED = {130: "Ctrl-C", 143: "SIGTERM"}
+
+
+class _Note:
+    """Whether signals wait for a sample now, and the exit code of one that does."""
+
+    waiting_allowed = False
+    exit_code: int | None = None
+
+
+def listen_for_signals() -> None:
+    """Take both signals, also where SIGINT came ignored, as in a shell's background job."""
+    signal.signal(signal.SIGINT, _on_signal)
+    signal.signal(signal.SIGTERM, _on_signal)
+
+
+def _on_signal(number: int, _frame: FrameType | None) -> None:
+    if _Note.waiting_allowed and _Note.exit_code is None:
+        _Note.exit_code = 128 + number
+        return
+    raise SystemExit(128 + number)
+
+
+def stop_if_asked(_row: Mapping[str, float] | None = None) -> None:
+    """Raise SystemExit where a signal has left its note; serves as a callback after each sample."""
+    if _Note.exit_code is not None:
+        code, _Note.exit_code = _Note.exit_code, None
+        raise SystemExit(code)
+
+
+@contextmanager
+def stops_between_samples() -> Iterator[None]:
+    """Let signals wait for the end of a sample inside this block, and for its end at the latest."""
+    _Note.waiting_allowed = True
+    try:
+        yield
+    finally:
+        _Note.waiting_allowed = False
+    stop_if_asked()

@@ -1,0 +1,77 @@
+"""Ctrl-C and SIGTERM in the middle of a run: the documented exit code, and a readable recording."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import pytest
+
+from musclewire.signals import read_recording
+
+PATIENCE_S = 120.0  # a cold machine compiles first
+
+
+def rows_on_disk(path: Path) -> int:
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            return int(file["time_s"].shape[0])
+    except (OSError, KeyError):
+        return 0
+
+
+def start(*arguments: object) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "musclewire", *map(str, arguments)]
+    return subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "NO_COLOR": "1"},
+    )
+
+
+def wait_for_rows(process: subprocess.Popen[str], path: Path, rows: int) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while rows_on_disk(path) < rows:
+        assert time.monotonic() < deadline, "no rows came"
+        try:
+            process.wait(0.05)
+        except subprocess.TimeoutExpired:
+            continue
+        pytest.fail(f"the run ended by itself: {process.communicate()}")
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_paced_run_stopped_by_a_signal_ends_safe_and_readable(
+    number: signal.Signals, code: int, tmp_path: Path
+) -> None:
+    path = tmp_path / "loop.h5"
+    process = start("characterize", "simulated", "--real-time", "-o", path)
+    wait_for_rows(process, path, 20)
+    process.send_signal(number)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == code, err
+    assert "the rig is safe" in err
+    assert str(path) in err
+    assert "Traceback" not in err
+    recording = read_recording(path)
+    assert recording.metadata["ended"] == "interrupted"
+    assert len(recording) >= 20
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_demo_stopped_by_a_signal_keeps_what_it_recorded(number: signal.Signals, code: int, tmp_path: Path) -> None:
+    process = start("demo", "--json", "--out", tmp_path / "demo")
+    wait_for_rows(process, tmp_path / "demo" / "loop-3.2V.h5", 200)
+    process.send_signal(number)
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == code, err
+    assert out == ""
+    assert len(read_recording(tmp_path / "demo" / "loop-3.2V.h5")) >= 200
+    assert not (tmp_path / "demo" / "report.html").exists()

@@ -1,0 +1,133 @@
+"""Item 6 of the main job: what cannot be used is refused in one line that says what and where; nothing is written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+HEADER = "time [s],V_SMA [V],I [A],displacement [mm]"
+
+
+def loop_rows(points: int = 400, *, transforms: bool = True, current: float = 0.15) -> list[list[float]]:
+    """A wire measured with V and I: resistance rises, falls with the contraction, and comes back."""
+    phase = np.linspace(0.0, 2.0 * np.pi, points)
+    heat = 0.5 * (1.0 - np.cos(phase))
+    moved = 1.0 / (1.0 + np.exp(-12.0 * (heat - 0.55))) if transforms else 0.0 * heat
+    resistance = 17.0 + 0.8 * heat - 3.0 * moved
+    columns = (90.0 * phase / (2.0 * np.pi), current * resistance, current + 0.0 * phase, 2.4 * moved)
+    return np.column_stack(columns).tolist()
+
+
+def write_csv(path: Path, rows: list[list[float]], header: str = HEADER) -> Path:
+    text = [header, *(",".join(repr(value) for value in row) for row in rows)]
+    path.write_text("\n".join(text) + "\n")
+    return path
+
+
+def test_a_wire_measured_with_voltage_and_current_is_fitted(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    path = write_csv(tmp_path / "bench.csv", loop_rows())
+    answer = musclewire("fit", path, "--length", "70 mm", "-o", tmp_path / "m.json", "--json")
+    assert answer.code == 0, answer.err
+    assert answer.json["resistance_max_ohm"] > answer.json["resistance_min_ohm"] > 10.0
+    estimated = musclewire("estimate", tmp_path / "m.json", path, "--length", "70 mm", "--json")
+    assert estimated.code == 0, estimated.err
+    assert estimated.json["rms_pct"] < 2.0
+
+
+def without(column: int, rows: list[list[float]]) -> list[list[float]]:
+    return [[value for place, value in enumerate(row) if place != column] for row in rows]
+
+
+def changed(row: int, column: int, value: float, rows: list[list[float]]) -> list[list[float]]:
+    rows[row][column] = value
+    return rows
+
+
+CASES = {
+    "a header without units": (loop_rows(), "time [s],Voltage,I [A],displacement [mm]", ("Voltage", "unit")),
+    "a missing column": (without(3, loop_rows()), "time [s],V_SMA [V],I [A]", ("displacement_m",)),
+    "no electrical column": (without(2, loop_rows()), "time [s],V_SMA [V],displacement [mm]", ("wire_current_a",)),
+    "a clock that runs back": (changed(41, 0, 1.0, loop_rows()), HEADER, ("line 43", "clock")),
+    "not a number": (changed(7, 1, float("nan"), loop_rows()), HEADER, ("line 9", "V_SMA")),
+    "too few points": (loop_rows(8), HEADER, ("samples",)),
+    "no current": (loop_rows(current=1e-6), HEADER, ("no current",)),
+    "a loop without a transformation": (loop_rows(transforms=False), HEADER, ("transformation",)),
+    "an unknown unit": (loop_rows(), "time [s],V_SMA [V],I [A],displacement [furlong/K]", ("displacement",)),
+    "a unit of another kind": (loop_rows(), "time [s],V_SMA [V],I [kg],displacement [mm]", ("kg",)),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_recording_that_cannot_be_used(name: str, musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    rows, header, words = CASES[name]
+    path = write_csv(tmp_path / "bench.csv", rows, header)
+    answer = musclewire("fit", path, "--length", "70 mm", "-o", tmp_path / "model.json", "--json")
+    assert answer.code == 2
+    assert answer.out == ""
+    assert len(answer.err.strip().splitlines()) == 1
+    assert answer.err.startswith("musclewire: ")
+    for word in words:
+        assert word in answer.err
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["bench.csv"]
+
+
+def test_displacement_without_a_length_says_how_to_give_one(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    answer = musclewire("fit", write_csv(tmp_path / "bench.csv", loop_rows()))
+    assert answer.code == 2
+    assert "--length" in answer.err
+
+
+def test_a_foreign_header_is_taken_by_an_explicit_mapping(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    path = write_csv(tmp_path / "bench.csv", loop_rows(), "Zeitpunkt,Kanal 1,Kanal 2,Weg2")
+    mapped = [
+        *("-c", "time_s=Zeitpunkt:s", "-c", "wire_voltage_v=Kanal 1:V"),
+        *("-c", "wire_current_a=Kanal 2:A", "-c", "displacement_m=Weg2:mm"),
+    ]
+    answer = musclewire("fit", path, *mapped, "--length", "70 mm", "--json")
+    assert answer.code == 0, answer.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("fit",), ("RECORDING",)),
+        (("fti", "x"), ("fit",)),
+        (("fit", "nowhere.csv"), ("nowhere.csv",)),
+        (("fit", "lan-fan-2010-table-2"), ("order 6", "5")),
+        (("fit", "lan-fan-2010-table-2", "--order", "many"), ("auto",)),
+        (("control", "simulated", "nowhere.json"), ("nowhere.json",)),
+        (("characterize", "simulatd", "-o", "x.h5"), ("simulatd", "simulated")),
+        (("characterize", "simulated", "-o", "x.csv"), ("x.csv", ".h5")),
+        (("characterize", "simulated", "-o", "x.h5", "--amplitude", "9 V"), ("maximum",)),
+        (("characterize", "simulated", "-o", "x.h5", "--amplitude", "3 N"), ("V",)),
+        (("rules", "zhao1993"), ("zhao-1993",)),
+        (("pretension", "simulated", "--at", "-1 N"), ("pretension",)),
+    ],
+)
+def test_wrong_usage_is_one_line_too(
+    arguments: tuple[str, ...],
+    words: tuple[str, ...],
+    musclewire: Callable[..., Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    answer = musclewire(*arguments)
+    assert answer.code == 2
+    assert len(answer.err.strip().splitlines()) == 1
+    for word in words:
+        assert word in answer.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_existing_recording_is_not_replaced_unless_told(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    path = tmp_path / "loop.h5"
+    path.write_bytes(b"precious")
+    command = ("characterize", "simulated", "-o", path, "--period", "2", "--cycles", "1", "--json")
+    assert musclewire(*command).code == 2
+    assert path.read_bytes() == b"precious"
+    assert musclewire(*command, "--force").code == 0
