@@ -60,9 +60,11 @@ class FuzzyPidSettings(StrictModel):
         input_scale: volts per error unit at a gain of one.
         error_unit: what the controlled quantity calls one percent strain: 0.01 for strain as a fraction; for
             a displacement in metres or a force in newtons the amount that goes with 1 % strain.
-        error_range: the error, in error units, that is +-1 for the fuzzy tables.
-        change_range: the rate of the error, in error units per second, that is +-1 for the fuzzy tables.
-        derivative_filter_s: time constant of the rate filters; 0 for none.
+        error_range: the error, in error units, that is +-1 for the fuzzy tables; two and a half of the paper's
+            steps of 0.3 %.
+        change_range: the rate of the error, in error units per second, that is +-1 for the fuzzy tables; one of
+            those steps within one sample of 0.05 s.
+        derivative_filter_s: time constant of the rate filters, four samples; 0 for none.
         rule_base: a name from ``rule_base_names()`` or the path of a .toml file; "fixed" turns the tuning
             off, and with both ends of each range equal the gains are that number.
 
@@ -76,9 +78,9 @@ class FuzzyPidSettings(StrictModel):
     kd_range: Range = (0.0005, 0.001)
     input_scale: Positive = 20.0
     error_unit: Positive = 0.01
-    error_range: Positive = 0.5
-    change_range: Positive = 9.0
-    derivative_filter_s: Annotated[float, Field(ge=0.0)] = 0.1
+    error_range: Positive = 0.75
+    change_range: Positive = 6.0
+    derivative_filter_s: Annotated[float, Field(ge=0.0)] = 0.2
     rule_base: str = DEFAULT_RULE_BASE
 
     @field_validator("kp_range", "ki_range", "kd_range")

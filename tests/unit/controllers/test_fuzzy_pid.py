@@ -67,7 +67,8 @@ def test_the_gains_follow_the_fuzzy_ratios_of_the_scaled_error_and_its_filtered_
     pid = controller()
     result = pid.step(pid.start(1.0, 0.0150, 0.0155), 0.0155, 0.0151, DT_S)
     rate_pct_per_s = (0.04 - 0.05) / DT_S * (DT_S / (0.1 + DT_S))
-    ratios = infer_ratios(load_rule_base(), 0.04 / 0.3, rate_pct_per_s / 0.3)
+    set_to = FuzzyPidSettings()
+    ratios = infer_ratios(load_rule_base(), 0.04 / set_to.error_range, rate_pct_per_s / set_to.change_range)
     expected = (0.01 + 0.1 * ratios.kp, 0.02 + 0.04 * ratios.ki, 0.0005 + 0.0005 * ratios.kd)
     assert (result.kp, result.ki, result.kd) == pytest.approx(expected, rel=1e-9)
 
@@ -217,7 +218,7 @@ def test_a_start_without_a_measurement_is_refused() -> None:
 
 def test_the_error_unit_makes_metres_control_like_strain() -> None:
     strain = controller()
-    metres = FuzzyPid(FuzzyPidSettings(error_unit=0.01 * 0.07), LIMITS)
+    metres = FuzzyPid(FuzzyPidSettings(error_unit=0.01 * 0.07, derivative_filter_s=0.1), LIMITS)
     in_strain = run(strain, strain.start(1.0, 0.015, 0.018), 0.018, [0.0152, 0.0158, 0.0169])
     in_metres = run(
         metres,

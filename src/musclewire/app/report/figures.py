@@ -181,7 +181,7 @@ def staircase_figure(run: ControlRun) -> Figure:
     middle.plot(time_s, reference - target, color=COOLING, linewidth=1.1, label="reference - target")
     middle.plot(time_s, estimated - reference, color=HEATING, linewidth=1.0, label="estimate - reference")
     middle.set(ylabel="error [% strain]", ylim=(-0.2, 0.2))
-    middle.legend(loc="upper right", ncols=2)
+    middle.legend(loc="lower left", ncols=2, bbox_to_anchor=(0.0, 0.98), borderaxespad=0.0)
     bottom.plot(time_s, run["drive_voltage_v"], color=AVERAGE, linewidth=1.1)
     bottom.set(xlabel="time [s]", ylabel="drive [V]", xlim=(-approach_s, time_s[-1]))
     return figure
