@@ -18,7 +18,7 @@ from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.protocol import Rig
-from musclewire.sensing.model import SensingModel
+from musclewire.sensing.model import SHOWN_AS, SensingModel
 from musclewire.sensing.resistance import wire_resistance
 from musclewire.signals.recording import MetadataValue
 from musclewire.signals.samples import RawSample
@@ -185,7 +185,9 @@ def check_targets(model: SensingModel, reference: Reference, sample_period_s: fl
     low, high = float(targets.min()), float(targets.max())
     margin = 1e-3 * (model.quantity_max - model.quantity_min)
     if low < model.quantity_min - margin or high > model.quantity_max + margin:
+        factor, unit = SHOWN_AS[model.quantity]
         raise CallerError(
-            f"the reference goes from {low:.4g} to {high:.4g} {model.unit}, but this model senses {model.quantity} "
-            f"only from {model.quantity_min:.4g} to {model.quantity_max:.4g}: choose targets inside"
+            f"the reference goes from {factor * low:.4g} to {factor * high:.4g} {unit}, but this model senses "
+            f"{model.quantity} only from {factor * model.quantity_min:.4g} to {factor * model.quantity_max:.4g} {unit}: "
+            "choose targets inside"
         )

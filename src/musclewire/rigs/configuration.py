@@ -62,14 +62,16 @@ def bench_with(bench: Bench, settings: dict[str, float | str], where: str) -> Be
 def open_rig(
     rig: str | Path | RigConfiguration = "simulated",
     *,
+    wire: str | None = None,
     seed: int | None = None,
     real_time: bool = False,
     **settings: float | str,
 ) -> SimulatedRig:
     """Open a rig: ``"simulated"`` for the paper's bench, or the path of a TOML rig file.
 
-    ``settings`` change numbers of the bench by name, in SI or as text with a unit, as in
-    ``open_rig("simulated", pretension_n=1.7)``. Raises CallerError for unknown names and impossible numbers.
+    ``wire`` names another wire than the rig's; ``settings`` change numbers of the bench by name, in SI or as text
+    with a unit, as in ``open_rig("simulated", pretension_n=1.7)``. Raises CallerError for unknown names and
+    impossible numbers.
     """
     from musclewire.rigs.simulated import SimulatedRig
 
@@ -79,11 +81,11 @@ def open_rig(
         configuration, where = RigConfiguration(), "simulated"
     else:
         configuration, where = read_rig_file(rig), f"rig file {rig}"
-    wire = load_wire(configuration.wire)
+    chosen = load_wire(wire or configuration.wire)
     bench = bench_with(load_bench(configuration.bench), {**configuration.settings, **settings}, where)
     return SimulatedRig(
-        load_alloy(wire.alloy),
-        wire,
+        load_alloy(chosen.alloy),
+        chosen,
         bench,
         seed=configuration.seed if seed is None else seed,
         new_wire=configuration.new_wire,
