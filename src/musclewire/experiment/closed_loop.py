@@ -20,6 +20,7 @@ from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.model import SHOWN_AS, SensingModel
 from musclewire.sensing.resistance import wire_resistance
+from musclewire.sensing.tracking import SegmentState, SegmentTracker
 from musclewire.signals.recording import MetadataValue
 from musclewire.signals.samples import RawSample
 
@@ -68,6 +69,8 @@ class SelfSensingPolicy:
         self._estimate = model.quantity_min
         self._std = 0.0
         self._blind_samples = 0
+        self._tracker = SegmentTracker(model.resistance_min_ohm, model.resistance_max_ohm)
+        self._segment: SegmentState | None = None
         suffix = COLUMN_SUFFIX[model.quantity]
         self._target_name, self._estimated_name = f"target_{suffix}", f"estimated_{suffix}"
 
@@ -100,7 +103,8 @@ class SelfSensingPolicy:
         if reading.valid:
             self._blind_samples = 0
             estimate = self._model.estimate(reading.resistance_ohm)
-            self._estimate, valid = estimate.value, estimate.valid
+            self._estimate = estimate.value
+            valid = estimate.valid and self._in_sensing_segment(reading.resistance_ohm, sample.wire_voltage_v)
             if self._state is None:
                 self._state = self._controller.start(self._first_drive_voltage_v, estimate.value, target)
             result = self._controller.step(self._state, target, estimate.value, self._sample_period_s)
@@ -120,6 +124,15 @@ class SelfSensingPolicy:
                 "derivative_gain": gains[2],
             },
         )
+
+    def _in_sensing_segment(self, resistance_ohm: float, wire_voltage_v: float) -> bool:
+        """Tell whether the wire is between B and C. Recorded only: the loop goes on either way."""
+        power_w = wire_voltage_v * wire_voltage_v / resistance_ohm
+        if self._segment is None:
+            self._segment = self._tracker.start(resistance_ohm, power_w)
+        else:
+            self._segment = self._tracker.step(self._segment, resistance_ohm, power_w)
+        return self._segment.sensing
 
     def _lose_sight(self, sample: RawSample) -> None:
         """Hold the drive over a sample without current; give up when sight does not come back."""
@@ -188,6 +201,6 @@ def check_targets(model: SensingModel, reference: Reference, sample_period_s: fl
         factor, unit = SHOWN_AS[model.quantity]
         raise CallerError(
             f"the reference goes from {factor * low:.4g} to {factor * high:.4g} {unit}, but this model senses "
-            f"{model.quantity} only from {factor * model.quantity_min:.4g} to {factor * model.quantity_max:.4g} {unit}: "
-            "choose targets inside"
+            f"{model.quantity} only from {factor * model.quantity_min:.4g} to {factor * model.quantity_max:.4g} "
+            f"{unit}: choose targets inside"
         )

@@ -11,6 +11,8 @@ from musclewire.errors import RecordingError
 from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity, required_quantity, resistance_reading
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
+from musclewire.sensing.resistance import ArrayReading
+from musclewire.sensing.tracking import SegmentTracker
 from musclewire.signals.recording import MetadataValue, Recording
 
 __all__ = ["EstimateReport", "estimate", "fit"]
@@ -81,6 +83,16 @@ def wire_notes(recording: Recording) -> dict[str, str | float]:
     return {name: value for name, value in found.items() if isinstance(value, (str, int, float))}
 
 
+def in_sensing_segment(model: SensingModel, recording: Recording, reading: ArrayReading) -> NDArray[np.bool_]:
+    """Return where the wire is between B and C, (n_times,); everywhere where the recording has no voltage."""
+    if "wire_voltage_v" not in recording:
+        return np.ones(len(recording), dtype=np.bool_)
+    some_ohm = np.where(reading.valid, reading.resistance_ohm, 1.0)
+    power_w = recording["wire_voltage_v"] ** 2 / some_ohm
+    tracker = SegmentTracker(model.resistance_min_ohm, model.resistance_max_ohm)
+    return tracker.track(reading.resistance_ohm, power_w, reading.valid)
+
+
 @dataclass(frozen=True)
 class EstimateReport:
     """An estimate over a recording, and its errors in percent of stroke where the recording has a reference."""
@@ -94,12 +106,13 @@ class EstimateReport:
 def estimate(model: SensingModel, recording: Recording) -> EstimateReport:
     """Estimate strain (or the model's quantity) from a recording's resistance, sample by sample.
 
-    Errors count the valid samples only: those with current and a resistance in the model's range. Stroke is
-    the range the model senses. Raises RecordingError when no resistance can be had or none lies in the range.
+    Errors count the valid samples only: those with current, a resistance in the model's range, and the wire
+    between B and C, which shows in how power and resistance move together. Stroke is the range the model senses.
+    Raises RecordingError when no resistance can be had or none lies in the range.
     """
     reading = resistance_reading(recording)
     result = model.estimate(reading.resistance_ohm)
-    valid: NDArray[np.bool_] = reading.valid & result.valid
+    valid: NDArray[np.bool_] = reading.valid & result.valid & in_sensing_segment(model, recording, reading)
     if not valid.any():
         low, high = model.valid_resistance_ohm
         raise RecordingError(

@@ -22,6 +22,7 @@ from musclewire.sensing.resistance import (
     wire_resistance_from_current,
 )
 from musclewire.sensing.segments import LoopSegments, find_loops, find_segments
+from musclewire.sensing.tracking import SegmentState, SegmentTracker
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -50,6 +51,8 @@ __all__ = [
     "ResistanceExtremes",
     "find_resistance_extremes",
     "recalibrated",
+    "SegmentTracker",
+    "SegmentState",
 ]
 
 

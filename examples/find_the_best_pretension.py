@@ -1,0 +1,21 @@
+"""Sweep the pretension of a 125 um wire and find where heating and cooling agree best."""
+
+import matplotlib
+
+import musclewire as mw
+from musclewire.rigs.configuration import RigConfiguration
+
+matplotlib.use("Agg")
+
+configuration = RigConfiguration(wire="paper-125um", settings={"drive_amplitude_v": "2.8 V"})
+with mw.open_rig(configuration) as rig:
+    sweep = mw.pretension_sweep(rig, [1.7, 2.4, 3.2, 4.0, 4.7], cycles=1)
+
+for row in sweep.rows:
+    print(f"{row.pretension_n:5.2f} N   gap {row.strain_gap_pct:6.3f} %   stroke {row.stroke_pct:5.2f} %")
+for failure in sweep.failures:
+    print(f"not usable: {failure}")
+print(f"best: {sweep.best.pretension_n:.2f} N")
+
+axes = sweep.plot()
+print(f"the figure shows {len(axes.get_lines())} lines; save it with axes.figure.savefig(...)")

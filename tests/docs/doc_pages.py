@@ -1,0 +1,43 @@
+"""Helpers for the tests that hold the documentation to the code."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def tables_of(text: str) -> list[list[dict[str, str]]]:
+    """Every table of a Markdown page as rows of header -> cell."""
+    tables: list[list[dict[str, str]]] = []
+    header: list[str] | None = None
+    for line in text.splitlines():
+        if not line.startswith("|"):
+            header = None
+            continue
+        cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip())[1:-1]]
+        if header is None:
+            header = cells
+            tables.append([])
+        elif not set("".join(cells)) <= set("-: "):
+            assert len(cells) == len(header), f"{len(cells)} cells under {len(header)} headers: {line}"
+            tables[-1].append(dict(zip(header, cells, strict=True)))
+    return tables
+
+
+def code_words(cell: str) -> list[str]:
+    """What stands between backticks in a cell."""
+    return re.findall(r"`([^`]+)`", cell)
+
+
+def resolve(name: str) -> Any:
+    """The object that ``module:object`` names, the package's name left out; fields count as objects."""
+    module, _, path = name.partition(":")
+    found = importlib.import_module(f"musclewire.{module}")
+    for part in path.split("."):
+        fields = {**getattr(found, "model_fields", {}), **getattr(found, "__annotations__", {})}
+        found = getattr(found, part) if hasattr(found, part) else fields[part]
+    return found

@@ -1,0 +1,63 @@
+"""Every ``python`` and ``sh`` block of the pages runs, page by page, in one empty folder in the order it is read.
+
+Blocks marked ``console`` are for reading (setting up a checkout); they stand in CONTRIBUTING.md only.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from doc_pages import ROOT
+
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.M | re.S)
+
+
+def blocks(page: Path) -> list[tuple[str, str]]:
+    return BLOCK.findall(page.read_text("utf-8"))
+
+
+def name_of(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
+WITH_CODE = [page for page in PAGES if any(language in {"python", "sh"} for language, _ in blocks(page))]
+
+
+@pytest.mark.parametrize("page", WITH_CODE, ids=name_of)
+def test_every_block_of_the_page_runs(page: Path, tmp_path: Path) -> None:
+    namespace = tmp_path / ".namespace.py"
+    python = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = {**os.environ, "PATH": python, "MPLBACKEND": "Agg", "PYTHONWARNINGS": "error"}
+    said = ""
+    for language, text in blocks(page):
+        if language == "sh":
+            command = ["sh", "-eu", "-c", text]
+        elif language == "python":
+            # Later blocks of a page may use the names of earlier ones.
+            said += text + "\n"
+            namespace.write_text(said, encoding="utf-8")
+            command = [sys.executable, str(namespace)]
+        else:
+            continue
+        done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, f"{text}\n{done.stdout}\n{done.stderr}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_block_has_a_language_that_a_test_knows(page: Path) -> None:
+    allowed = {"python", "sh"} | ({"console"} if page.name in {"CONTRIBUTING.md", "README.md"} else set())
+    assert {language for language, _ in blocks(page)} <= allowed
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_link_within_the_repository_leads_somewhere(page: Path) -> None:
+    text = re.sub(r"```.*?```", "", page.read_text("utf-8"), flags=re.S)
+    for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
+        if "://" not in target:
+            assert (page.parent / target).exists(), target

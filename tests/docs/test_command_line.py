@@ -1,0 +1,116 @@
+"""docs/reference/command_line.md says what the command line has: no more, no less."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from doc_pages import ROOT, code_words, tables_of
+
+PAGE = (ROOT / "docs/reference/command_line.md").read_text("utf-8")
+SECTIONS = dict(re.findall(r"^## `musclewire (\w+)`\n(.*?)(?=^## |\Z)", PAGE, re.M | re.S))
+
+
+def documented_options(section: str) -> dict[str, str]:
+    rows = [row for table in tables_of(section) for row in table if "Option" in row]
+    return {row["Option"]: row["Default"] for row in rows}
+
+
+def json_keys(section: str) -> set[str]:
+    found = re.search(r"JSON keys: (.*?)(?:\n\n|\Z)", section, re.S)
+    assert found
+    return set(code_words(found[1]))
+
+
+def own_options(command: Any) -> list[Any]:
+    return [item for item in command.params if item.param_type_name == "option" and "--help" not in item.opts]
+
+
+def test_every_command_has_its_section_and_every_section_its_command(commands: dict[str, Any]) -> None:
+    assert set(SECTIONS) == set(commands)
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_every_option_named_exists_and_none_is_missing(name: str, commands: dict[str, Any]) -> None:
+    documented = {frozenset(code_words(cell)) for cell in documented_options(SECTIONS[name])}
+    assert documented == {frozenset(option.opts) for option in own_options(commands[name])}
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_every_default_is_as_said(name: str, commands: dict[str, Any]) -> None:
+    said = {
+        frozenset(code_words(cell)): "".join(code_words(default))
+        for cell, default in documented_options(SECTIONS[name]).items()
+    }
+    for option in own_options(commands[name]):
+        default = "" if option.default in (None, False, ()) else str(option.default)
+        assert said[frozenset(option.opts)] == default
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a loop and its model, as the commands make them."""
+    path = tmp_path_factory.mktemp("commands")
+    run(path, "characterize", "simulated", "-o", "loop.h5")
+    run(path, "fit", "loop.h5", "-o", "model.json")
+    return path
+
+
+def run(folder: Path, *arguments: str, expect: int = 0) -> str:
+    done = subprocess.run(
+        [sys.executable, "-m", "musclewire", *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "MPLBACKEND": "Agg"},
+        check=False,
+    )
+    assert done.returncode == expect, done.stderr
+    return done.stdout if expect == 0 else done.stderr
+
+
+CALLS = {
+    "demo": ["--out", "demo"],
+    "characterize": ["simulated", "-o", "again.h5", "--cycles", "1"],
+    "pretension": ["simulated", "--at", "1.9 N", "--cycles", "1"],
+    "control": ["simulated", "model.json"],
+    "train": ["simulated"],
+    "import": ["loop.h5"],
+    "fit": ["loop.h5"],
+    "estimate": ["model.json", "loop.h5"],
+    "rules": [],
+    "cite": [],
+}
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_the_json_has_the_keys_as_said(name: str, folder: Path) -> None:
+    document = json.loads(run(folder, name, *CALLS[name], "--json"))
+    assert set(document) == json_keys(SECTIONS[name])
+
+
+def test_the_steps_have_the_keys_as_said(folder: Path) -> None:
+    step = json.loads(run(folder, "control", "simulated", "model.json", "--json"))["steps"][0]
+    assert set(step) == {"target_pct", "direction", "mae_pct", "estimate_mae_pct", "tracking_mae_pct"}
+    assert all(f"`{key}`" in SECTIONS["demo"] for key in step)
+
+
+@pytest.mark.parametrize(
+    ("code", "arguments"),
+    [
+        (1, ["train", "simulated", "--most-cycles", "2"]),
+        (2, ["fit", "no-such-file.h5"]),
+        (2, ["fit", "loop.h5", "--no-such-option"]),
+        (2, ["no-such-command"]),
+    ],
+)
+def test_the_exit_codes_are_as_said_and_errors_are_one_line(code: int, arguments: list[str], folder: Path) -> None:
+    assert any(row["code"] == str(code) for table in tables_of(PAGE) for row in table if "code" in row)
+    last = run(folder, *arguments, expect=code).strip().splitlines()
+    assert code == 1 or len(last) == 1

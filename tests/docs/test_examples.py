@@ -1,0 +1,44 @@
+"""Every example runs from any folder, leaves nothing behind, and prints what its title promises."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from doc_pages import ROOT
+
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+
+# What each must print: a pattern, so that better parameters do not break the test.
+PROMISES = {
+    "move_a_wire_by_its_resistance": r"largest \d+\.\d+ %, mean \d+\.\d+ %",
+    "fit_a_csv_recording": r"2 % strain requires \d+\.\d+ ohm",
+    "compare_rule_bases": r"zhao-1993 .*%(?s:.*)fixed .*%(?s:.*)liu-7x7 .*%(?s:.*)liu-7x7-mirrored .*%",
+    "find_the_best_pretension": r"best: \d+\.\d+ N",
+    "train_and_recalibrate": r"settled\n(?s:.*)R_min moved by [+-]\d+\.\d+ ohm",
+}
+
+
+def test_every_example_promises_something() -> None:
+    assert [path.stem for path in EXAMPLES] == sorted(PROMISES)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_example_runs_and_prints_what_it_promises(path: Path, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-W", "error", str(path)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, "MPLBACKEND": "Agg"},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert re.search(PROMISES[path.stem], done.stdout), done.stdout
+    assert done.stderr == ""
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,116 @@
+"""The reference pages list what the code has: columns, settings, keys, symbols, rule bases, error messages."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from doc_pages import ROOT, code_words, resolve, tables_of
+
+from musclewire.controllers import load_rule_base, rule_base_names
+from musclewire.parameters import load_bench, load_wire, names
+from musclewire.parameters.schema import Bench
+from musclewire.rigs.configuration import RigConfiguration
+from musclewire.sensing.model_file import ModelFile
+from musclewire.signals.columns import COLUMNS
+
+DOCS = ROOT / "docs"
+
+
+def column_of(page: str, header: str) -> list[str]:
+    tables = tables_of((DOCS / page).read_text("utf-8"))
+    return [word for table in tables for row in table if header in row for word in code_words(row[header])]
+
+
+def test_every_column_is_listed_and_no_other() -> None:
+    assert sorted(column_of("reference/files.md", "Column")) == sorted(COLUMNS)
+
+
+def test_the_units_of_the_columns_are_theirs() -> None:
+    for row in (row for table in tables_of((DOCS / "reference/files.md").read_text("utf-8")) for row in table):
+        for name, unit in zip(code_words(row.get("Column", "")), row.get("Unit", "").split(", "), strict=False):
+            if not name.endswith("_gain"):
+                assert (COLUMNS[name].unit or "1") == unit
+
+
+def test_every_setting_of_a_bench_is_listed_with_its_unit() -> None:
+    rows = [
+        row
+        for table in tables_of((DOCS / "reference/files.md").read_text("utf-8"))
+        for row in table
+        if "Setting" in row
+    ]
+    listed = {code_words(row["Setting"])[0]: row["Unit"] for row in rows}
+    assert listed == {name: parameter.unit for name, parameter in load_bench("paper").items()}
+    assert set(listed) <= set(Bench.model_fields)
+
+
+def test_every_key_of_rig_and_model_files_is_listed() -> None:
+    assert set(column_of("reference/files.md", "Key")) == set(RigConfiguration.model_fields) | set(
+        ModelFile.model_fields
+    )
+
+
+def test_the_wires_and_benches_that_ship_are_named() -> None:
+    page = (DOCS / "reference/files.md").read_text("utf-8")
+    assert all(f"`{name}`" in page for kind in ("wire", "bench") for name in names(kind))
+
+
+def test_every_rule_base_is_listed_with_its_source() -> None:
+    assert sorted(column_of("reference/rules.md", "Rule base")) == sorted(rule_base_names())
+    text = (DOCS / "reference/rules.md").read_text("utf-8")
+    assert "10.1109/21.260670" in text
+    assert "10.1109/21.260670" in load_rule_base("zhao-1993").source
+
+
+@pytest.mark.parametrize("name", ["zhao-1993", "liu-7x7"])
+def test_the_printed_tables_are_those_of_the_rule_base(name: str) -> None:
+    text = (DOCS / "reference/rules.md").read_text("utf-8")
+    block = text.split(f"`{name}`, ", 1)[1].split("\n\n", 2)[1].splitlines()[1:]
+    rules = load_rule_base(name).rules
+    tables = [rules.kp, rules.kd, rules.alpha] if name == "zhao-1993" else [rules.kp, rules.ki, rules.kd]  # type: ignore[union-attr]
+    assert len(block) == 7
+    for index, line in enumerate(block):
+        cells = [group.split() for group in re.split(r"\s{3,}", line.strip())]
+        for printed, table in zip(cells, tables, strict=True):
+            row = [f"{cell:g}" if isinstance(cell, float) else cell for cell in table[index]]
+            assert printed == row
+
+
+@pytest.mark.parametrize(
+    "row", [row for table in tables_of((DOCS / "reference/symbols.md").read_text("utf-8")) for row in table]
+)
+def test_every_symbol_leads_to_code(row: dict[str, str]) -> None:
+    assert row["Where"] == "to come" or code_words(row["Where"])
+    for name in code_words(row["Where"]):
+        assert resolve(name) is not None
+
+
+def test_every_error_message_explained_is_one_that_the_code_says() -> None:
+    source = "".join(path.read_text("utf-8") for path in sorted((ROOT / "src/musclewire").rglob("*.py")))
+    joined = re.sub(r'"\s*\n\s*f?"', "", source)
+    explained = column_of("how-to/read_my_recordings.md", "Message")
+    assert len(explained) > 20
+    assert [text for text in explained if text not in joined] == []
+
+
+def test_table_1_is_in_the_wire_files_as_printed() -> None:
+    printed = {
+        "paper-100um": (126, 4.601, 0.275),
+        "paper-125um": (75, 7.220, 0.422),
+        "paper-200um": (29, 18.247, 1.079),
+    }
+    for name, numbers in printed.items():
+        values = load_wire(name).values()
+        assert (
+            values["resistance_per_metre_ohm_per_m"],
+            values["maximum_force_n"],
+            values["nominal_force_n"],
+        ) == numbers
+        assert f"{1e6 * values['diameter_m']:.0f}um" in name
+
+
+def test_the_bench_has_the_spring_and_the_length_of_the_paper() -> None:
+    bench = load_bench("paper").values()
+    assert (bench["spring_stiffness_n_per_m"], bench["wire_length_m"], bench["legs"]) == (588.60, 0.14, 2)
+    assert bench["sample_period_s"] == 0.05

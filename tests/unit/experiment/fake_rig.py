@@ -1,0 +1,69 @@
+"""A rig of one line: resistance falls straight with the strain, and strain follows the drive with a lag."""
+
+from __future__ import annotations
+
+import math
+from types import TracebackType
+from typing import Self
+
+from musclewire.rigs.protocol import Metadata
+from musclewire.sensing import SensingModel
+from musclewire.signals import RawSample
+
+LENGTH_M = 0.07
+
+
+class FakeRig:
+    """Strain goes to (drive - 1) * 2 % with a time constant of 0.3 s; 17.5 ohm at none, 100 ohm less per strain."""
+
+    sample_period_s = 0.05
+    paced = False
+    sense_voltage_v = 0.3
+    maximum_voltage_v = 3.6
+    drive_amplitude_v = 3.2
+    shunt_resistance_ohm = 1.0
+    leg_length_m = LENGTH_M
+
+    def __init__(self, *, fails_at: int | None = None, blind: range = range(0)) -> None:
+        self.drive_voltage_v = 0.0
+        self.strain = 0.0
+        self.samples = 0
+        self.safe_calls = 0
+        self.fails_at = fails_at
+        self.blind = blind
+
+    def metadata(self) -> Metadata:
+        return {"rig": "fake", "leg_length_m": LENGTH_M, "shunt_resistance_ohm": 1.0, "sample_period_s": 0.05}
+
+    def exchange(self, drive_voltage_v: float) -> RawSample:
+        if self.samples == self.fails_at:
+            raise OSError("the cable came off")
+        self.drive_voltage_v = drive_voltage_v
+        self.samples += 1
+        wanted = 0.02 * max(drive_voltage_v - 1.0, 0.0)
+        self.strain += (wanted - self.strain) * (1.0 - math.exp(-0.05 / 0.3))
+        resistance = 17.5 - 100.0 * self.strain
+        current = 0.0 if self.samples in self.blind else drive_voltage_v / (resistance + 1.0)
+        return RawSample(
+            0.05 * self.samples, drive_voltage_v, current * resistance, current, displacement_m=LENGTH_M * self.strain
+        )
+
+    def make_safe(self) -> None:
+        self.safe_calls += 1
+        self.drive_voltage_v = self.sense_voltage_v
+
+    def close(self) -> None:
+        self.drive_voltage_v = 0.0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def straight_model() -> SensingModel:
+    """The fake wire's own law: 4 % at 13.5 ohm, nothing at 17.5 ohm."""
+    return SensingModel(13.5, 17.5, (0.04, -0.04), (0.04, -0.04), 0.0, 1.0)

@@ -1,0 +1,133 @@
+"""Whatever a rig, a callback or the user does, the rig ends at its sense voltage and nothing recorded is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+from fake_rig import FakeRig, straight_model
+
+from musclewire.errors import CallerError, RigError
+from musclewire.experiment.closed_loop import control
+from musclewire.experiment.open_loop import WaveformPolicy, characterize, slow_sine
+from musclewire.experiment.run import run_on_rig
+
+
+def stop_after(rows: int, problem: BaseException):
+    seen: list[Mapping[str, float]] = []
+
+    def on_sample(row: Mapping[str, float]) -> None:
+        seen.append(row)
+        if len(seen) == rows:
+            raise problem
+
+    return on_sample
+
+
+@pytest.mark.parametrize(
+    ("problem", "ended"),
+    [
+        (KeyboardInterrupt(), "interrupted"),
+        (SystemExit(143), "interrupted"),
+        (ZeroDivisionError("a callback of the user"), "ZeroDivisionError: a callback of the user"),
+    ],
+)
+def test_a_callback_that_raises_leaves_the_rig_safe_and_the_recording_on_the_exception(
+    problem: BaseException, ended: str
+) -> None:
+    rig = FakeRig()
+    with pytest.raises(type(problem)) as caught:
+        characterize(rig, period_s=10.0, on_sample=stop_after(57, problem))
+    assert rig.drive_voltage_v == rig.sense_voltage_v
+    recording = caught.value.recording  # type: ignore[attr-defined]
+    assert len(recording) == 57
+    assert recording.metadata["ended"] == ended
+    assert any("57 samples" in note for note in caught.value.__notes__)
+
+
+@pytest.mark.parametrize("failing_sample", [0, 1, 30])
+def test_a_rig_that_fails_is_made_safe_too(failing_sample: int) -> None:
+    rig = FakeRig(fails_at=failing_sample)
+    with pytest.raises(OSError, match="cable"):
+        characterize(rig, period_s=10.0)
+    assert rig.safe_calls >= 1
+    assert rig.drive_voltage_v == rig.sense_voltage_v
+
+
+def test_a_finished_run_ends_at_the_sense_voltage_and_leaving_the_block_switches_off() -> None:
+    with FakeRig() as rig:
+        recording = characterize(rig, period_s=5.0, cycles=2)
+        assert rig.drive_voltage_v == rig.sense_voltage_v
+        assert recording.metadata["ended"] == "done"
+    assert rig.drive_voltage_v == 0.0
+
+
+def test_a_wire_that_stays_without_current_ends_the_loop_as_a_rig_fault() -> None:
+    rig = FakeRig(blind=range(400, 10_000))
+    with pytest.raises(RigError, match="no current through the wire for 10 samples") as caught:
+        control(rig, straight_model())
+    assert rig.drive_voltage_v == rig.sense_voltage_v
+    assert len(caught.value.recording) == 408  # type: ignore[attr-defined]
+
+
+def test_a_moment_without_current_is_bridged_by_holding_the_drive() -> None:
+    rig = FakeRig(blind=range(500, 508))
+    run = control(rig, straight_model())
+    part = slice(499, 507)
+    assert (run["valid"][part] == 0.0).all()
+    assert (run["wire_resistance_ohm"][part] == 0.0).all()
+    assert len(set(run["drive_voltage_v"][part])) == 1
+    assert run.metrics.valid_share < 1.0
+
+
+def test_the_drive_never_falls_below_the_sense_voltage_while_sensing() -> None:
+    run = control(FakeRig(), straight_model())
+    assert run["drive_voltage_v"].min() >= 0.3
+    assert run["drive_voltage_v"].max() <= 3.6
+
+
+def test_the_loop_reads_no_reference_instrument() -> None:
+    class Liar(FakeRig):
+        def exchange(self, drive_voltage_v: float):
+            return super().exchange(drive_voltage_v)._replace(displacement_m=-1.0)
+
+    honest, lied = control(FakeRig(), straight_model()), control(Liar(), straight_model())
+    assert (honest["drive_voltage_v"] == lied["drive_voltage_v"]).all()
+
+
+def test_a_slow_sine_starts_and_ends_at_the_sense_voltage_and_peaks_at_the_amplitude() -> None:
+    drive = slow_sine(3.2, 0.3, 90.0)
+    assert drive(0.0) == pytest.approx(0.3)
+    assert drive(45.0) == pytest.approx(3.2)
+    assert drive(90.0) == pytest.approx(0.3)
+    assert min(drive(0.1 * step) for step in range(900)) >= 0.3
+
+
+def test_cycles_are_numbered_from_one_and_the_last_sample_of_a_cycle_belongs_to_it() -> None:
+    recording = run_on_rig(FakeRig(), WaveformPolicy(slow_sine(3.0, 0.3, 1.0), 1.0), 3.0)
+    assert recording["cycle"].tolist() == [1.0] * 20 + [2.0] * 20 + [3.0] * 20
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"amplitude_v": 9.0}, "above the rig's maximum of 3.6 V"),
+        ({"amplitude_v": 0.2}, "above the sense voltage"),
+        ({"cycles": 0}, "at least 1"),
+        ({"period_s": 0.01, "cycles": 1}, "shorter than one sample"),
+    ],
+)
+def test_a_slow_sine_that_cannot_be_is_the_callers_error(arguments: dict[str, float], message: str) -> None:
+    rig = FakeRig()
+    with pytest.raises(CallerError, match=message):
+        characterize(rig, **arguments)  # type: ignore[arg-type]
+    assert rig.samples == 0
+
+
+def test_targets_outside_what_the_model_senses_are_refused_before_anything_moves() -> None:
+    from musclewire.controllers import staircase
+
+    rig = FakeRig()
+    with pytest.raises(CallerError, match=r"from 3 to 6 %, but this model senses strain only from 0 to 4 %"):
+        control(rig, straight_model(), staircase(0.03, 0.06))
+    assert rig.samples == 0

@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+import pytest
+from fake_rig import FakeRig
+
+from musclewire.errors import CallerError
+from musclewire.experiment.pretension import default_pretensions_n, pretension_sweep
+from musclewire.rigs.configuration import open_rig
+
+
+def test_pretension_first_closes_the_loop() -> None:
+    """Fig. 4: from slack to tight the strain gap falls."""
+    with open_rig("simulated", wire="paper-125um", drive_amplitude_v=2.5) as rig:
+        sweep = pretension_sweep(rig, [1.70, 2.4, 3.22], cycles=1)
+    gaps = [row.strain_gap_pct for row in sweep.rows]
+    assert gaps == sorted(gaps, reverse=True)
+    assert sweep.best.pretension_n == 3.22
+    assert sweep.failures == ()
+
+
+def test_the_default_settings_span_the_papers_force_ratios() -> None:
+    with open_rig("simulated") as rig:
+        forces = default_pretensions_n(rig)
+    assert forces[0] == pytest.approx(0.20 * 4.601, abs=0.01)
+    assert forces[-1] == pytest.approx(0.65 * 4.601, abs=0.01)
+    assert len(forces) == 8
+
+
+def test_a_rig_whose_stage_is_moved_by_hand_says_what_to_do() -> None:
+    with pytest.raises(CallerError, match="moved by hand"):
+        pretension_sweep(FakeRig(), [1.0])
+
+
+def test_the_sweep_plots_both_gaps_and_marks_the_best() -> None:
+    with open_rig("simulated") as rig:
+        axes = pretension_sweep(rig, [1.5, 1.9], cycles=1).plot()
+    assert {text.get_text() for text in axes.get_legend().get_texts()} == {"strain gap", "force gap"}

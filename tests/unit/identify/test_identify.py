@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.experiment.open_loop import characterize
+from musclewire.identify import estimate, fit
+from musclewire.identify.loop_gaps import loop_gaps
+from musclewire.identify.recordings import reference_quantity, resistance_reading
+from musclewire.rigs.configuration import open_rig
+from musclewire.signals import Recording
+
+
+@pytest.fixture(scope="module")
+def loop() -> Recording:
+    with open_rig("simulated") as rig:
+        return characterize(rig)
+
+
+def test_strain_is_displacement_over_one_leg(loop: Recording) -> None:
+    strain = reference_quantity(loop, "strain")
+    assert strain is not None
+    assert np.allclose(strain, loop["displacement_m"] / 0.07)
+
+
+def test_contraction_force_is_total_force_less_pretension(loop: Recording) -> None:
+    force = reference_quantity(loop, "force")
+    assert force is not None
+    assert np.allclose(force, loop["force_n"] - 1.9)
+
+
+def test_voltage_over_current_is_the_same_resistance_as_equation_1(loop: Recording) -> None:
+    current = loop["shunt_voltage_v"] / 1.0
+    columns = {"time_s": loop["time_s"], "wire_voltage_v": loop["wire_voltage_v"], "wire_current_a": current}
+    by_current = resistance_reading(Recording(columns, {}))
+    by_shunt = resistance_reading(loop)
+    assert np.allclose(by_current.resistance_ohm, by_shunt.resistance_ohm)
+
+
+@pytest.mark.parametrize("quantity", ["strain", "displacement", "force"])
+def test_every_quantity_can_be_sensed(loop: Recording, quantity: str) -> None:
+    model = fit(loop, quantity=quantity)
+    assert model.quantity == quantity
+    report = estimate(model, loop)
+    assert report.rms_pct is not None
+    assert report.rms_pct < 5.0
+    assert 0.3 < report.valid_share <= 1.0
+
+
+def test_the_force_gap_differs_from_the_strain_gap_because_the_guide_rubs(loop: Recording) -> None:
+    gaps = loop_gaps(loop)
+    assert gaps.force_gap is not None
+    assert abs(gaps.force_gap - gaps.strain_gap) > 0.002
+    assert gaps.displacement_gap == pytest.approx(gaps.strain_gap, rel=1e-9)
+
+
+def test_a_model_remembers_its_wire(loop: Recording) -> None:
+    assert fit(loop).wire["wire"] == "paper-100um"
+    assert fit(loop).wire["pretension_n"] == 1.9
+
+
+def test_another_wires_recording_is_refused_with_both_ranges(loop: Recording) -> None:
+    other = loop.with_columns(wire_voltage_v=3.0 * loop["wire_voltage_v"])
+    with pytest.raises(RecordingError, match=r"is it the same wire\?"):
+        estimate(fit(loop), other)
+
+
+def test_an_unknown_quantity_suggests_the_nearest(loop: Recording) -> None:
+    with pytest.raises(CallerError, match="did you mean 'strain'"):
+        fit(loop, quantity="strian")

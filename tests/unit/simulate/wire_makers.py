@@ -1,0 +1,150 @@
+"""Wires for tests: alloys of round numbers, so that no test rests on a value that a fit may move.
+
+The one place that knows how the kernel is called grain by grain.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
+from musclewire.simulate import kernel
+from musclewire.simulate.kernel import Drives, Sums, WireConstants, WireState, advance
+from musclewire.simulate.wire import constants_from
+
+Array = NDArray[np.float64]
+
+# Every number that a fit may move, rounded. In "narrow" all grains turn to R-phase at once, in "broad" over a wide
+# range; in "late" R-phase and martensite are harder to reach from each other than by way of austenite.
+ROUND = {
+    "martensite_temperature_k": 342.0,
+    "martensite_stress_rate_pa_per_k": 8e6,
+    "martensite_barrier_k": 10.0,
+    "martensite_barrier_per_pa": -2e-8,
+    "martensite_spread_k": 11.0,
+    "grain_skew": -0.2,
+    "grain_tail": 1.0,
+    "r_phase_temperature_k": 350.0,
+    "r_phase_stress_rate_pa_per_k": 30e6,
+    "r_phase_spread_k": 8.0,
+    "r_phase_entropy_ratio": 0.2,
+    "r_phase_barrier_k": 0.5,
+    "r_to_m_barrier_k": 7.0,
+    "strain_at_no_stress": 0.04,
+    "strain_saturated": 0.042,
+    "strain_stress_scale_pa": 150e6,
+    "r_phase_strain": 0.005,
+    "austenite_modulus_pa": 60e9,
+    "martensite_modulus_pa": 30e9,
+    "austenite_resistivity_ohm_m": 0.86e-6,
+    "austenite_resistivity_per_k": 2e-4,
+    "r_phase_resistivity_ohm_m": 1.0e-6,
+    "r_phase_resistivity_per_k": -5e-4,
+    "martensite_resistivity_ohm_m": 0.95e-6,
+    "martensite_resistivity_per_k": 6e-4,
+    "specific_heat_j_per_kg_k": 500.0,
+    "latent_heat_j_per_kg": 20e3,
+}
+ALLOYS: dict[str, dict[str, float]] = {
+    "round": {},
+    "narrow": {"r_phase_spread_k": 0.5, "r_phase_temperature_k": 345.0, "r_phase_entropy_ratio": 0.3},
+    "broad": {"r_phase_temperature_k": 348.0, "r_phase_entropy_ratio": 0.5, "martensite_barrier_k": 16.0,
+              "r_phase_barrier_k": 1.5, "r_to_m_barrier_k": 11.0},
+    "late": {"r_to_m_barrier_k": 25.0, "r_phase_temperature_k": 360.0},
+}
+
+
+def changed(group: Alloy | Wire | Bench, **values: float):
+    """Return the group with other numbers."""
+    return group.model_copy(
+        update={key: getattr(group, key).model_copy(update={"value": value}) for key, value in values.items()}
+    )
+
+
+def alloy(kind: str = "round", **values: float) -> Alloy:
+    return changed(load_alloy("flexinol"), **{**ROUND, **ALLOYS[kind], **values})
+
+
+def bench(**values: float) -> Bench:
+    return changed(load_bench("paper"), **{"guide_friction_n": 0.03, **values})
+
+
+def wire_100um() -> Wire:
+    return changed(load_wire("paper-100um"), convection_factor=0.9, resistivity_factor=1.0)
+
+
+def constants(
+    kind: str = "round",
+    *,
+    new_wire: bool = False,
+    bench_values: dict[str, float] | None = None,
+    **alloy_values: float,
+) -> WireConstants:
+    return constants_from(
+        alloy(kind, **alloy_values), wire_100um(), bench(**(bench_values or {})), new_wire=new_wire
+    )
+
+
+def cool(wire: WireConstants, drives: Drives, martensite: Array, r_phase: Array) -> None:
+    """Let every grain follow the cooling drives, in place."""
+    kernel.cool_swept(wire, drives, 0, martensite.size, martensite, r_phase)
+
+
+def heat(wire: WireConstants, drives: Drives, martensite: Array, r_phase: Array) -> None:
+    """Let every grain follow the heating drives, in place."""
+    kernel.heat_swept(wire, drives, 0, martensite.size, martensite, r_phase)
+
+
+def walk(
+    wire: WireConstants,
+    grains: tuple[Array, Array],
+    stress_pa: float,
+    *turning_points_k: float,
+    step_k: float = 0.125,
+) -> list[tuple[Array, Array]]:
+    """Take grains from temperature to temperature at constant stress, in place; return a copy at each.
+
+    All walks step on one grid of temperatures (0.125 K is exact in binary), so that two passes over a stretch
+    see the same temperatures and must do the same to the bit.
+    """
+    visited = [(grains[0].copy(), grains[1].copy())]
+    for start, end in zip(turning_points_k[:-1], turning_points_k[1:], strict=True):
+        steps = round((end - start) / step_k)
+        for step in range(1, abs(steps) + 1):
+            temperature = start + (step if steps > 0 else -step) * step_k
+            drives = kernel.drives_at(wire, temperature, stress_pa, 1.0)
+            (heat if steps > 0 else cool)(wire, drives, *grains)
+        visited.append((grains[0].copy(), grains[1].copy()))
+    return visited
+
+
+def austenite(wire: WireConstants) -> tuple[Array, Array]:
+    grains = wire.grain_middle.size
+    return np.zeros(grains), np.zeros(grains)
+
+
+def fractions(grains: tuple[Array, Array]) -> tuple[float, float]:
+    return float(grains[0].mean()), float(grains[1].mean())
+
+
+def slow_sine_v(time_s: float, amplitude_v: float = 3.2, period_s: float = 90.0) -> float:
+    """Return the drive from the sense voltage up to the amplitude and back."""
+    return 0.3 + (amplitude_v - 0.3) * 0.5 * (1.0 - float(np.cos(2.0 * np.pi * time_s / period_s)))
+
+
+def run(
+    state: WireState,
+    wire: WireConstants,
+    voltages_v: list[float] | Array,
+    *,
+    dt_s: float = 1e-3,
+    hold_s: float = 0.05,
+) -> tuple[list[WireState], list[Sums]]:
+    """Hold each voltage for a while; return the state and the means after each."""
+    states, means = [], []
+    for voltage in voltages_v:
+        state, mean = advance(state, wire, float(voltage), dt_s, round(hold_s / dt_s))
+        states.append(state)
+        means.append(mean)
+    return states, means
