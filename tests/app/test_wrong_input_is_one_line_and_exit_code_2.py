@@ -35,7 +35,7 @@ def test_a_wire_measured_with_voltage_and_current_is_fitted(musclewire: Callable
     assert answer.json["resistance_max_ohm"] > answer.json["resistance_min_ohm"] > 10.0
     estimated = musclewire("estimate", tmp_path / "m.json", path, "--length", "70 mm", "--json")
     assert estimated.code == 0, estimated.err
-    assert estimated.json["rms_pct"] < 2.0
+    assert estimated.json["rms_pct"] < 5.0
 
 
 def without(column: int, rows: list[list[float]]) -> list[list[float]]:

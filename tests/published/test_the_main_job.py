@@ -56,7 +56,7 @@ def test_other_noise_gives_the_same_picture(seed: int) -> None:
 
 def test_one_reading_of_the_gains_serves_another_wire_too() -> None:
     # The same input scale and gain ranges on the 125 um wire at 4.67 N: no bar is printed for it, so the main job's.
-    with open_rig("simulated", wire="paper-125um", pretension_n=4.67, drive_amplitude_v=2.5) as rig:
+    with open_rig("simulated", wire="paper-125um", pretension_n=4.67) as rig:
         metrics = control(rig, fit(characterize(rig)), staircase(0.012, 0.027)).metrics
     assert metrics.mae_max_pct is not None
     assert metrics.mae_max_pct <= 3.5

@@ -7,7 +7,7 @@ made safe; 130 and 143 interrupted by Ctrl-C and SIGTERM, rig made safe.
 from __future__ import annotations
 
 import sys
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -22,14 +22,34 @@ __all__ = ["app", "main"]
 # Typer carries its own copy of click since 0.26; this finds the base of all usage errors in either.
 UsageProblem: Any = typer.BadParameter.__mro__[2]
 
+
+def show_version(asked: bool) -> None:
+    """Print the version and end."""
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"musclewire {version('musclewire')}")
+        raise typer.Exit
+
+
 app = typer.Typer(
     name="musclewire",
-    help="Position a shape-memory-alloy wire by its own electrical resistance, without a sensor.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", callback=show_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Position a shape-memory-alloy wire by its own electrical resistance, without a sensor."""
+
+
 add_rig_commands(app)
 add_model_commands(app)
 

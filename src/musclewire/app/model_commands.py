@@ -75,6 +75,8 @@ def fit(
     """Fit the self-sensing model to a slow loop; prints gap, residuals, validity range."""
     from musclewire.identify import fit as run_fit
 
+    if output is not None:
+        require_model_file(output)
     model = run_fit(
         read(recording, column, length, shunt),
         order=whole_number_or(order, "auto"),
@@ -93,6 +95,19 @@ def fit(
     show(model.summary())
     if output is not None:
         show(f"model written to {output}")
+
+
+def require_model_file(path: Path) -> None:
+    """Raise CallerError where a model would replace something that is not a model."""
+    from musclewire.sensing import load_model
+
+    if path.suffix != ".json":
+        raise CallerError(f"{path}: a model is a .json file")
+    if path.exists():
+        try:
+            load_model(path)
+        except CallerError:
+            raise CallerError(f"{path} exists and is not a model: give another name") from None
 
 
 def estimate(
@@ -148,7 +163,12 @@ def rules(
         emit_json({"known": list(rule_base_names()), **rule_base.model_dump(mode="json")})
         return
     show(str(rule_base))
-    show(f"known: {', '.join(rule_base_names())}")
+    for table, rows in rule_base.rules.model_dump().items():
+        if isinstance(rows, (list, tuple)):
+            show(f"\n{table}: rows error NB..PB, columns change of error NB..PB")
+            for row in rows:
+                show("  " + " ".join(f"{cell!s:>3}" for cell in row))
+    show(f"\nknown: {', '.join(rule_base_names())}")
 
 
 def cite(json: Json = False) -> None:

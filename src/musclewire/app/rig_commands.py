@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,8 +11,9 @@ import typer
 
 from musclewire.app.options import Force, Json, OutputPath, RealTime, RigName, Seed, quantity_option
 from musclewire.app.output import emit_json, progress_bar, say, show
+from musclewire.app.pace import Pace
 from musclewire.app.stopping import stop_if_asked, stops_between_samples
-from musclewire.errors import CallerError, RecordingError
+from musclewire.errors import CallerError, RecordingError, nearest_hint
 
 if TYPE_CHECKING:
     from musclewire.controllers.references import Reference
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["add_rig_commands"]
 
 Amplitude = Annotated[str | None, typer.Option("--amplitude", help="Amplitude of the slow sine, as '3.2 V'.")]
+# Below this share of sensed samples a closed loop was not closed.
+LEAST_VALID_SHARE = 0.8
 Period = Annotated[float, typer.Option("--period", help="Period of the slow sine in seconds.", min=1.0)]
 
 
@@ -199,16 +203,28 @@ def control(
         require_suffix(output, ".h5")
     with stops_between_samples(), open_rig(rig, seed=seed, real_time=real_time) as opened:
         if recalibrate:
-            with progress_bar("Anchoring R_min and R_max", 90.0, quiet=json) as on_sample:
-                loaded = anchor(opened, loaded, on_sample=on_sample).model
-        with progress_bar("Closed loop", APPROACH_S + target.duration_s, quiet=json) as on_sample:
+            with progress_bar("Anchoring R_min and R_max", 90.0, quiet=json) as anchoring:
+                loaded = anchor(opened, loaded, on_sample=anchoring).model
+        pace = Pace(opened.sample_period_s, opened.paced)
+        with progress_bar("Closed loop", APPROACH_S + target.duration_s, quiet=json) as advance:
+
+            def on_sample(row: Mapping[str, float]) -> None:
+                pace.note(row)
+                advance(row)
+
             run = run_control(
                 opened, loaded, target, settings=settings, path=output, overwrite=force, on_sample=on_sample
             )
+    answer = {**metrics_json(run.metrics), **pace.report(), "ended": run.metadata["ended"], "samples": len(run)}
     if json:
-        emit_json({**metrics_json(run.metrics), "ended": run.metadata["ended"], "samples": len(run)})
+        emit_json(answer)
     else:
         show(str(run.metrics))
+    if run.metrics.valid_share < LEAST_VALID_SHARE:
+        say(
+            f"musclewire: only {100 * run.metrics.valid_share:.0f} % of the samples could be sensed; this does not hold"
+        )
+        raise typer.Exit(1)
 
 
 def train(
@@ -225,7 +241,7 @@ def train(
     from musclewire.rigs.configuration import open_rig
 
     def say_cycle(cycle: TrainingCycle) -> None:
-        change = "" if cycle.change is None else f", moved by {100 * cycle.change:.2f} %"
+        change = "" if cycle.change is None else f", moved by {100 * cycle.change:.2f} % over five cycles"
         say(f"cycle {cycle.number}: R {cycle.resistance_min_ohm:.3f} to {cycle.resistance_max_ohm:.3f} ohm, "
             f"stroke {100 * cycle.stroke:.3f} %{change}")  # fmt: skip
 
@@ -263,6 +279,9 @@ def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:
         "mae_max_pct": metrics.mae_max_pct,
         "mae_mean_pct": metrics.mae_mean_pct,
         "valid_share": metrics.valid_share,
+        "rms_pct": metrics.rms_pct,
+        "estimate_rms_pct": metrics.estimate_rms_pct,
+        "tracking_rms_pct": metrics.tracking_rms_pct,
     }
 
 
@@ -276,6 +295,10 @@ def read_reference(reference: str, quantity: str) -> Reference:
         if quantity != "strain":
             raise CallerError(f"the built-in staircase is in strain; give --reference FILE with targets in {quantity}")
         return staircase()
+    if not Path(reference).exists():
+        raise CallerError(
+            f"there is no reference '{reference}'{nearest_hint(reference, ['staircase'])}, or give a file"
+        )
     table = read_recording(reference)
     return sampled_reference(table["time_s"] - table["time_s"][0], table[f"target_{COLUMN_SUFFIX[quantity]}"])
 

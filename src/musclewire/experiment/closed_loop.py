@@ -30,6 +30,8 @@ __all__ = ["SelfSensingPolicy", "control", "controller_for"]
 APPROACH_S = 12.0
 # A sample without current is bridged by holding the drive; this many in a row are a broken wire or circuit.
 LONGEST_BLIND_SAMPLES = 10
+# So far outside R_min..R_max, as a share of their span, no sample of this wire can be: another wire, or a fault.
+FOREIGN_SHARE = 0.15
 # What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
 RANGE_AS_PERCENT_STRAIN = 3.0
 
@@ -69,6 +71,7 @@ class SelfSensingPolicy:
         self._estimate = model.quantity_min
         self._std = 0.0
         self._blind_samples = 0
+        self._foreign_samples = 0
         self._tracker = SegmentTracker(model.resistance_min_ohm, model.resistance_max_ohm)
         self._segment: SegmentState | None = None
         suffix = COLUMN_SUFFIX[model.quantity]
@@ -102,6 +105,7 @@ class SelfSensingPolicy:
         drive = sample.drive_voltage_v if self._state is None else self._state.drive_voltage_v
         if reading.valid:
             self._blind_samples = 0
+            self._check_belongs(reading.resistance_ohm, sample)
             estimate = self._model.estimate(reading.resistance_ohm)
             self._estimate = estimate.value
             valid = estimate.valid and self._in_sensing_segment(reading.resistance_ohm, sample.wire_voltage_v)
@@ -134,6 +138,18 @@ class SelfSensingPolicy:
             self._segment = self._tracker.step(self._segment, resistance_ohm, power_w)
         return self._segment.sensing
 
+    def _check_belongs(self, resistance_ohm: float, sample: RawSample) -> None:
+        """Stop when the resistance stays where the model's wire never is: it would read as cold and be overheated."""
+        low, high = self._model.resistance_min_ohm, self._model.resistance_max_ohm
+        margin = FOREIGN_SHARE * (high - low)
+        inside = low - margin <= resistance_ohm <= high + margin
+        self._foreign_samples = 0 if inside else self._foreign_samples + 1
+        if self._foreign_samples >= LONGEST_BLIND_SAMPLES:
+            raise RigError(
+                f"resistance {resistance_ohm:.3f} ohm at {sample.time_s:.2f} s is not this model's wire ({low:.3f} to "
+                f"{high:.3f} ohm): check wire and wiring, or recalibrate; the rig is at its sense voltage"
+            )
+
     def _lose_sight(self, sample: RawSample) -> None:
         """Hold the drive over a sample without current; give up when sight does not come back."""
         self._blind_samples += 1
@@ -165,6 +181,7 @@ def control(
     """
     chosen = staircase() if reference is None else reference
     check_targets(model, chosen, rig.sample_period_s)
+    check_same_wire(model, rig)
     policy = SelfSensingPolicy(
         model,
         controller_for(rig, model, settings),
@@ -189,6 +206,13 @@ def control(
         on_sample=on_sample,
     )
     return ControlRun(recording.columns, recording.metadata, control_metrics(recording, model.quantity, chosen))
+
+
+def check_same_wire(model: SensingModel, rig: Rig) -> None:
+    """Raise CallerError when model and rig both name their wire and the names differ."""
+    fitted, mounted = model.wire.get("wire"), rig.metadata().get("wire")
+    if fitted and mounted and fitted != mounted:
+        raise CallerError(f"this model was fitted to wire {fitted}, the rig has {mounted}: fit one for this wire")
 
 
 def check_targets(model: SensingModel, reference: Reference, sample_period_s: float) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from musclewire.controllers.references import Staircase, staircase
+from musclewire.errors import CallerError
 from musclewire.experiment.closed_loop import APPROACH_S, control
 from musclewire.experiment.metrics import ControlRun
 from musclewire.experiment.open_loop import PAPER_PERIOD_S, characterize
@@ -53,7 +54,10 @@ def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -
     staircase of Fig. 11. Existing files of an earlier demo are replaced. Whatever interrupts it, the recordings so
     far are on disk.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CallerError(f"cannot make the folder {folder}: {error.strerror or error}") from None
     files = {f"loop_{volts:g}V": folder / f"loop-{volts:g}V.h5" for volts in AMPLITUDES_V}
     files |= {"model": folder / "model.json", "staircase": folder / "staircase.h5"}
     loops: dict[float, Recording] = {}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +34,8 @@ class ControlMetrics:
     """All steps of a run and their summary.
 
     ``mae_pct`` compares the reference instrument with the target (Eq. 7), ``estimate_mae_pct`` the estimate with
-    the reference instrument, ``tracking_mae_pct`` the estimate with the target: what the loop itself can see.
+    the reference instrument, ``tracking_mae_pct`` the estimate with the target: what the loop itself can see. The
+    ``rms`` are the same three over the whole run after the approach, in percent of the largest target.
     """
 
     quantity: str
@@ -43,10 +43,17 @@ class ControlMetrics:
     mae_max_pct: float | None = None
     mae_mean_pct: float | None = None
     valid_share: float = 1.0
-    extra: dict[str, Any] = field(default_factory=dict)
+    rms_pct: float | None = None
+    estimate_rms_pct: float | None = None
+    tracking_rms_pct: float = 0.0
 
     def __str__(self) -> str:
         """Return a small table."""
+        if not self.steps:
+            return (
+                f"rms error {percent(self.rms_pct)} %, of the estimate {percent(self.estimate_rms_pct)} %, "
+                f"of tracking {percent(self.tracking_rms_pct)} % (of the largest target)"
+            )
         lines = [f"{'target':>10} {'':7} {'MAE %':>8} {'estimate %':>11} {'tracking %':>11}"]
         scale, unit = (100.0, "%") if self.quantity == "strain" else (1.0, "")
         for step in self.steps:
@@ -75,6 +82,11 @@ def mean_absolute_error(values: NDArray[np.float64], wanted: NDArray[np.float64]
     return float(100.0 * np.mean(np.abs(values - wanted)) / abs(per))
 
 
+def root_mean_square(errors: NDArray[np.float64], per: float) -> float:
+    """Return the root mean square of errors over ``per``, in percent."""
+    return float(100.0 * np.sqrt(np.mean(errors**2)) / per)
+
+
 def control_metrics(recording: Recording, quantity: str, reference: Reference) -> ControlMetrics:
     """Return the metrics of a closed-loop recording; steps where the reference is a staircase."""
     suffix = COLUMN_SUFFIX[quantity]
@@ -84,12 +96,19 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
     steps: Sequence[Step] = reference.steps if isinstance(reference, Staircase) else ()
     rows = tuple(step_metrics(step, elapsed_s, estimated, measured) for step in steps)
     errors = [row.mae_pct for row in rows if row.mae_pct is not None]
+    judged = elapsed_s > 1e-9
+    target = recording[f"target_{suffix}"][judged]
+    per = float(np.abs(target).max())
+    true = None if measured is None else measured[judged]
     return ControlMetrics(
         quantity=quantity,
+        rms_pct=None if true is None else root_mean_square(true - target, per),
+        estimate_rms_pct=None if true is None else root_mean_square(estimated[judged] - true, per),
+        tracking_rms_pct=root_mean_square(estimated[judged] - target, per),
         steps=rows,
         mae_max_pct=max(errors) if errors else None,
         mae_mean_pct=float(np.mean(errors)) if errors else None,
-        valid_share=float(np.mean(recording["valid"][elapsed_s > 0.0])),
+        valid_share=float(np.mean(recording["valid"][judged])),
     )
 
 

@@ -67,33 +67,30 @@ def run_on_rig(
     samples = round(duration_s / rig.sample_period_s)
     if samples < 1:
         raise CallerError(f"a run of {duration_s} s is shorter than one sample of {rig.sample_period_s} s")
-    drive = policy.first_drive_voltage_v()
-    sample = first_sample(rig, drive)
-    start_s = sample.time_s - rig.sample_period_s
-    references = [name for name in REFERENCE_COLUMNS if getattr(sample, name) is not None]
-    columns = [*RawSample._fields[:4], *references, *policy.columns]
-    block_rows = PACED_BLOCK_ROWS if rig.paced else FREE_BLOCK_ROWS
-    described = {**rig.metadata(), **(metadata or {})}
-    with Recorder(columns, described, path, overwrite=overwrite, block_rows=block_rows) as recorder:
-        try:
-            for index in range(samples):
-                if index:
-                    sample = rig.exchange(drive)
-                decision = policy.after(sample, sample.time_s - start_s)
-                row = {**sample._asdict(), **decision.columns}
-                recorder.append(row)
-                if on_sample is not None:
-                    on_sample(row)
-                drive = decision.drive_voltage_v
-        finally:
-            rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
-    return recorder.recording()
-
-
-def first_sample(rig: Rig, drive_voltage_v: float) -> RawSample:
-    """Return the first sample, which also tells which reference instruments the rig has."""
+    if path is not None and not overwrite and Path(path).exists():
+        raise CallerError(f"{path} exists: give another name, or allow replacing it (--force, overwrite=True)")
     try:
-        return rig.exchange(drive_voltage_v)
-    except BaseException:
+        drive = policy.first_drive_voltage_v()
+        sample = rig.exchange(drive)
+        start_s = sample.time_s - rig.sample_period_s
+        # The first sample also tells which reference instruments the rig has.
+        references = [name for name in REFERENCE_COLUMNS if getattr(sample, name) is not None]
+        columns = [*RawSample._fields[:4], *references, *policy.columns]
+        block_rows = PACED_BLOCK_ROWS if rig.paced else FREE_BLOCK_ROWS
+        described = {**rig.metadata(), **(metadata or {})}
+        with Recorder(columns, described, path, overwrite=overwrite, block_rows=block_rows) as recorder:
+            try:
+                for index in range(samples):
+                    if index:
+                        sample = rig.exchange(drive)
+                    decision = policy.after(sample, sample.time_s - start_s)
+                    row = {**sample._asdict(), **decision.columns}
+                    recorder.append(row)
+                    if on_sample is not None:
+                        on_sample(row)
+                    drive = decision.drive_voltage_v
+            finally:
+                rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
+    finally:
         rig.make_safe()
-        raise
+    return recorder.recording()

@@ -9,7 +9,7 @@ found anew at each start, from the resistance alone.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from musclewire.errors import CallerError, RecordingError
@@ -24,14 +24,14 @@ from musclewire.sensing.segments import find_segments
 __all__ = ["Recalibration", "Training", "TrainingCycle", "recalibrate", "train"]
 
 TRAINING_PERIOD_S = 30.0
-# Two successive loops that differ by less than this, of resistance span and of stroke, are the same loop.
-SETTLED_SHARE = 0.002
-CYCLES_IN_A_ROW = 3
+# A loop that has moved by less than this, of resistance span and of stroke, over so many cycles has settled.
+SETTLED_SHARE = 0.003
+CYCLES_COMPARED = 5
 
 
 @dataclass(frozen=True)
 class TrainingCycle:
-    """One cycle of a training: what the loop was, and how much it moved since the one before (of its span)."""
+    """One cycle of a training: what the loop was, and how much it moved over five cycles (of its span)."""
 
     number: int
     resistance_min_ohm: float
@@ -59,14 +59,13 @@ def train(
     on_cycle: Callable[[TrainingCycle], None] | None = None,
     on_sample: OnSample | None = None,
 ) -> Training:
-    """Cycle a wire until its loop repeats: three cycles in a row that each move it by less than 0.2 %.
+    """Cycle a wire until its loop repeats: five cycles that together move it by less than 0.3 %.
 
     Raises CallerError for fewer than two cycles, RecordingError when the wire does not transform at all.
     """
     if most_cycles < 2:
         raise CallerError(f"most_cycles is {most_cycles}: a change needs at least 2 cycles")
     cycles: list[TrainingCycle] = []
-    calm = 0
     for number in range(1, most_cycles + 1):
         recording = characterize(rig, amplitude_v=amplitude_v, period_s=period_s, cycles=1, on_sample=on_sample)
         reading = resistance_reading(recording)
@@ -79,13 +78,12 @@ def train(
             stroke=segments.strain_max - segments.strain_cold,
             change=None,
         )
-        if cycles:
-            cycle = TrainingCycle(**{**vars(cycle), "change": change_between(cycles[-1], cycle)})
+        if len(cycles) >= CYCLES_COMPARED:
+            cycle = replace(cycle, change=change_between(cycles[-CYCLES_COMPARED], cycle))
         cycles.append(cycle)
         if on_cycle is not None:
             on_cycle(cycle)
-        calm = calm + 1 if cycle.change is not None and cycle.change < settled_share else 0
-        if calm >= CYCLES_IN_A_ROW:
+        if cycle.change is not None and cycle.change < settled_share:
             return Training(tuple(cycles), settled=True)
     return Training(tuple(cycles), settled=False)
 

@@ -108,6 +108,8 @@ class Wire(ParameterGroup):
     maximum_force_n: Parameter = parameter("N", "largest force allowed, one leg pair as the paper's Table 1 has it")
     nominal_force_n: Parameter = parameter("N", "force that stretches the cold wire")
     convection_factor: Parameter = parameter("1", "measured or fitted convection over Churchill and Chu's")
+    drive_amplitude_v: Parameter = parameter("V", "amplitude of the slow sine that completes the transformation")
+    maximum_voltage_v: Parameter = parameter("V", "highest drive voltage allowed")
 
 
 class Bench(ParameterGroup):
@@ -119,9 +121,7 @@ class Bench(ParameterGroup):
     pretension_n: Parameter = parameter("N", "F_p, both legs together, set by the linear stage")
     guide_friction_n: Parameter = parameter("N", "Coulomb friction of the guide")
     guide_presliding_m: Parameter = parameter("m", "elastic travel before the guide slides")
-    drive_amplitude_v: Parameter = parameter("V", "amplitude of the slow sine")
     sense_voltage_v: Parameter = parameter("V", "lowest drive voltage, so that resistance stays measurable")
-    maximum_voltage_v: Parameter = parameter("V", "highest drive voltage allowed")
     shunt_resistance_ohm: Parameter = parameter("ohm", "R of Eq. 1")
     lead_resistance_ohm: Parameter = parameter("ohm", "leads and clamps outside the measured voltages")
     amplifier_resolution_v: Parameter = parameter("V", "step of the output converter behind the buffer amplifier")

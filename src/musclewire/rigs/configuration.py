@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -10,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.parameters.schema import Bench
+from musclewire.parameters.schema import Bench, Parameter, Wire
 from musclewire.parameters.validation import validated
 from musclewire.signals.units import parse_quantity
 
@@ -21,7 +22,7 @@ __all__ = ["RigConfiguration", "open_rig", "read_rig_file"]
 
 
 class RigConfiguration(BaseModel):
-    """A rig file. ``bench`` names a bench that comes with musclewire; ``settings`` changes numbers of it."""
+    """A rig file: a wire and a bench that come with musclewire, and ``settings`` that change numbers of both."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -45,10 +46,13 @@ def read_rig_file(path: str | Path) -> RigConfiguration:
     return validated(RigConfiguration, data, f"rig file {file}")
 
 
-def bench_with(bench: Bench, settings: dict[str, float | str], where: str) -> Bench:
-    """Return a bench with some of its numbers set by the user, in SI or as text with a unit ("1.7 N")."""
-    known = dict(bench.items())
-    changed = {}
+def with_settings(wire: Wire, bench: Bench, settings: Mapping[str, float | str], where: str) -> tuple[Wire, Bench]:
+    """Return wire and bench with some numbers set by the user, in SI or as text with a unit ("1.7 N").
+
+    Raises CallerError for a name that neither has, suggesting the nearest.
+    """
+    known = {**dict(bench.items()), **dict(wire.items())}
+    changed: dict[str, Parameter] = {}
     for key, given in settings.items():
         if key not in known:
             raise CallerError(f"{where}: unknown setting '{key}'{nearest_hint(key, known)}")
@@ -56,7 +60,9 @@ def bench_with(bench: Bench, settings: dict[str, float | str], where: str) -> Be
         changed[key] = known[key].model_copy(
             update={"value": value, "kind": "measured", "source": where, "note": "set by the user"}
         )
-    return bench.model_copy(update=changed)
+    of_wire = {key: item for key, item in changed.items() if key in type(wire).model_fields}
+    of_bench = {key: item for key, item in changed.items() if key in type(bench).model_fields}
+    return wire.model_copy(update=of_wire), bench.model_copy(update=of_bench)
 
 
 def open_rig(
@@ -69,7 +75,7 @@ def open_rig(
 ) -> SimulatedRig:
     """Open a rig: ``"simulated"`` for the paper's bench, or the path of a TOML rig file.
 
-    ``wire`` names another wire than the rig's; ``settings`` change numbers of the bench by name, in SI or as text
+    ``wire`` names another wire than the rig's; ``settings`` change numbers of wire and bench by name, in SI or as text
     with a unit, as in ``open_rig("simulated", pretension_n=1.7)``. Raises CallerError for unknown names and
     impossible numbers.
     """
@@ -81,8 +87,8 @@ def open_rig(
         configuration, where = RigConfiguration(), "simulated"
     else:
         configuration, where = read_rig_file(rig), f"rig file {rig}"
-    chosen = load_wire(wire or configuration.wire)
-    bench = bench_with(load_bench(configuration.bench), {**configuration.settings, **settings}, where)
+    named = load_wire(wire or configuration.wire)
+    chosen, bench = with_settings(named, load_bench(configuration.bench), {**configuration.settings, **settings}, where)
     return SimulatedRig(
         load_alloy(chosen.alloy),
         chosen,

@@ -45,6 +45,7 @@ class SimulatedRig:
         """
         self._wire = wire
         self._bench = bench.values()
+        self._wire_values = wire.values()
         self._seed = seed
         self._new_wire = new_wire
         self._random = np.random.default_rng(seed)
@@ -83,12 +84,12 @@ class SimulatedRig:
     @property
     def maximum_voltage_v(self) -> float:
         """Highest drive voltage allowed."""
-        return self._bench["maximum_voltage_v"]
+        return self._wire_values["maximum_voltage_v"]
 
     @property
     def drive_amplitude_v(self) -> float:
         """Amplitude of the slow sine for this wire."""
-        return self._bench["drive_amplitude_v"]
+        return self._wire_values["drive_amplitude_v"]
 
     @property
     def shunt_resistance_ohm(self) -> float:
@@ -109,6 +110,13 @@ class SimulatedRig:
     def wire_state(self) -> WireState:
         """The simulated truth: temperature, phases, energy. For judging a simulation, not for estimating."""
         return self._state
+
+    def __repr__(self) -> str:
+        """Say which wire, at what pretension, and what is out."""
+        return (
+            f"SimulatedRig(wire {self._wire.name}, pretension {self._constants.pretension_n:g} N, "
+            f"drive {self._drive_voltage_v:.3f} V, at {self._state.time_s:.2f} s)"
+        )
 
     def metadata(self) -> Metadata:
         """Return what a recording should say about this rig."""

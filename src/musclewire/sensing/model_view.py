@@ -56,7 +56,7 @@ def rows(model: SensingModel) -> list[tuple[str, str]]:
             ", ".join(f"{factor * error:.4f}" for error in errors) + f" {unit}",
         ),
         ("samples", str(model.samples)),
-        *[(f"wire {name}", str(value)) for name, value in model.wire.items()],
+        *[(name.replace("_", " "), str(value)) for name, value in model.wire.items()],
         ("created by", model.created_by),
         *[("source", model.source)][: bool(model.source)],
         *[("warning", warning) for warning in model.warnings],

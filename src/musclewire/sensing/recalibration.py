@@ -26,6 +26,8 @@ BUMP_NOISES = 6.0
 BUMP_SHARE = 0.005
 # A span of resistance so different from the model's is another wire, or a sweep that did not complete.
 ODD_SPAN = 0.2
+# How long after the largest drive the sweep still counts, as a share of the way up.
+LAG_SHARE = 0.15
 
 
 class ResistanceExtremes(NamedTuple):
@@ -51,7 +53,8 @@ def find_resistance_extremes(
     """Find R_max (B) and R_min (C) of one slow heating sweep from the resistance alone (Fig. 3b, Eq. 3).
 
     Columns have shape (n_times,). The two span the largest fall of the smoothed resistance. Where the drive
-    voltage is given, only samples up to its last maximum are read, so that the sweep may also come back down.
+    voltage is given, only samples up to shortly after its last maximum are read, so that the sweep may also come
+    back down.
 
     Raises RecordingError when there are fewer than 20 usable samples, or no fall of resistance of 1 % and of
     ten times the noise.
@@ -116,7 +119,9 @@ def _heating(
     if resistance.ndim != 1 or mask.shape != resistance.shape or (drive is not None and drive.shape != mask.shape):
         raise RecordingError("resistance, drive voltage and valid must be columns of equal length, of one wire")
     if drive is not None and drive.size:
-        mask = mask & (np.arange(drive.size) <= np.flatnonzero(drive == drive.max())[-1])
+        hottest = np.flatnonzero(drive == drive.max())[-1]
+        # Temperature follows the drive with a lag, so the least resistance comes a little after the largest drive.
+        mask = mask & (np.arange(drive.size) <= hottest * (1.0 + LAG_SHARE))
     place = np.flatnonzero(mask)
     if place.size < LEAST_SAMPLES:
         raise RecordingError(f"{place.size} usable samples in the sweep, at least {LEAST_SAMPLES} are needed")

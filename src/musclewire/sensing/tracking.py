@@ -19,8 +19,10 @@ FloatArray = npt.NDArray[np.float64]
 
 # Nearer to R_min than this, as normalised resistance, a wire cannot be in segment A-B.
 AMBIGUOUS_ABOVE = 0.6
-# A move of resistance counts from this share of the span, above the noise of a usual acquisition card.
-LEAST_MOVE = 0.01
+# A move of the smoothed resistance counts from this share of the span. At the sense voltage the current is small and
+# one sample's noise is a share of one to two hundredths; a mean over eight samples brings it well below.
+LEAST_MOVE = 0.02
+SMOOTHING_SAMPLES = 8.0
 # A change of power counts from this share.
 LEAST_POWER_CHANGE = 0.02
 
@@ -32,6 +34,7 @@ class SegmentState(NamedTuple):
     heating: bool
     power_extreme_w: float
     resistance_anchor_ohm: float
+    smoothed_ohm: float
 
 
 class SegmentTracker:
@@ -45,11 +48,13 @@ class SegmentTracker:
 
     def start(self, resistance_ohm: float, power_w: float) -> SegmentState:
         """Return the state for a first sample: near R_max a wire is taken for cold until it shows otherwise."""
-        return SegmentState(resistance_ohm < self._ambiguous_above_ohm, True, power_w, resistance_ohm)
+        cold = resistance_ohm >= self._ambiguous_above_ohm
+        return SegmentState(not cold, True, power_w, resistance_ohm, resistance_ohm)
 
     def step(self, state: SegmentState, resistance_ohm: float, power_w: float) -> SegmentState:
         """Return the state after one more sample with current."""
-        sensing, heating, extreme, anchor = state
+        sensing, heating, extreme, anchor, smoothed = state
+        smoothed += (resistance_ohm - smoothed) / SMOOTHING_SAMPLES
         if heating:
             extreme = max(extreme, power_w)
             turned = power_w < extreme * (1.0 - LEAST_POWER_CHANGE)
@@ -57,12 +62,17 @@ class SegmentTracker:
             extreme = min(extreme, power_w)
             turned = power_w > extreme * (1.0 + LEAST_POWER_CHANGE)
         if turned:
-            heating, extreme, anchor = not heating, power_w, resistance_ohm
-        moved = resistance_ohm - anchor
-        if abs(moved) > self._least_move_ohm:
-            sensing = (moved < 0.0) == heating
-            anchor = resistance_ohm
-        return SegmentState(sensing or resistance_ohm < self._ambiguous_above_ohm, heating, extreme, anchor)
+            heating, extreme, anchor = not heating, power_w, smoothed
+        # The anchor goes along in the direction this segment explains; a move the other way is the other segment's.
+        if sensing == heating:
+            anchor = min(anchor, smoothed)
+            other_way = smoothed - anchor
+        else:
+            anchor = max(anchor, smoothed)
+            other_way = anchor - smoothed
+        if other_way > self._least_move_ohm:
+            sensing, anchor = not sensing, smoothed
+        return SegmentState(sensing or smoothed < self._ambiguous_above_ohm, heating, extreme, anchor, smoothed)
 
     def track(
         self, resistance_ohm: FloatArray, power_w: FloatArray, valid: npt.NDArray[np.bool_]

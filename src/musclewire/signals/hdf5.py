@@ -206,7 +206,9 @@ def _create_file(path: Path, names: Sequence[str], metadata: Mapping[str, Metada
     try:
         file = h5py.File(path, "w" if overwrite else "x")
     except FileExistsError:
-        raise CallerError(f"{path}: the file exists; choose another name or pass overwrite=True") from None
+        raise CallerError(
+            f"{path}: the file exists; give another name, or allow replacing it (--force, overwrite=True)"
+        ) from None
     except OSError as problem:
         reason = _first_line(problem)
         raise CallerError(f"{path}: cannot be written: {reason}; check the folder") from None

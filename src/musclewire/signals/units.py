@@ -90,7 +90,7 @@ def parse_quantity(text: str, unit_si: str) -> float:
     if match is None or not np.isfinite(float(match[1])):
         raise CallerError(f"'{text}' is not a number with a unit; write it like {example}")
     if unit_si and not match[2]:
-        raise CallerError(f"'{text}' has no unit; write it like '{match[1]} {unit_si}'")
+        raise CallerError(f"'{text}' has no unit; write it with one, as {example}")
     try:
         return float(_conversion(match[2], unit_si).apply(float(match[1])))
     except _UnitError as problem:

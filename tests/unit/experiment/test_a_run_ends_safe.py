@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import pytest
 from fake_rig import FakeRig, straight_model
@@ -11,6 +12,7 @@ from musclewire.errors import CallerError, RigError
 from musclewire.experiment.closed_loop import control
 from musclewire.experiment.open_loop import WaveformPolicy, characterize, slow_sine
 from musclewire.experiment.run import run_on_rig
+from musclewire.sensing import SensingModel
 
 
 def stop_after(rows: int, problem: BaseException):
@@ -84,6 +86,27 @@ def test_the_drive_never_falls_below_the_sense_voltage_while_sensing() -> None:
     run = control(FakeRig(), straight_model())
     assert run["drive_voltage_v"].min() >= 0.3
     assert run["drive_voltage_v"].max() <= 3.6
+
+
+def test_a_model_of_another_wire_is_stopped_before_it_can_overheat_this_one() -> None:
+    """Found by trying: a resistance above the model's range reads as cold, and the drive went to its maximum."""
+    rig = FakeRig()
+    thick_wire = SensingModel(3.9, 4.4, (0.04, -0.04), (0.04, -0.04), 0.0, 1.0)
+    with pytest.raises(RigError, match="is not this model's wire"):
+        control(rig, thick_wire)
+    assert rig.samples == 10
+    assert rig.drive_voltage_v == rig.sense_voltage_v
+
+
+def test_a_model_that_names_another_wire_is_refused_before_anything_moves() -> None:
+    class Named(FakeRig):
+        def metadata(self):
+            return {**super().metadata(), "wire": "paper-100um"}
+
+    rig = Named()
+    with pytest.raises(CallerError, match="fitted to wire paper-200um, the rig has paper-100um"):
+        control(rig, replace(straight_model(), wire={"wire": "paper-200um"}))
+    assert rig.samples == 0
 
 
 def test_the_loop_reads_no_reference_instrument() -> None:

@@ -21,7 +21,13 @@ def recording_that_arrives_late(late_s: float) -> Recording:
     target = np.where(time_s <= 6.0 + 1e-9, 0.02, 0.03)
     since = np.where(time_s <= 6.0 + 1e-9, time_s, time_s - 6.0)
     strain = np.where(since <= late_s + 1e-9, 0.9 * target, target)
-    columns = {"time_s": time_s, "displacement_m": 0.07 * strain, "estimated_strain": target, "valid": 1.0 + 0 * time_s}
+    columns = {
+        "time_s": time_s,
+        "displacement_m": 0.07 * strain,
+        "estimated_strain": target,
+        "target_strain": target,
+        "valid": 1.0 + 0 * time_s,
+    }
     return Recording(columns, {"leg_length_m": 0.07, "sample_period_s": 0.05, "approach_s": 0.0})
 
 
@@ -49,7 +55,7 @@ def test_a_wire_that_follows_well_has_small_errors_in_every_step() -> None:
     metrics = control(FakeRig(), straight_model()).metrics
     assert len(metrics.steps) == 11
     assert metrics.mae_max_pct is not None
-    assert metrics.mae_max_pct < 2.0
+    assert metrics.mae_max_pct < 3.0
 
 
 def test_a_users_own_reference_is_followed_and_has_no_steps() -> None:
@@ -57,5 +63,8 @@ def test_a_users_own_reference_is_followed_and_has_no_steps() -> None:
     reference = sampled_reference(times, 0.02 + 0.005 * np.sin(0.3 * times))
     run = control(FakeRig(), straight_model(), reference)
     assert run.metrics.steps == ()
+    assert run.metrics.rms_pct is not None
+    assert 0.0 < run.metrics.rms_pct < 20.0
+    assert "rms error" in str(run.metrics)
     late = run["time_s"] > 15.0
     assert np.abs(run["estimated_strain"] - run["target_strain"])[late].max() < 0.002

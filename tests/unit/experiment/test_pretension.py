@@ -10,7 +10,7 @@ from musclewire.rigs.configuration import open_rig
 
 def test_pretension_first_closes_the_loop() -> None:
     """Fig. 4: from slack to tight the strain gap falls."""
-    with open_rig("simulated", wire="paper-125um", drive_amplitude_v=2.5) as rig:
+    with open_rig("simulated", wire="paper-125um") as rig:
         sweep = pretension_sweep(rig, [1.70, 2.4, 3.22], cycles=1)
     gaps = [row.strain_gap_pct for row in sweep.rows]
     assert gaps == sorted(gaps, reverse=True)

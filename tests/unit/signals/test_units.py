@@ -127,7 +127,7 @@ def test_a_quantity_in_a_configuration_file_becomes_si(text, unit_si, expected):
 @pytest.mark.parametrize(
     ("text", "unit_si", "message"),
     [
-        ("5", "m", "'5' has no unit; write it like '5 m'"),
+        ("5", "m", "'5' has no unit; write it with one, as '0.5 m'"),
         ("long", "m", "'long' is not a number with a unit; write it like '0.5 m'"),
         ("5 V", "m", "'5 V': V is a voltage; a length is needed, like '0.5 m'"),
         ("1e400 m", "m", "'1e400 m' is not a number with a unit; write it like '0.5 m'"),

@@ -49,8 +49,13 @@ ROUND = {
 ALLOYS: dict[str, dict[str, float]] = {
     "round": {},
     "narrow": {"r_phase_spread_k": 0.5, "r_phase_temperature_k": 345.0, "r_phase_entropy_ratio": 0.3},
-    "broad": {"r_phase_temperature_k": 348.0, "r_phase_entropy_ratio": 0.5, "martensite_barrier_k": 16.0,
-              "r_phase_barrier_k": 1.5, "r_to_m_barrier_k": 11.0},
+    "broad": {
+        "r_phase_temperature_k": 348.0,
+        "r_phase_entropy_ratio": 0.5,
+        "martensite_barrier_k": 16.0,
+        "r_phase_barrier_k": 1.5,
+        "r_to_m_barrier_k": 11.0,
+    },
     "late": {"r_to_m_barrier_k": 25.0, "r_phase_temperature_k": 360.0},
 }
 
@@ -81,9 +86,7 @@ def constants(
     bench_values: dict[str, float] | None = None,
     **alloy_values: float,
 ) -> WireConstants:
-    return constants_from(
-        alloy(kind, **alloy_values), wire_100um(), bench(**(bench_values or {})), new_wire=new_wire
-    )
+    return constants_from(alloy(kind, **alloy_values), wire_100um(), bench(**(bench_values or {})), new_wire=new_wire)
 
 
 def cool(wire: WireConstants, drives: Drives, martensite: Array, r_phase: Array) -> None:

@@ -1,0 +1,64 @@
+"""Segment A-B and segment B-C told apart by how power and resistance move together."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from musclewire.sensing import SegmentTracker
+
+R_MIN, R_MAX = 15.0, 17.5
+SAMPLES = 1800
+
+
+def slow_loop(noise_ohm: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Resistance, power and the true contraction (0 to 1) of one slow heating and cooling."""
+    heat = 0.5 * (1.0 - np.cos(np.linspace(0.0, 2.0 * np.pi, SAMPLES)))
+    lag = np.where(np.arange(SAMPLES) < SAMPLES // 2, 0.62, 0.42)
+    contraction = 1.0 / (1.0 + np.exp(-25.0 * (heat - lag)))
+    resistance = 17.0 + 1.0 * heat - 3.0 * contraction
+    noise = noise_ohm * np.random.default_rng(3).standard_normal(SAMPLES)
+    return resistance + noise, 0.005 + 0.6 * heat, contraction
+
+
+@pytest.mark.parametrize("noise_ohm", [0.0, 0.005, 0.02])
+def test_a_cold_wire_is_told_from_a_contracting_one(noise_ohm: float) -> None:
+    resistance, power, contraction = slow_loop(noise_ohm)
+    sensing = SegmentTracker(R_MIN, R_MAX).track(resistance, power, np.ones(SAMPLES, dtype=bool))
+    assert sensing[contraction > 0.2].all()
+    first, last = SAMPLES // 10, SAMPLES - SAMPLES // 10
+    assert not sensing[:first].any()
+    assert not sensing[last:].any()
+
+
+def test_one_sample_at_a_time_gives_what_the_array_gives() -> None:
+    resistance, power, _ = slow_loop(0.005)
+    tracker = SegmentTracker(R_MIN, R_MAX)
+    state = tracker.start(float(resistance[0]), float(power[0]))
+    one_by_one = [state.sensing]
+    for ohm, watt in zip(resistance[1:], power[1:], strict=True):
+        state = tracker.step(state, float(ohm), float(watt))
+        one_by_one.append(state.sensing)
+    assert (tracker.track(resistance, power, np.ones(SAMPLES, dtype=bool)) == one_by_one).all()
+
+
+def test_a_step_of_power_held_from_cold_is_followed_through_b() -> None:
+    """The power no longer changes while the resistance first rises (A-B) and then falls (B-C)."""
+    heat = 1.0 - np.exp(-np.arange(400) / 60.0)
+    contraction = 1.0 / (1.0 + np.exp(-25.0 * (heat - 0.6)))
+    resistance = 17.0 + 1.0 * heat - 3.0 * contraction
+    power = np.full(400, 0.6)
+    power[0] = 0.005
+    sensing = SegmentTracker(R_MIN, R_MAX).track(resistance, power, np.ones(400, dtype=bool))
+    assert not sensing[:40].any()
+    assert sensing[contraction > 0.3].all()
+
+
+def test_samples_without_current_are_skipped() -> None:
+    resistance, power, contraction = slow_loop()
+    valid = np.ones(SAMPLES, dtype=bool)
+    valid[600:650] = False
+    resistance[600:650] = 0.0
+    sensing = SegmentTracker(R_MIN, R_MAX).track(resistance, power, valid)
+    assert not sensing[600:650].any()
+    assert sensing[(contraction > 0.2) & valid].all()

@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from numba.core import config
+
+from musclewire import compiled as module
+from musclewire.compiled import ROOMS_WITH_KERNELS, cache_folder, compiled, compiled_inline, kernel_source_hash
+
+PACKAGE = Path(module.__file__).parent
+
+
+@pytest.fixture(autouse=True)
+def _forget_folders() -> Iterator[None]:
+    """Both answers are remembered for the life of a process; here each test asks afresh."""
+    for remembered in (cache_folder, kernel_source_hash):
+        remembered.cache_clear()
+    yield
+    for remembered in (cache_folder, kernel_source_hash):
+        remembered.cache_clear()
+
+
+def doubled_plus_one(x: float) -> float:
+    return 2.0 * x + 1.0
+
+
+def test_the_folder_is_named_by_the_hash_of_the_sources(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(module, "cache_root", lambda: tmp_path)
+    monkeypatch.setattr(module, "kernel_source_hash", lambda: "before")
+    first = cache_folder()
+    cache_folder.cache_clear()
+    monkeypatch.setattr(module, "kernel_source_hash", lambda: "after")
+    second = cache_folder()
+    assert (first, second) == (str(tmp_path / "before"), str(tmp_path / "after"))
+    assert Path(str(second)).is_dir()
+
+
+@pytest.mark.parametrize("room", ROOMS_WITH_KERNELS)
+def test_an_edit_in_any_room_with_kernels_changes_the_hash(
+    room: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Numba itself would miss the edit of a function that another file's function calls."""
+    monkeypatch.setattr(module, "__file__", str(tmp_path / "compiled.py"))
+    source = tmp_path / room / "deeper" / "helper.py"
+    source.parent.mkdir(parents=True)
+    hashes = []
+    for text in ("x = 1\n", "x = 2\n"):
+        source.write_text(text, "utf-8")
+        kernel_source_hash.cache_clear()
+        hashes.append(kernel_source_hash())
+    source.rename(source.with_name("renamed.py"))
+    kernel_source_hash.cache_clear()
+    hashes.append(kernel_source_hash())
+    assert len(set(hashes)) == 3
+
+
+def test_no_other_room_holds_compiled_code() -> None:
+    """A kernel outside the rooms that the hash covers could go stale unseen."""
+    users = {
+        path.relative_to(PACKAGE).parts[0]
+        for path in PACKAGE.rglob("*.py")
+        if "musclewire.compiled import" in path.read_text("utf-8")
+    }
+    assert users <= set(ROOMS_WITH_KERNELS)
+
+
+def test_where_nothing_can_be_written_compiling_still_works(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    blocked = tmp_path / "a file, not a folder"
+    blocked.write_text("", "utf-8")
+    monkeypatch.setattr(module, "cache_root", lambda: blocked)
+    assert cache_folder() is None
+    assert compiled(doubled_plus_one)(3.0) == 7.0
+
+
+def test_with_a_folder_the_machine_code_is_kept_there(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(module, "cache_root", lambda: tmp_path)
+    before = config.CACHE_DIR
+    assert compiled(doubled_plus_one)(3.0) == 7.0
+    assert list((tmp_path / kernel_source_hash()).rglob("*.nbi")), "no index of cached code was written"
+    assert before == config.CACHE_DIR, "the setting of Numba is not ours to keep"
+
+
+def test_numbas_own_setting_moves_the_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path / "mine"))
+    assert module.cache_root() == tmp_path / "mine"
+
+
+def test_without_that_setting_the_cache_is_the_users(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(config, "CACHE_DIR", "")
+    monkeypatch.setattr(module.sys, "platform", "linux")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert module.cache_root() == tmp_path / "musclewire" / "kernels"
+    monkeypatch.setattr(module.sys, "platform", "win32")
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "local"))
+    assert module.cache_root() == tmp_path / "local" / "musclewire" / "kernels"
+
+
+def test_an_inlined_function_gives_the_same_number_to_its_compiled_caller() -> None:
+    inner = compiled_inline(doubled_plus_one)
+
+    def outer(x: float) -> float:
+        return inner(x) * inner(x)
+
+    assert compiled(outer)(3.0) == outer(3.0) == 49.0
