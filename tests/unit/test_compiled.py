@@ -26,9 +26,7 @@ def doubled_plus_one(x: float) -> float:
     return 2.0 * x + 1.0
 
 
-def test_the_folder_is_named_by_the_hash_of_the_sources(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_the_folder_is_named_by_the_hash_of_the_sources(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(module, "cache_root", lambda: tmp_path)
     monkeypatch.setattr(module, "kernel_source_hash", lambda: "before")
     first = cache_folder()
@@ -68,9 +66,7 @@ def test_no_other_room_holds_compiled_code() -> None:
     assert users <= set(ROOMS_WITH_KERNELS)
 
 
-def test_where_nothing_can_be_written_compiling_still_works(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_where_nothing_can_be_written_compiling_still_works(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     blocked = tmp_path / "a file, not a folder"
     blocked.write_text("", "utf-8")
     monkeypatch.setattr(module, "cache_root", lambda: blocked)
@@ -78,9 +74,7 @@ def test_where_nothing_can_be_written_compiling_still_works(
     assert compiled(doubled_plus_one)(3.0) == 7.0
 
 
-def test_with_a_folder_the_machine_code_is_kept_there(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_with_a_folder_the_machine_code_is_kept_there(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(module, "cache_root", lambda: tmp_path)
     before = config.CACHE_DIR
     assert compiled(doubled_plus_one)(3.0) == 7.0

@@ -21,9 +21,7 @@ def examples_of(module: ModuleType) -> list[doctest.DocTest]:
     for name, item in vars(module).items():
         python_function = getattr(item, "py_func", None)
         if python_function is not None and python_function.__module__ == module.__name__:
-            for test in finder.find(
-                python_function, f"{module.__name__}.{name}", module=module, globs=vars(module)
-            ):
+            for test in finder.find(python_function, f"{module.__name__}.{name}", module=module, globs=vars(module)):
                 found[test.name] = test
     return [test for test in found.values() if test.examples]
 

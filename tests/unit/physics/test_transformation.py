@@ -20,7 +20,9 @@ def test_balance_moves_with_stress_by_clausius_and_clapeyron() -> None:
     assert advantage_k(360.0, 80e6, 350.0, 8e6) == pytest.approx(0.0)
 
 
-@pytest.mark.parametrize(("drive_k", "share"), [(-1.0, 0.0), (-0.5, 0.25), (0.0, 0.5), (0.5, 0.75), (1.0, 1.0), (9.0, 1.0)])
+@pytest.mark.parametrize(
+    ("drive_k", "share"), [(-1.0, 0.0), (-0.5, 0.25), (0.0, 0.5), (0.5, 0.75), (1.0, 1.0), (9.0, 1.0)]
+)
 def test_a_grain_two_kelvin_wide_changes_over_two_kelvin(drive_k: float, share: float) -> None:
     assert share_beyond(drive_k, 0.5) == share
 

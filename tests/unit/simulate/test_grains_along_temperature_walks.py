@@ -162,3 +162,38 @@ def test_looking_again_changes_nothing(kind: str, stress_pa: float, turn: int) -
         cool(wire, drives, *grains)
         heat(wire, drives, *grains)
         assert_same_grains(grains, before)
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(
+    kind=KINDS,
+    temperature_k=st.floats(250.0, 600.0),
+    stress_pa=st.floats(0.0, 2e9),
+    barrier_factor=st.floats(1.0, 1.2),
+)
+def test_a_change_and_its_way_back_are_never_due_together(
+    kind: str, temperature_k: float, stress_pa: float, barrier_factor: float
+) -> None:
+    """Else grains switch to and fro without end; a barrier that falls with stress must stop at zero.
+
+    Nor may all three changes of a circle be due at one time.
+    """
+    drives = drives_at(WIRES[kind], temperature_k, stress_pa, barrier_factor)
+    assert drives.a_to_m_k + drives.m_to_a_k <= 1e-9
+    assert drives.a_to_r_k + drives.r_to_a_k <= 1e-9
+    assert drives.r_to_m_k + drives.m_to_r_k <= 1e-9
+    assert min(drives.m_to_a_k, drives.a_to_r_k, drives.r_to_m_k) <= 1e-9
+    assert min(drives.a_to_m_k, drives.m_to_r_k, drives.r_to_a_k) <= 1e-9
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(kind=KINDS, temperature_k=st.floats(250.0, 600.0), stress_pa=st.floats(0.0, 600e6))
+def test_no_detour_is_due_before_the_straight_way(kind: str, temperature_k: float, stress_pa: float) -> None:
+    """Where a grain would leave R-phase for austenite and austenite for martensite, it leaves it for martensite.
+
+    A larger barrier between R-phase and martensite than by way of austenite would let a grain cross over on
+    heating and stay behind on cooling: no return-point memory, and a result that depends on the step.
+    """
+    drives = drives_at(WIRES[kind], temperature_k, stress_pa, 1.0)
+    assert drives.r_to_m_k >= drives.r_to_a_k + drives.a_to_m_k - 1e-9
+    assert drives.m_to_r_k >= drives.m_to_a_k + drives.a_to_r_k - 1e-9

@@ -5,6 +5,8 @@ The one place that knows how the kernel is called grain by grain.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -112,7 +114,7 @@ def walk(
     see the same temperatures and must do the same to the bit.
     """
     visited = [(grains[0].copy(), grains[1].copy())]
-    for start, end in zip(turning_points_k[:-1], turning_points_k[1:], strict=True):
+    for start, end in pairwise(turning_points_k):
         steps = round((end - start) / step_k)
         for step in range(1, abs(steps) + 1):
             temperature = start + (step if steps > 0 else -step) * step_k

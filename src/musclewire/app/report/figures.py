@@ -114,7 +114,7 @@ def mark_points(axes: Axes, resistance: Any, strain: Any, gaps: LoopGaps) -> Non
         ("A", found.heating_a, HEATING, (-4, 6), "right"),
         ("B", found.heating_b, HEATING, (6, 4), "left"),
         ("C", found.heating_c, AVERAGE, (-6, 5), "right"),
-        ("B", found.cooling_b, COOLING, (6, -10), "left"),
+        ("B", found.cooling_b, COOLING, (-8, 1), "right"),
     )
     for letter, row, colour, offset, side in places:
         axes.plot(resistance[row], strain[row], "o", color=colour, markersize=5, zorder=5)

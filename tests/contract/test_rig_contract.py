@@ -1,0 +1,175 @@
+"""What every rig must do, simulated or real: one suite over all of them.
+
+A real rig joins by a factory in RIGS; its wire is assumed to be cold and at rest when the factory returns.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+
+import pytest
+
+from musclewire.errors import RigError
+from musclewire.rigs.configuration import open_rig
+from musclewire.rigs.protocol import HasStage, Rig
+
+RIGS: dict[str, Callable[[], Rig]] = {
+    "simulated": lambda: open_rig("simulated"),
+    "simulated, 125 um": lambda: open_rig("simulated", wire="paper-125um"),
+}
+# Resistance of the cold wire by its maker's ohm per metre, 126 and 75 over 14 cm, within the vendor's 15 %.
+COLD_OHM = {"simulated": (12.0, 20.0), "simulated, 125 um": (8.9, 12.1)}
+METADATA_KEYS = {
+    "rig",
+    "wire",
+    "wire_diameter_m",
+    "wire_length_m",
+    "leg_length_m",
+    "shunt_resistance_ohm",
+    "maximum_force_n",
+    "pretension_n",
+    "sample_period_s",
+}
+
+
+@pytest.fixture(params=sorted(RIGS))
+def name(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def rig(name: str) -> Rig:
+    return RIGS[name]()
+
+
+def test_time_rises_by_the_sample_period(rig: Rig) -> None:
+    with rig:
+        times = [rig.exchange(rig.sense_voltage_v).time_s for _ in range(20)]
+    steps = [after - before for before, after in pairwise(times)]
+    assert steps == pytest.approx([rig.sample_period_s] * 19, rel=1e-6)
+
+
+def test_the_drive_is_off_before_and_after(rig: Rig) -> None:
+    assert rig.drive_voltage_v == 0.0
+    with rig as entered:
+        assert entered is rig
+        rig.exchange(1.0)
+        assert rig.drive_voltage_v > 0.0
+    assert rig.drive_voltage_v == 0.0
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit])
+def test_the_drive_is_off_after_whatever_happened_inside(rig: Rig, error: type[BaseException]) -> None:
+    def stop_in_the_middle() -> None:
+        with rig:
+            rig.exchange(1.0)
+            raise error("anything")
+
+    with pytest.raises(error):
+        stop_in_the_middle()
+    assert rig.drive_voltage_v == 0.0
+
+
+def test_make_safe_goes_to_the_sense_voltage_at_once(rig: Rig) -> None:
+    with rig:
+        rig.exchange(rig.drive_amplitude_v)
+        rig.make_safe()
+        assert rig.drive_voltage_v == rig.sense_voltage_v
+        rig.make_safe()
+        assert rig.drive_voltage_v == rig.sense_voltage_v
+
+
+def test_closing_switches_the_drive_off_and_may_be_done_twice(rig: Rig) -> None:
+    rig.exchange(1.0)
+    rig.close()
+    rig.close()
+    assert rig.drive_voltage_v == 0.0
+
+
+@pytest.mark.parametrize("wrong", [-0.01, math.nan, math.inf, -math.inf, "above"])
+def test_a_voltage_out_of_range_is_refused_and_leaves_the_drive_off(rig: Rig, wrong: float | str) -> None:
+    voltage = rig.maximum_voltage_v + 0.01 if wrong == "above" else float(wrong)
+    with rig:
+        rig.exchange(1.0)
+        with pytest.raises(RigError, match="drive voltage") as caught:
+            rig.exchange(voltage)
+        assert rig.drive_voltage_v == 0.0
+    assert "\n" not in str(caught.value)
+    assert f"{rig.maximum_voltage_v}" in str(caught.value)
+
+
+def test_both_ends_of_the_range_are_allowed(rig: Rig) -> None:
+    with rig:
+        assert rig.exchange(0.0).drive_voltage_v == 0.0
+        assert rig.exchange(rig.maximum_voltage_v).drive_voltage_v == pytest.approx(rig.maximum_voltage_v, abs=1e-3)
+
+
+def test_the_sample_says_the_drive_that_was_out(rig: Rig) -> None:
+    """To the resolution of the output, under a millivolt."""
+    with rig:
+        for voltage in (0.5, 1.25, rig.sense_voltage_v):
+            sample = rig.exchange(voltage)
+            assert sample.drive_voltage_v == pytest.approx(voltage, abs=1e-3)
+            assert rig.drive_voltage_v == sample.drive_voltage_v
+
+
+def test_the_cold_wire_has_the_resistance_of_its_size(rig: Rig, name: str) -> None:
+    """By Eq. 1, from a mean of samples at the sense voltage."""
+    with rig:
+        found = [rig.exchange(rig.sense_voltage_v) for _ in range(20)]
+    wire_v = sum(sample.wire_voltage_v for sample in found)
+    shunt_v = sum(sample.shunt_voltage_v for sample in found)
+    low, high = COLD_OHM[name]
+    assert low < wire_v / shunt_v * rig.shunt_resistance_ohm < high
+
+
+def test_wire_and_shunt_voltage_leave_no_more_than_the_drive(rig: Rig) -> None:
+    with rig:
+        for voltage in (rig.sense_voltage_v, 1.0, rig.drive_amplitude_v):
+            sample = rig.exchange(voltage)
+            # A millivolt for the noise of two channels.
+            assert 0.0 < sample.shunt_voltage_v < sample.wire_voltage_v
+            assert sample.wire_voltage_v + sample.shunt_voltage_v <= voltage + 1e-3
+
+
+def test_without_drive_there_is_no_current(rig: Rig) -> None:
+    with rig:
+        sample = rig.exchange(0.0)
+    assert sample.shunt_voltage_v == pytest.approx(0.0, abs=1e-3)
+
+
+def test_the_amplitude_heats_the_wire_until_it_contracts_and_the_sense_voltage_does_not(rig: Rig) -> None:
+    """Where the rig has an LVDT. Two percent of strain in ten seconds, against a hundredth of a percent."""
+    with rig:
+        sensing = [rig.exchange(rig.sense_voltage_v) for _ in range(100)]
+        driven = [rig.exchange(rig.drive_amplitude_v) for _ in range(200)]
+    assert sensing[-1].displacement_m is not None, "this rig has no displacement to judge by"
+    assert abs(sensing[-1].displacement_m) < 1e-4 * rig.leg_length_m + 5e-6
+    assert driven[-1].displacement_m > 0.02 * rig.leg_length_m
+
+
+def test_limits_and_sizes_make_sense(rig: Rig) -> None:
+    assert 0.0 < rig.sense_voltage_v < rig.drive_amplitude_v <= rig.maximum_voltage_v
+    assert rig.shunt_resistance_ohm > 0.0
+    assert rig.leg_length_m > 0.0
+    assert 0.0 < rig.sample_period_s <= 1.0
+
+
+def test_the_metadata_say_what_a_recording_needs(rig: Rig) -> None:
+    facts = rig.metadata()
+    assert facts.keys() >= METADATA_KEYS
+    assert all(value is None or isinstance(value, (str, int, float, bool)) for value in facts.values())
+    assert facts["sample_period_s"] == rig.sample_period_s
+    assert facts["leg_length_m"] == rig.leg_length_m
+    assert facts["shunt_resistance_ohm"] == rig.shunt_resistance_ohm
+
+
+def test_a_rig_with_a_stage_takes_another_pretension(rig: Rig) -> None:
+    """Rigs without a stage that software can move have nothing to keep here but to say so by their type."""
+    if not isinstance(rig, HasStage):
+        assert not hasattr(rig, "set_pretension")
+        return
+    rig.set_pretension(2.5)
+    assert rig.metadata()["pretension_n"] == pytest.approx(2.5)

@@ -1,0 +1,141 @@
+"""The files that come with musclewire."""
+
+from __future__ import annotations
+
+import csv
+import math
+
+import pytest
+
+from musclewire.errors import CallerError
+from musclewire.parameters import Alloy, Bench, Parameter, Wire, load_alloy, load_bench, load_wire, names
+from musclewire.parameters.library import published_text, read_published
+
+# Lan and Fan 2010, Table 1: diameter [um], linear resistance [ohm/m], maximal allowable and nominal force [N].
+TABLE_1 = [(100, 126.0, 4.601, 0.275), (125, 75.0, 7.220, 0.422), (200, 29.0, 18.247, 1.079)]
+
+
+def everything() -> list[Alloy | Bench | Wire]:
+    load = {"alloy": load_alloy, "bench": load_bench, "wire": load_wire}
+    return [load[kind](name) for kind in load for name in names(kind)]
+
+
+def test_every_file_loads_and_is_called_what_it_says() -> None:
+    assert {group.name for group in everything()} == {
+        name for kind in ("alloy", "bench", "wire") for name in names(kind)
+    }
+    assert len(everything()) >= 5
+
+
+@pytest.mark.parametrize("group", everything(), ids=lambda group: group.name)
+def test_every_number_says_its_unit_its_source_and_its_kind(group: Alloy | Bench | Wire) -> None:
+    assert len(group.items()) >= 6
+    for key, item in group.items():
+        assert isinstance(item, Parameter)
+        assert math.isfinite(item.value), key
+        assert item.unit.strip() == item.unit, key
+        assert item.unit, key
+        assert len(item.source) > 5, key
+        assert item.kind in {"measured", "datasheet", "fitted", "derived", "assumed"}, key
+    assert group.values() == {key: item.value for key, item in group.items()}
+
+
+@pytest.mark.parametrize("group", everything(), ids=lambda group: group.name)
+def test_the_unit_in_a_name_is_the_unit_in_the_file(group: Alloy | Bench | Wire) -> None:
+    suffixes = {
+        "_k": "K", "_m": "m", "_n": "N", "_v": "V", "_s": "s", "_ohm": "ohm", "_pa": "Pa", "_per_k": "1/K",
+        "_n_per_m": "N/m", "_ohm_m": "ohm m", "_ohm_per_m": "ohm/m", "_pa_per_k": "Pa/K", "_per_pa": "K/Pa",
+        "_j_per_kg": "J/kg", "_j_per_kg_k": "J/(kg K)", "_kg_per_m3": "kg/m^3",
+    }  # fmt: skip
+    for key, item in group.items():
+        longest = max((suffix for suffix in suffixes if key.endswith(suffix)), key=len, default=None)
+        assert item.unit == (suffixes[longest] if longest else "1"), key
+
+
+@pytest.mark.parametrize(("diameter_um", "linear_ohm_per_m", "maximum_n", "nominal_n"), TABLE_1)
+def test_the_papers_wires_are_its_table_1(
+    diameter_um: int, linear_ohm_per_m: float, maximum_n: float, nominal_n: float
+) -> None:
+    wire = load_wire(f"paper-{diameter_um}um").values()
+    assert wire["diameter_m"] == pytest.approx(diameter_um * 1e-6, rel=1e-12)
+    assert wire["resistance_per_metre_ohm_per_m"] == linear_ohm_per_m
+    assert wire["maximum_force_n"] == maximum_n
+    assert wire["nominal_force_n"] == nominal_n
+
+
+@pytest.mark.parametrize("name", names("wire"))
+def test_a_spools_resistivity_is_its_resistance_per_metre_times_its_section(name: str) -> None:
+    """Relative to the spool to which the alloy's resistivities were fitted, the 100 um wire; four digits."""
+
+    def resistivity(spool: dict[str, float]) -> float:
+        return spool["resistance_per_metre_ohm_per_m"] * math.pi / 4 * spool["diameter_m"] ** 2
+
+    wire, fitted = load_wire(name).values(), load_wire("paper-100um").values()
+    assert wire["resistivity_factor"] == pytest.approx(resistivity(wire) / resistivity(fitted), abs=5.1e-5)
+    # LITERATURE 3a: 87 to 106 uOhm cm over the vendor's whole size table.
+    assert 0.85e-6 < resistivity(wire) < 1.07e-6
+
+
+@pytest.mark.parametrize("name", names("wire"))
+def test_every_wire_is_of_an_alloy_that_exists(name: str) -> None:
+    assert load_wire(name).alloy in names("alloy")
+
+
+def test_the_bench_is_the_papers() -> None:
+    """Section 2.1: 14 cm in a V, 588.60 N/m; a sample every 0.05 s."""
+    bench = load_bench("paper").values()
+    assert bench["wire_length_m"] == 0.14
+    assert bench["legs"] == 2.0
+    assert bench["spring_stiffness_n_per_m"] == 588.60
+    assert bench["sample_period_s"] == 0.05
+
+
+@pytest.mark.parametrize("name", names("alloy"))
+def test_an_alloy_keeps_to_the_ranges_in_print(name: str) -> None:
+    """Wide ranges of the literature (LITERATURE 3): they hold whatever a new fit says."""
+    alloy = load_alloy(name).values()
+    assert 5e6 < alloy["martensite_stress_rate_pa_per_k"] < 12e6
+    assert alloy["r_phase_stress_rate_pa_per_k"] > alloy["martensite_stress_rate_pa_per_k"]
+    assert 10e3 < alloy["latent_heat_j_per_kg"] < 26e3
+    assert 400 < alloy["specific_heat_j_per_kg_k"] < 900
+    assert alloy["austenite_modulus_pa"] > alloy["martensite_modulus_pa"]
+    assert 0.0 < alloy["r_phase_entropy_ratio"] < 1.0
+    assert min(alloy["r_phase_barrier_k"], alloy["r_to_m_barrier_k"], alloy["martensite_barrier_k"]) > 0.0
+
+
+def test_the_published_table_2_is_the_same_in_both_files() -> None:
+    table = read_published("lan_fan_2010")["table2"]
+    text = [line for line in published_text("lan-fan-2010-table-2.csv").splitlines() if not line.startswith("#")]
+    rows = list(csv.DictReader(text))
+    assert [float(row["Required R [ohm]"]) for row in rows] == table["required_resistance_ohm"]
+    assert [float(row["S_h [%]"]) for row in rows] == table["strain_heating_pct"]
+    assert [float(row["S_c [%]"]) for row in rows] == table["strain_cooling_pct"]
+
+
+def test_the_published_numbers_are_those_of_the_paper() -> None:
+    paper = read_published("lan_fan_2010")
+    assert paper["loop_100um"]["resistance_min_ohm"] == 15.1526
+    assert paper["loop_100um"]["resistance_max_ohm"] == 17.4945
+    assert paper["loop_100um"]["strain_gap_pct"] == 1.2172
+    assert paper["strain_gap_125um"] == {"pretension_n": [1.70, 4.67], "strain_gap_pct": [8.196, 2.702]}
+    assert paper["force_gap_125um"] == {"pretension_n": 3.22, "force_gap_pct": 3.639}
+    assert paper["controller"]["sample_period_s"] == 0.05
+
+
+def test_the_header_of_the_published_csv_repeats_the_loop_it_belongs_to() -> None:
+    loop = read_published("lan_fan_2010")["loop_100um"]
+    lines = [
+        line[1:].split("=", 1) for line in published_text("lan-fan-2010-table-2.csv").splitlines() if line[0] == "#"
+    ]
+    header = {key.strip(): value.strip() for key, value in lines}
+    for key in ("pretension_n", "resistance_min_ohm", "resistance_max_ohm"):
+        assert float(header[key]) == loop[key]
+
+
+@pytest.mark.parametrize(
+    ("load", "wrong", "right"),
+    [(load_wire, "paper-100", "paper-100um"), (load_alloy, "flexinoll", "flexinol"), (load_bench, "papers", "paper")],
+)
+def test_an_unknown_name_is_answered_with_the_nearest(load, wrong: str, right: str) -> None:
+    with pytest.raises(CallerError, match=f"'{wrong}'; did you mean '{right}'"):
+        load(wrong)

@@ -1,0 +1,105 @@
+"""A mistake in a parameter file is one line that says where it is and what would be right."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+
+from musclewire.errors import CallerError
+from musclewire.parameters import Alloy, Bench, Wire
+from musclewire.parameters.library import read_named
+from musclewire.parameters.validation import validated
+
+FILES = [(Wire, "wire", "paper-100um"), (Alloy, "alloy", "flexinol"), (Bench, "bench", "paper")]
+
+
+def complaint(model: type, data: Any) -> str:
+    with pytest.raises(CallerError) as caught:
+        validated(model, data, "wire mine")
+    message = str(caught.value)
+    assert "\n" not in message
+    assert message.startswith("wire mine: ")
+    return message
+
+
+@pytest.fixture
+def wire() -> dict[str, Any]:
+    return copy.deepcopy(read_named("wire", "paper-100um"))
+
+
+@pytest.mark.parametrize(("model", "kind", "name"), FILES)
+def test_a_file_as_it_comes_is_accepted(model: type, kind: str, name: str) -> None:
+    assert validated(model, read_named(kind, name), name).name == name
+
+
+@pytest.mark.parametrize(("model", "kind", "name"), FILES)
+def test_a_superfluous_key_is_named_with_the_nearest_right_one(model: type, kind: str, name: str) -> None:
+    data = copy.deepcopy(read_named(kind, name))
+    right = next(key for key, value in data.items() if isinstance(value, dict))
+    data[right[:-1]] = data[right]
+    assert complaint(model, data).endswith(f"unknown key '{right[:-1]}'; did you mean '{right}'?")
+
+
+def test_a_misspelt_key_is_named_with_the_right_one(wire: dict[str, Any]) -> None:
+    """Here the right key is missing as well; what the user must see is what he wrote."""
+    wire["diametre_m"] = wire.pop("diameter_m")
+    message = complaint(Wire, wire)
+    assert "'diametre_m'" in message
+    assert "'diameter_m'" in message
+
+
+def test_a_misspelt_key_inside_a_value_is_named_with_the_right_one(wire: dict[str, Any]) -> None:
+    wire["diameter_m"]["sorce"] = wire["diameter_m"].pop("source")
+    message = complaint(Wire, wire)
+    assert "diameter_m.sorce" in message
+    assert "source" in message.replace("sorce", "")
+
+
+@pytest.mark.parametrize(("model", "kind", "name"), FILES)
+def test_a_missing_key_is_named(model: type, kind: str, name: str) -> None:
+    for key in read_named(kind, name):
+        data = copy.deepcopy(read_named(kind, name))
+        del data[key]
+        assert complaint(model, data).endswith(f"the key '{key}' is missing")
+
+
+@pytest.mark.parametrize("part", ["value", "unit", "kind", "source"])
+def test_a_number_without_all_its_parts_is_refused(wire: dict[str, Any], part: str) -> None:
+    del wire["diameter_m"][part]
+    assert complaint(Wire, wire).endswith(f"the key 'diameter_m.{part}' is missing")
+
+
+def test_a_wrong_unit_is_answered_with_the_right_one(wire: dict[str, Any]) -> None:
+    wire["diameter_m"]["unit"] = "mm"
+    assert complaint(Wire, wire).endswith("diameter_m has the unit 'mm', it must be given in 'm'")
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf"), "thick", None])
+def test_what_is_no_number_is_refused_by_its_key(wire: dict[str, Any], value: object) -> None:
+    wire["diameter_m"]["value"] = value
+    assert "diameter_m.value" in complaint(Wire, wire)
+
+
+def test_an_unknown_kind_is_refused_with_the_known_ones(wire: dict[str, Any]) -> None:
+    wire["diameter_m"]["kind"] = "guessed"
+    message = complaint(Wire, wire)
+    assert "diameter_m.kind" in message
+    assert "'assumed'" in message
+
+
+def test_an_empty_source_is_no_source(wire: dict[str, Any]) -> None:
+    wire["diameter_m"]["source"] = ""
+    assert "diameter_m.source" in complaint(Wire, wire)
+
+
+def test_a_bare_number_is_refused(wire: dict[str, Any]) -> None:
+    wire["diameter_m"] = 100e-6
+    assert "diameter_m" in complaint(Wire, wire)
+
+
+def test_a_parameter_cannot_be_changed_afterwards() -> None:
+    group = validated(Wire, read_named("wire", "paper-100um"), "wire")
+    with pytest.raises(ValueError, match="frozen"):
+        group.name = "other"

@@ -1,0 +1,146 @@
+"""From the word ``simulated`` or a rig file to a rig, and every mistake on the way."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from musclewire.errors import CallerError
+from musclewire.rigs.configuration import RigConfiguration, open_rig, read_rig_file
+
+
+@pytest.fixture
+def rig_file(tmp_path: Path):
+    def write(text: str) -> Path:
+        path = tmp_path / "my_rig.toml"
+        path.write_text(text, "utf-8")
+        return path
+
+    return write
+
+
+def refusal(*arguments: object, **settings: float | str) -> str:
+    with pytest.raises(CallerError) as caught:
+        open_rig(*arguments, **settings)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_the_word_simulated_opens_the_papers_bench() -> None:
+    facts = open_rig("simulated").metadata()
+    assert facts["wire"] == "paper-100um"
+    assert facts["spring_stiffness_n_per_m"] == 588.60
+    assert facts["new_wire"] is False
+
+
+def test_a_rig_file_chooses_wire_seed_and_settings(rig_file) -> None:
+    path = rig_file(
+        'wire = "paper-125um"\nnew_wire = true\nseed = 7\n[settings]\npretension_n = "1.7 N"\ngrains = 80\n'
+    )
+    assert read_rig_file(path) == RigConfiguration(
+        wire="paper-125um", new_wire=True, seed=7, settings={"pretension_n": "1.7 N", "grains": 80.0}
+    )
+    facts = open_rig(path).metadata()
+    assert (facts["wire"], facts["new_wire"], facts["seed"]) == ("paper-125um", True, 7)
+    assert facts["pretension_n"] == 1.7
+    assert facts["grains"] == 80
+
+
+def test_an_empty_rig_file_is_the_simulated_rig(rig_file) -> None:
+    assert open_rig(rig_file("")).metadata() == open_rig("simulated").metadata()
+
+
+def test_settings_of_the_call_win_over_those_of_the_file(rig_file) -> None:
+    path = rig_file("seed = 7\n[settings]\npretension_n = 1.7\n")
+    facts = open_rig(path, seed=8, pretension_n=2.5).metadata()
+    assert (facts["pretension_n"], facts["seed"]) == (2.5, 8)
+
+
+@pytest.mark.parametrize(("given", "newton"), [(1.7, 1.7), ("1.7 N", 1.7), ("1700 mN", 1.7), ("0.1 kgf", 0.980665)])
+def test_a_setting_is_in_si_or_carries_its_unit(given: float | str, newton: float) -> None:
+    assert open_rig("simulated", pretension_n=given).metadata()["pretension_n"] == pytest.approx(newton)
+
+
+def test_a_temperature_may_be_given_in_celsius() -> None:
+    cold, warm = (open_rig("simulated", ambient_temperature_k=t) for t in ("15 degC", 300.0))
+    assert cold.wire_state.temperature_k == pytest.approx(288.15)
+    assert warm.wire_state.temperature_k == pytest.approx(300.0)
+
+
+@pytest.mark.parametrize("given", ["1.7", "1.7 mm", "1.7 newtonns", "much", "nan N"])
+def test_a_setting_without_its_unit_or_in_a_wrong_one_is_refused(given: str) -> None:
+    assert "'" + given + "'" in refusal("simulated", pretension_n=given)
+
+
+def test_an_unknown_setting_is_answered_with_the_nearest() -> None:
+    message = refusal("simulated", pretention_n=1.7)
+    assert message.endswith("unknown setting 'pretention_n'; did you mean 'pretension_n'?")
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ('wyre = "paper-100um"', "unknown key 'wyre'; did you mean 'wire'?"),
+        ("[setings]\npretension_n = 1.7", "unknown key 'setings'; did you mean 'settings'?"),
+        ("[settings]\npretention_n = 1.7", "unknown setting 'pretention_n'; did you mean 'pretension_n'?"),
+        ('wire = "paper-100"', "there is no wire called 'paper-100'; did you mean 'paper-100um'?"),
+        ('bench = "papers"', "there is no bench called 'papers'; did you mean 'paper'?"),
+        ('seed = "many"', "seed"),
+        ('kind = "real"', "kind"),
+        ("seed = ", "cannot be read"),
+    ],
+)
+def test_a_mistake_in_a_rig_file_is_one_line_with_a_hint(rig_file, text: str, hint: str) -> None:
+    assert hint in refusal(rig_file(text))
+
+
+def test_a_mistake_in_a_rig_file_names_the_file(rig_file) -> None:
+    assert "my_rig.toml" in refusal(rig_file("wyre = 1"))
+    assert "my_rig.toml" in refusal(rig_file("[settings]\npretention_n = 1"))
+
+
+def test_a_missing_rig_file_points_to_the_word_simulated(tmp_path: Path) -> None:
+    message = refusal(tmp_path / "nowhere.toml")
+    assert "nowhere.toml" in message
+    assert "'simulated'" in message
+
+
+def test_a_folder_is_no_rig_file(tmp_path: Path) -> None:
+    assert "cannot be read" in refusal(tmp_path)
+
+
+def test_bytes_that_are_no_text_are_no_rig_file(tmp_path: Path) -> None:
+    path = tmp_path / "rig.toml"
+    path.write_bytes(b"\xff\xfe\x00")
+    assert "cannot be read" in refusal(path)
+
+
+@pytest.mark.parametrize(
+    ("setting", "value"),
+    [
+        ("pretension_n", -1.0),
+        ("pretension_n", float("nan")),
+        ("pretension_n", float("inf")),
+        ("spring_stiffness_n_per_m", float("nan")),
+        ("spring_stiffness_n_per_m", -588.6),
+        ("wire_length_m", 0.0),
+        ("legs", 0.0),
+        ("grains", 1.0),
+        ("grains", 0.0),
+        ("time_step_s", 0.0),
+        ("time_step_s", -0.001),
+        ("time_step_s", 0.003),
+        ("time_step_s", float("nan")),
+        ("sample_period_s", 0.0),
+        ("ambient_temperature_k", 0.0),
+        ("ambient_temperature_k", float("nan")),
+        ("shunt_resistance_ohm", -1.0),
+        ("acquisition_readings", 0.0),
+        ("amplifier_resolution_v", 0.0),
+        ("maximum_voltage_v", float("nan")),
+        ("sense_voltage_v", float("nan")),
+    ],
+)
+def test_numbers_that_cannot_belong_to_a_bench_are_the_callers_error(setting: str, value: float) -> None:
+    refusal("simulated", **{setting: value})

@@ -1,0 +1,159 @@
+"""What is special to the simulated rig; what every rig must do is in tests/contract."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from musclewire.errors import CallerError
+from musclewire.rigs import simulated
+from musclewire.rigs.configuration import open_rig
+from musclewire.rigs.protocol import HasStage
+from musclewire.rigs.simulated import SimulatedRig
+from musclewire.signals.samples import RawSample
+
+DRIVE_V = [0.3, 1.0, 3.0, 3.2, 2.0, 0.3]
+
+
+def samples(rig: SimulatedRig, drive_v: list[float] = DRIVE_V) -> list[RawSample]:
+    with rig:
+        return [rig.exchange(voltage) for voltage in drive_v]
+
+
+def test_one_seed_gives_the_same_samples_to_the_bit() -> None:
+    assert samples(open_rig("simulated", seed=5)) == samples(open_rig("simulated", seed=5))
+
+
+def test_another_seed_gives_other_noise_on_the_same_wire() -> None:
+    first, second = (open_rig("simulated", seed=seed) for seed in (5, 6))
+    ours, others = samples(first), samples(second)
+    for field in ("wire_voltage_v", "shunt_voltage_v", "displacement_m", "force_n"):
+        assert [getattr(s, field) for s in ours] != [getattr(s, field) for s in others], field
+    assert first.wire_state.temperature_k == second.wire_state.temperature_k
+
+
+def test_the_noise_of_displacement_and_force_is_as_the_bench_says() -> None:
+    """A wire at rest: what the instruments show is all noise; 400 samples tell its size to 10 % (3 sigma)."""
+    rig = open_rig("simulated", displacement_noise_m=5e-6, force_noise_n=0.01)
+    shown = samples(rig, [0.0] * 400)
+    displacement, force = (np.array([getattr(s, f) for s in shown]) for f in ("displacement_m", "force_n"))
+    assert displacement.std() == pytest.approx(5e-6, rel=0.11)
+    assert force.std() == pytest.approx(0.01, rel=0.11)
+    assert displacement.mean() == pytest.approx(0.0, abs=5e-6 / 20 * 3.5)
+
+
+def test_without_noise_a_single_reading_is_a_step_of_the_converter() -> None:
+    rig = open_rig("simulated", acquisition_noise_v=0.0, acquisition_readings=1.0, acquisition_bits=12.0)
+    step = 20.0 / 2**12
+    for sample in samples(rig):
+        for voltage in (sample.wire_voltage_v, sample.shunt_voltage_v):
+            assert voltage / step == pytest.approx(round(voltage / step), abs=1e-9)
+
+
+def test_the_converter_clips_at_its_range() -> None:
+    rig = open_rig("simulated", acquisition_range_v=1.0)
+    assert samples(rig, [3.0])[0].wire_voltage_v == pytest.approx(1.0)
+
+
+def test_the_drive_goes_out_in_steps_of_the_amplifier() -> None:
+    rig = open_rig("simulated", amplifier_resolution_v=0.1)
+    assert samples(rig, [1.23])[0].drive_voltage_v == pytest.approx(1.2)
+
+
+def test_the_stage_sets_the_pretension_and_zeroes_the_instruments() -> None:
+    rig = open_rig("simulated", force_noise_n=0.0, displacement_noise_m=0.0)
+    assert isinstance(rig, HasStage)
+    with rig:
+        for _ in range(40):
+            warm = rig.exchange(3.2)
+        rig.set_pretension(2.5)
+        sample = rig.exchange(0.0)
+    assert warm.displacement_m > 1e-4
+    assert sample.force_n == pytest.approx(2.5, abs=1e-6)
+    assert sample.displacement_m == pytest.approx(0.0, abs=1e-9)
+    assert sample.time_s == pytest.approx(warm.time_s + rig.sample_period_s)
+    assert rig.metadata()["pretension_n"] == 2.5
+
+
+def test_a_new_wire_goes_on_settling_when_the_stage_moves() -> None:
+    from musclewire.rigs.configuration import RigConfiguration
+
+    rig = open_rig(RigConfiguration(new_wire=True))
+    with rig:
+        for _ in range(100):
+            rig.exchange(rig.maximum_voltage_v)
+        cycles = rig.wire_state.cycles
+        rig.set_pretension(2.5)
+    assert cycles > 0.1
+    assert rig.wire_state.cycles == cycles
+
+
+@pytest.mark.parametrize("pretension_n", [-1.0, float("nan")])
+def test_the_stage_refuses_what_no_stage_can_do(pretension_n: float) -> None:
+    with pytest.raises(CallerError, match="pretension"):
+        open_rig("simulated").set_pretension(pretension_n)
+
+
+class Clock:
+    """Stands in for the module ``time``: sleeping moves it, nothing else does but the test."""
+
+    def __init__(self) -> None:
+        self.now_s = 100.0
+        self.slept_s: list[float] = []
+
+    def monotonic(self) -> float:
+        return self.now_s
+
+    def sleep(self, seconds: float) -> None:
+        assert seconds > 0.0
+        self.slept_s.append(seconds)
+        self.now_s += seconds
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    fake = Clock()
+    monkeypatch.setattr(simulated, "time", fake)
+    return fake
+
+
+def test_without_real_time_nobody_looks_at_the_clock(clock: Clock) -> None:
+    samples(open_rig("simulated"))
+    assert clock.slept_s == []
+
+
+def test_in_real_time_samples_come_one_period_apart(clock: Clock) -> None:
+    rig = open_rig("simulated", real_time=True)
+    returned = []
+    with rig:
+        for _ in range(5):
+            rig.exchange(0.3)
+            returned.append(clock.now_s)
+            clock.now_s += 0.01  # what the caller does with a sample
+    assert np.diff(returned) == pytest.approx([rig.sample_period_s] * 4)
+
+
+def test_a_late_sample_does_not_shift_those_that_follow(clock: Clock) -> None:
+    rig = open_rig("simulated", real_time=True)
+    returned = []
+    with rig:
+        for late_s in (0.0, 0.07, 0.0, 0.0):
+            rig.exchange(0.3)
+            returned.append(clock.now_s - 100.0)
+            clock.now_s += late_s
+    # The second sample returns at 0.05 s and its caller comes back at 0.12 s: the third is due at 0.10 s and
+    # comes at once, the fourth is due at 0.15 s and comes then.
+    assert returned == pytest.approx([0.0, 0.05, 0.12, 0.15])
+
+
+def test_after_a_long_pause_the_missed_samples_are_not_made_up_for(clock: Clock) -> None:
+    rig = open_rig("simulated", real_time=True)
+    with rig:
+        rig.exchange(0.3)
+        clock.now_s += 60.0
+        clock.slept_s.clear()
+        for _ in range(5):
+            rig.exchange(0.3)
+    # At most one sample comes at once and one early; then the pace is back.
+    assert len(clock.slept_s) >= 3
+    assert clock.slept_s[-1] == pytest.approx(rig.sample_period_s)
