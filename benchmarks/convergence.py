@@ -1,9 +1,9 @@
 """How far the default 3.2 V loop moves with the time step and with the number of grains.
 
 The loop is that of the paper's bench without instrument noise: a cycle of 90 s to settle, one to measure, a sample
-every 40 ms as the mean over that time, so that every step divides it. Shown are the strain gap (Eq. 2), the smallest and the
-largest resistance from B to C, and their distance from the finest run. Prints a table, or one JSON document with --json;
---quick leaves the finest runs out.
+every 40 ms as the mean over that time, so that every step divides it. Shown are the strain gap (Eq. 2), the smallest
+and the largest resistance from B to C, and their distance from the finest run.
+Prints a table, or one JSON document with --json; --quick leaves the finest runs out.
 """
 
 from __future__ import annotations

@@ -7,7 +7,8 @@ in closed form, constant convection, resistance; scalars and ``math`` only, no N
 out the R-phase, the spread of transformation temperatures (so minor loops), friction and the stress dependence of
 martensite's strain: an easier wire.
 
-Both go through one 90 s cycle of the slow sine; each row compares the same stretch of wire time. Open loop, SciPy may choose its own steps; in closed loop the drive is new every 10 ms, so either is called 9,000 times.
+Both go through one 90 s cycle of the slow sine; each row compares the same stretch of wire time. Open loop, SciPy
+chooses its own steps; in closed loop the drive is new every 10 ms, so either is called 9,000 times.
 Prints a table, or one JSON document with --json; --quick takes fewer runs.
 """
 
@@ -23,7 +24,8 @@ from collections.abc import Callable
 from scipy.integrate import solve_ivp
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.simulate.kernel import WireConstants, WireState, advance
+from musclewire.simulate.kernel import advance
+from musclewire.simulate.state import WireConstants, WireState
 from musclewire.simulate.wire import constants_from, resting_state
 
 PERIOD_S = 90.0

@@ -9,7 +9,6 @@ from doc_pages import ROOT, code_words, resolve, tables_of
 
 from musclewire.controllers import load_rule_base, rule_base_names
 from musclewire.parameters import load_bench, load_wire, names
-from musclewire.parameters.schema import Bench
 from musclewire.rigs.configuration import RigConfiguration
 from musclewire.sensing.model_file import ModelFile
 from musclewire.signals.columns import COLUMNS

@@ -14,7 +14,8 @@ from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.samples import RawSample
-from musclewire.simulate.kernel import WireState, advance
+from musclewire.simulate.kernel import advance
+from musclewire.simulate.state import WireState
 from musclewire.simulate.wire import constants_from, resting_state, with_pretension
 
 __all__ = ["SimulatedRig"]

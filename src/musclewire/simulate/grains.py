@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from musclewire.errors import CallerError
+from musclewire.simulate.state import FloatArray
 
 __all__ = ["GrainSpread", "signed_power", "spread_grains"]
-
-FloatArray = NDArray[np.float64]
 
 
 class GrainSpread(NamedTuple):

@@ -10,8 +10,10 @@ from musclewire.errors import CallerError
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
-from musclewire.simulate.grains import FloatArray, spread_grains
-from musclewire.simulate.kernel import WireConstants, WireState, cooled_plain, resistance_of, total_strain
+from musclewire.simulate.balances import resistance_of, total_strain
+from musclewire.simulate.grains import spread_grains
+from musclewire.simulate.state import FloatArray, WireConstants, WireState
+from musclewire.simulate.switching import cooled_plain
 
 __all__ = ["constants_from", "resting_state", "with_ambient", "with_pretension"]
 

@@ -10,7 +10,8 @@ from scipy.optimize import brentq
 from wire_makers import ALLOYS, constants, run, slow_sine_v
 
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
-from musclewire.simulate.kernel import WireConstants, WireState, advance
+from musclewire.simulate.kernel import advance
+from musclewire.simulate.state import WireConstants, WireState
 from musclewire.simulate.wire import resting_state, with_pretension
 
 WIRES = {kind: constants(kind) for kind in ALLOYS} | {"new": constants(new_wire=True)}

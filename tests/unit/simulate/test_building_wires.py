@@ -6,7 +6,7 @@ import pytest
 from wire_makers import alloy, bench, constants, wire_100um
 
 from musclewire.errors import CallerError
-from musclewire.simulate.kernel import total_strain
+from musclewire.simulate.balances import total_strain
 from musclewire.simulate.wire import constants_from, resting_state, with_pretension
 
 

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from wire_makers import ALLOYS, alloy, austenite, constants, cool, fractions, heat, walk
 
-from musclewire.simulate.kernel import WireConstants, drives_at
+from musclewire.simulate.state import WireConstants
+from musclewire.simulate.switching import drives_at
 
 WIRES = {kind: constants(kind) for kind in ALLOYS}
 KINDS = st.sampled_from(sorted(ALLOYS))

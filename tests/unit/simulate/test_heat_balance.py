@@ -10,7 +10,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from wire_makers import constants
 
-from musclewire.simulate.kernel import WireConstants, WireState, advance
+from musclewire.simulate.kernel import advance
+from musclewire.simulate.state import WireConstants, WireState
 from musclewire.simulate.wire import resting_state, with_ambient
 
 # Cold martensite at any temperature reached here, and no latent heat.

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
-from musclewire.simulate import kernel
-from musclewire.simulate.kernel import Drives, Sums, WireConstants, WireState, advance
+from musclewire.simulate import switching
+from musclewire.simulate.kernel import advance
+from musclewire.simulate.state import Drives, Sums, WireConstants, WireState
 from musclewire.simulate.wire import constants_from
 
 Array = NDArray[np.float64]
@@ -93,12 +94,12 @@ def constants(
 
 def cool(wire: WireConstants, drives: Drives, martensite: Array, r_phase: Array) -> None:
     """Let every grain follow the cooling drives, in place."""
-    kernel.cool_swept(wire, drives, 0, martensite.size, martensite, r_phase)
+    switching.cool_swept(wire, drives, 0, martensite.size, martensite, r_phase)
 
 
 def heat(wire: WireConstants, drives: Drives, martensite: Array, r_phase: Array) -> None:
     """Let every grain follow the heating drives, in place."""
-    kernel.heat_swept(wire, drives, 0, martensite.size, martensite, r_phase)
+    switching.heat_swept(wire, drives, 0, martensite.size, martensite, r_phase)
 
 
 def walk(
@@ -118,7 +119,7 @@ def walk(
         steps = round((end - start) / step_k)
         for step in range(1, abs(steps) + 1):
             temperature = start + (step if steps > 0 else -step) * step_k
-            drives = kernel.drives_at(wire, temperature, stress_pa, 1.0)
+            drives = switching.drives_at(wire, temperature, stress_pa, 1.0)
             (heat if steps > 0 else cool)(wire, drives, *grains)
         visited.append((grains[0].copy(), grains[1].copy()))
     return visited

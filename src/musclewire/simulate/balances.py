@@ -1,0 +1,110 @@
+"""Electrical, thermal and mechanical balance of a wire at one instant: compiled."""
+
+from __future__ import annotations
+
+from musclewire.compiled import compiled
+from musclewire.physics.mechanics import (
+    maximum_transformation_strain,
+    maximum_transformation_strain_slope_per_pa,
+    reuss_modulus_pa,
+)
+from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K, phase_resistivity_ohm_m, wire_resistance_ohm
+from musclewire.simulate.state import WireConstants
+
+__all__ = ["convection_w_per_m2_k", "resistance_of", "strain_at", "stress_in_balance_pa", "total_strain"]
+
+
+@compiled
+def strain_at(
+    constants: WireConstants, stress_pa: float, martensite: float, r_phase: float, temperature_k: float
+) -> tuple[float, float, float]:
+    """Return transformation strain, elastic strain and thermal strain of the wire."""
+    orientable = maximum_transformation_strain(
+        stress_pa, constants.strain_at_no_stress, constants.strain_saturated, constants.strain_stress_scale_pa
+    )
+    transformation = orientable * martensite + constants.r_phase_strain * r_phase
+    elastic = stress_pa / reuss_modulus_pa(martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa)
+    expansion = constants.martensite_expansion_per_k * martensite + constants.austenite_expansion_per_k * (
+        1.0 - martensite
+    )
+    return transformation, elastic, expansion * (temperature_k - REFERENCE_TEMPERATURE_K)
+
+
+@compiled
+def total_strain(
+    constants: WireConstants, stress_pa: float, martensite: float, r_phase: float, temperature_k: float
+) -> float:
+    """Return the whole strain of the wire against stress-free austenite at 20 C."""
+    transformation, elastic, thermal = strain_at(constants, stress_pa, martensite, r_phase, temperature_k)
+    return transformation + elastic + thermal
+
+
+@compiled
+def stress_in_balance_pa(
+    constants: WireConstants,
+    stress_pa: float,
+    martensite: float,
+    r_phase: float,
+    temperature_k: float,
+    friction_n: float,
+    residual_strain: float,
+) -> float:
+    """Return the leg stress [Pa] at which wire and spring agree: one Newton step from ``stress_pa``.
+
+    F_T = F_p + k S l_leg + friction, sigma = F_T / (legs A); a slack wire carries nothing.
+    The function is almost linear in stress, so that one step leaves an error of second order.
+    """
+    strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k) + residual_strain
+    contraction = constants.cold_strain - strain
+    stiffness = constants.spring_stiffness_n_per_m * constants.leg_length_m
+    section = constants.legs * constants.area_m2
+    wanted = (constants.pretension_n + stiffness * contraction + friction_n) / section
+    compliance = 1.0 / reuss_modulus_pa(
+        martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa
+    ) + martensite * maximum_transformation_strain_slope_per_pa(
+        stress_pa,
+        constants.strain_at_no_stress,
+        constants.strain_saturated,
+        constants.strain_stress_scale_pa,
+    )
+    return max(stress_pa - (stress_pa - wanted) / (1.0 + stiffness * compliance / section), 0.0)
+
+
+@compiled
+def resistance_of(
+    constants: WireConstants,
+    stress_pa: float,
+    martensite: float,
+    r_phase: float,
+    temperature_k: float,
+    fresh: float,
+) -> float:
+    """Return the wire's resistance [ohm]: phases mixed by volume, then the change of shape."""
+    transformation, elastic, thermal = strain_at(constants, stress_pa, martensite, r_phase, temperature_k)
+    martensite_resistivity = constants.martensite_resistivity_ohm_m * (1.0 + constants.shakedown_resistivity * fresh)
+    resistivity = (
+        martensite
+        * phase_resistivity_ohm_m(martensite_resistivity, constants.martensite_resistivity_per_k, temperature_k)
+        + r_phase
+        * phase_resistivity_ohm_m(
+            constants.r_phase_resistivity_ohm_m, constants.r_phase_resistivity_per_k, temperature_k
+        )
+        + (1.0 - martensite - r_phase)
+        * phase_resistivity_ohm_m(
+            constants.austenite_resistivity_ohm_m, constants.austenite_resistivity_per_k, temperature_k
+        )
+    )
+    return wire_resistance_ohm(
+        resistivity, constants.austenite_length_m, constants.area_m2, transformation, elastic + thermal
+    )
+
+
+@compiled
+def convection_w_per_m2_k(constants: WireConstants, temperature_k: float) -> float:
+    """Return the heat transfer coefficient at this wall temperature, from the wire's table."""
+    table = constants.convection_table_w_per_m2_k
+    place = (temperature_k - constants.convection_table_start_k) / constants.convection_table_step_k
+    place = min(max(place, 0.0), table.shape[0] - 1.001)
+    low = int(place)
+    part = place - low
+    return constants.convection_factor * (table[low] * (1.0 - part) + table[low + 1] * part)
