@@ -3,12 +3,10 @@
 import matplotlib
 
 import musclewire as mw
-from musclewire.rigs.configuration import RigConfiguration
 
 matplotlib.use("Agg")
 
-configuration = RigConfiguration(wire="paper-125um", settings={"drive_amplitude_v": "2.8 V"})
-with mw.open_rig(configuration) as rig:
+with mw.open_rig("simulated", wire="paper-125um") as rig:
     sweep = mw.pretension_sweep(rig, [1.7, 2.4, 3.2, 4.0, 4.7], cycles=1)
 
 for row in sweep.rows:

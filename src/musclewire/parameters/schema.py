@@ -27,9 +27,12 @@ class Parameter(BaseModel):
     note: str = ""
 
 
-def parameter(unit: str, description: str) -> Any:
-    """Declare a parameter of a group with the unit its file must state."""
-    return Field(description=description, json_schema_extra={"unit": unit})
+Range = Literal["positive", "not negative", "any"]
+
+
+def parameter(unit: str, description: str, allowed: Range = "positive") -> Any:
+    """Declare a parameter of a group with the unit its file must state and the numbers it may have."""
+    return Field(description=description, json_schema_extra={"unit": unit, "allowed": allowed})
 
 
 class ParameterGroup(BaseModel):
@@ -41,12 +44,16 @@ class ParameterGroup(BaseModel):
     description: str
 
     @model_validator(mode="after")
-    def _units_are_as_declared(self) -> ParameterGroup:
-        for key, field in type(self).model_fields.items():
-            extra = field.json_schema_extra
-            value = getattr(self, key)
-            if isinstance(extra, dict) and isinstance(value, Parameter) and value.unit != extra["unit"]:
-                raise ValueError(f"{key} has the unit '{value.unit}', it must be given in '{extra['unit']}'")
+    def _units_and_ranges_are_as_declared(self) -> ParameterGroup:
+        for key, item in self.items():
+            extra = type(self).model_fields[key].json_schema_extra
+            declared = extra if isinstance(extra, dict) else {}
+            if item.unit != declared["unit"]:
+                raise ValueError(f"{key} has the unit '{item.unit}', it must be given in '{declared['unit']}'")
+            if declared["allowed"] == "positive" and item.value <= 0.0:
+                raise ValueError(f"{key} is {item.value:g} {item.unit}, it must be above 0")
+            if declared["allowed"] == "not negative" and item.value < 0.0:
+                raise ValueError(f"{key} is {item.value:g} {item.unit}, it must be 0 or more")
         return self
 
     def values(self) -> dict[str, float]:
@@ -64,38 +71,44 @@ class Alloy(ParameterGroup):
 
     martensite_temperature_k: Parameter = parameter("K", "T_M0: austenite and martensite in balance, no stress")
     martensite_stress_rate_pa_per_k: Parameter = parameter("Pa/K", "C_M: Clausius-Clapeyron slope of martensite")
-    martensite_barrier_k: Parameter = parameter("K", "h_M: half the hysteresis between austenite and martensite")
-    martensite_barrier_per_pa: Parameter = parameter("K/Pa", "change of h_M with stress")
-    martensite_spread_k: Parameter = parameter("K", "w_M: spread of T_M0 over the grains")
-    grain_skew: Parameter = parameter("1", "stretch of the upper against the lower half of the spread")
-    grain_tail: Parameter = parameter("1", "power of the tails: 0 is a normal distribution")
+    martensite_barrier_k: Parameter = parameter(
+        "K", "h_M: half the hysteresis between austenite and martensite", "not negative"
+    )
+    martensite_barrier_per_pa: Parameter = parameter("K/Pa", "change of h_M with stress", "any")
+    martensite_spread_k: Parameter = parameter("K", "w_M: spread of T_M0 over the grains", "not negative")
+    grain_skew: Parameter = parameter("1", "stretch of the upper against the lower half of the spread", "any")
+    grain_tail: Parameter = parameter("1", "power of the tails: 0 is a normal distribution", "not negative")
     r_phase_temperature_k: Parameter = parameter("K", "T_R0: austenite and R-phase in balance, no stress")
     r_phase_stress_rate_pa_per_k: Parameter = parameter("Pa/K", "C_R: Clausius-Clapeyron slope of the R-phase")
-    r_phase_spread_k: Parameter = parameter("K", "w_R: spread of T_R0 over the grains")
-    r_phase_entropy_ratio: Parameter = parameter("1", "r: entropy of A to R over that of A to M")
-    r_phase_barrier_k: Parameter = parameter("K", "h_R: barrier between austenite and R-phase")
-    r_to_m_barrier_k: Parameter = parameter("K", "h_RM: barrier between R-phase and martensite")
-    strain_at_no_stress: Parameter = parameter("1", "H_0: transformation strain of martensite at no stress")
+    r_phase_spread_k: Parameter = parameter("K", "w_R: spread of T_R0 over the grains", "not negative")
+    r_phase_entropy_ratio: Parameter = parameter("1", "r: entropy of A to R over that of A to M", "not negative")
+    r_phase_barrier_k: Parameter = parameter("K", "h_R: barrier between austenite and R-phase", "not negative")
+    r_to_m_barrier_k: Parameter = parameter("K", "h_RM: barrier between R-phase and martensite", "not negative")
+    strain_at_no_stress: Parameter = parameter(
+        "1", "H_0: transformation strain of martensite at no stress", "not negative"
+    )
     strain_saturated: Parameter = parameter("1", "H_sat: transformation strain at high stress")
     strain_stress_scale_pa: Parameter = parameter("Pa", "sigma_k: stress over which H saturates")
-    r_phase_strain: Parameter = parameter("1", "H_R: strain of the R-phase")
+    r_phase_strain: Parameter = parameter("1", "H_R: strain of the R-phase", "not negative")
     austenite_modulus_pa: Parameter = parameter("Pa", "E_A")
     martensite_modulus_pa: Parameter = parameter("Pa", "E_M")
-    austenite_expansion_per_k: Parameter = parameter("1/K", "thermal expansion of austenite")
-    martensite_expansion_per_k: Parameter = parameter("1/K", "thermal expansion of martensite")
+    austenite_expansion_per_k: Parameter = parameter("1/K", "thermal expansion of austenite", "any")
+    martensite_expansion_per_k: Parameter = parameter("1/K", "thermal expansion of martensite", "any")
     austenite_resistivity_ohm_m: Parameter = parameter("ohm m", "rho_A at 20 C")
-    austenite_resistivity_per_k: Parameter = parameter("1/K", "temperature coefficient of rho_A")
+    austenite_resistivity_per_k: Parameter = parameter("1/K", "temperature coefficient of rho_A", "any")
     r_phase_resistivity_ohm_m: Parameter = parameter("ohm m", "rho_R at 20 C")
-    r_phase_resistivity_per_k: Parameter = parameter("1/K", "temperature coefficient of rho_R")
+    r_phase_resistivity_per_k: Parameter = parameter("1/K", "temperature coefficient of rho_R", "any")
     martensite_resistivity_ohm_m: Parameter = parameter("ohm m", "rho_M at 20 C, oriented martensite")
-    martensite_resistivity_per_k: Parameter = parameter("1/K", "temperature coefficient of rho_M")
+    martensite_resistivity_per_k: Parameter = parameter("1/K", "temperature coefficient of rho_M", "any")
     specific_heat_j_per_kg_k: Parameter = parameter("J/(kg K)", "c")
     density_kg_per_m3: Parameter = parameter("kg/m^3", "density")
-    latent_heat_j_per_kg: Parameter = parameter("J/kg", "heat of the transformation austenite to martensite")
+    latent_heat_j_per_kg: Parameter = parameter(
+        "J/kg", "heat of the transformation austenite to martensite", "not negative"
+    )
     shakedown_cycles: Parameter = parameter("1", "cycles over which a new wire settles")
-    shakedown_strain: Parameter = parameter("1", "lasting strain a new wire gains")
-    shakedown_resistivity: Parameter = parameter("1", "excess of rho_M in a new wire, relative")
-    shakedown_barrier: Parameter = parameter("1", "excess of h_M in a new wire, relative")
+    shakedown_strain: Parameter = parameter("1", "lasting strain a new wire gains", "not negative")
+    shakedown_resistivity: Parameter = parameter("1", "excess of rho_M in a new wire, relative", "any")
+    shakedown_barrier: Parameter = parameter("1", "excess of h_M in a new wire, relative", "not negative")
 
 
 class Wire(ParameterGroup):
@@ -117,21 +130,21 @@ class Bench(ParameterGroup):
 
     wire_length_m: Parameter = parameter("m", "overall length of the V-shaped wire")
     legs: Parameter = parameter("1", "wires in parallel that share the force: 2 for a V")
-    spring_stiffness_n_per_m: Parameter = parameter("N/m", "bias spring")
-    pretension_n: Parameter = parameter("N", "F_p, both legs together, set by the linear stage")
-    guide_friction_n: Parameter = parameter("N", "Coulomb friction of the guide")
+    spring_stiffness_n_per_m: Parameter = parameter("N/m", "bias spring", "not negative")
+    pretension_n: Parameter = parameter("N", "F_p, both legs together, set by the linear stage", "not negative")
+    guide_friction_n: Parameter = parameter("N", "Coulomb friction of the guide", "not negative")
     guide_presliding_m: Parameter = parameter("m", "elastic travel before the guide slides")
     sense_voltage_v: Parameter = parameter("V", "lowest drive voltage, so that resistance stays measurable")
     shunt_resistance_ohm: Parameter = parameter("ohm", "R of Eq. 1")
-    lead_resistance_ohm: Parameter = parameter("ohm", "leads and clamps outside the measured voltages")
+    lead_resistance_ohm: Parameter = parameter("ohm", "leads and clamps outside the measured voltages", "not negative")
     amplifier_resolution_v: Parameter = parameter("V", "step of the output converter behind the buffer amplifier")
     acquisition_range_v: Parameter = parameter("V", "half of the input range")
     acquisition_bits: Parameter = parameter("1", "resolution of the input converter")
-    acquisition_noise_v: Parameter = parameter("V", "input noise, rms per reading")
+    acquisition_noise_v: Parameter = parameter("V", "input noise, rms per reading", "not negative")
     acquisition_readings: Parameter = parameter("1", "readings averaged into one sample")
     sample_period_s: Parameter = parameter("s", "time between samples")
-    displacement_noise_m: Parameter = parameter("m", "LVDT noise, rms per sample")
-    force_noise_n: Parameter = parameter("N", "load cell noise, rms per sample")
+    displacement_noise_m: Parameter = parameter("m", "LVDT noise, rms per sample", "not negative")
+    force_noise_n: Parameter = parameter("N", "load cell noise, rms per sample", "not negative")
     ambient_temperature_k: Parameter = parameter("K", "temperature of the still air around the wire")
     time_step_s: Parameter = parameter("s", "step of the simulation")
     grains: Parameter = parameter("1", "grain classes of the simulated ensemble")

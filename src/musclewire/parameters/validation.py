@@ -24,7 +24,9 @@ def validated(model: type[Model], data: Any, where: str) -> Model:
 
 def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
     """Return the first problem of a validation as one line."""
-    problem = error.errors(include_url=False)[0]
+    problems = error.errors(include_url=False)
+    # A misspelt key is both unknown and missing; only the first way to say it names the spelling.
+    problem = next((found for found in problems if found["type"] == "extra_forbidden"), problems[0])
     place = ".".join(str(part) for part in problem["loc"])
     if problem["type"] == "extra_forbidden":
         return f"unknown key '{place}'{nearest_hint(str(problem['loc'][-1]), known_keys(model, problem['loc']))}"

@@ -5,13 +5,13 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.parameters.schema import Bench, Parameter, Wire
+from musclewire.parameters.schema import Bench, Parameter, ParameterGroup, Wire
 from musclewire.parameters.validation import validated
 from musclewire.signals.units import parse_quantity
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from musclewire.rigs.simulated import SimulatedRig
 
 __all__ = ["RigConfiguration", "open_rig", "read_rig_file"]
+
+
+Group = TypeVar("Group", bound=ParameterGroup)
 
 
 class RigConfiguration(BaseModel):
@@ -60,9 +63,13 @@ def with_settings(wire: Wire, bench: Bench, settings: Mapping[str, float | str],
         changed[key] = known[key].model_copy(
             update={"value": value, "kind": "measured", "source": where, "note": "set by the user"}
         )
-    of_wire = {key: item for key, item in changed.items() if key in type(wire).model_fields}
-    of_bench = {key: item for key, item in changed.items() if key in type(bench).model_fields}
-    return wire.model_copy(update=of_wire), bench.model_copy(update=of_bench)
+    return changed_group(wire, changed, where), changed_group(bench, changed, where)
+
+
+def changed_group(group: Group, changed: Mapping[str, Parameter], where: str) -> Group:
+    """Return a group with those of the changed parameters that it has, checked like a file."""
+    own = {key: item.model_dump() for key, item in changed.items() if key in type(group).model_fields}
+    return validated(type(group), {**group.model_dump(), **own}, where) if own else group
 
 
 def open_rig(

@@ -79,7 +79,7 @@ def constants_from(alloy: Alloy, wire: Wire, rig: Bench, *, new_wire: bool = Fal
 
 def with_pretension(constants: WireConstants, pretension_n: float) -> WireConstants:
     """Return the constants for another setting of the linear stage; contraction counts from cold there."""
-    if pretension_n < 0.0:
+    if not 0.0 <= pretension_n < math.inf:
         raise CallerError(f"pretension is {pretension_n} N: a wire cannot be pushed, give 0 or more")
     stress = pretension_n / (constants.legs * constants.area_m2)
     martensite, r_phase, _ = cooled_grains(constants, stress)
