@@ -81,6 +81,19 @@ def test_displacement_without_a_length_says_how_to_give_one(musclewire: Callable
     assert "--length" in answer.err
 
 
+def test_a_sensor_that_reads_absolute_and_backwards_is_turned_and_zeroed(
+    musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
+    rows = [[time, volts, amps, 123.4 - moved] for time, volts, amps, moved in loop_rows()]
+    path = write_csv(tmp_path / "laser.csv", rows)
+    plain = musclewire("fit", write_csv(tmp_path / "bench.csv", loop_rows()), "--length", "70 mm", "--json").json
+    refused = musclewire("fit", path, "--length", "70 mm")
+    assert refused.code == 2
+    turned = musclewire("fit", path, "--length", "70 mm", "--invert", "--zero", "--json")
+    assert turned.code == 0, turned.err
+    assert turned.json["strain_gap_pct"] == pytest.approx(plain["strain_gap_pct"], abs=1e-6)
+
+
 def test_a_foreign_header_is_taken_by_an_explicit_mapping(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     path = write_csv(tmp_path / "bench.csv", loop_rows(), "Zeitpunkt,Kanal 1,Kanal 2,Weg2")
     mapped = [
@@ -127,7 +140,7 @@ def test_wrong_usage_is_one_line_too(
 def test_an_existing_recording_is_not_replaced_unless_told(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     path = tmp_path / "loop.h5"
     path.write_bytes(b"precious")
-    command = ("characterize", "simulated", "-o", path, "--period", "2", "--cycles", "1", "--json")
+    command = ("characterize", "simulated", "-o", path, "--period", "30", "--cycles", "1", "--json")
     assert musclewire(*command).code == 2
     assert path.read_bytes() == b"precious"
     assert musclewire(*command, "--force").code == 0

@@ -73,23 +73,30 @@ def run(arguments: list[str] | None = None) -> int:
     except typer.Exit as done:
         return int(done.exit_code)
     except UsageProblem as error:
-        say(f"musclewire: {error.format_message()}")
+        if error.format_message():  # without arguments the help has been shown and nothing is left to say
+            say(f"musclewire: {error.format_message()}")
         return 2
     except BrokenPipeError:
         return 1
 
 
 def report_error(error: MusclewireError) -> int:
-    """Print an error as one line, and where its samples are if a run had begun."""
+    """Print an error as one line, and where its samples are if a run was being recorded."""
     say(f"musclewire: {' '.join(str(error).split())}")
-    for note in getattr(error, "__notes__", ()):
-        say(f"musclewire: {note.replace(' in error.recording and', '')}")
+    say_where_samples_are(error)
     return error.exit_code
 
 
 def report_stop(stop: BaseException, code: int) -> int:
     """Say that a run was stopped, that the rig is safe, and where the recording is."""
     say(f"musclewire: stopped by {STOPPED[code]}; the rig is safe")
-    for note in getattr(stop, "__notes__", ()):
-        say(f"musclewire: {note.replace(' in error.recording and', '')}")
+    say_where_samples_are(stop)
     return code
+
+
+def say_where_samples_are(error: BaseException) -> None:
+    """Repeat the recorder's note on an exception for a reader who has files and no Python."""
+    for note in getattr(error, "__notes__", ()):
+        _, separator, path = note.partition(" and in ")
+        if separator:
+            say(f"musclewire: {note.split(' were recorded')[0]} are in {path}")

@@ -7,7 +7,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.options import Columns, Force, Json, Length, OutputPath, Shunt, mapping, quantity_option
+from musclewire.app.options import (
+    Columns,
+    Force,
+    Invert,
+    Json,
+    Length,
+    OutputPath,
+    Shunt,
+    Zero,
+    mapping,
+    quantity_option,
+)
 from musclewire.app.output import emit_json, show
 from musclewire.errors import CallerError
 
@@ -36,6 +47,8 @@ def import_recordings(
     column: Columns = None,
     length: Length = None,
     shunt: Shunt = None,
+    zero: Zero = False,
+    invert: Invert = False,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -48,7 +61,7 @@ def import_recordings(
             raise CallerError(f"-o takes one file, {len(files)} were given: import them one by one")
         if output.exists() and not force:
             raise CallerError(f"{output} exists: give another name or --force")
-        read(str(files[0]), column, length, shunt).save(output)
+        read(str(files[0]), column, length, shunt, zero, invert).save(output)
     if json:
         emit_json({"files": [item.as_dict() for item in understood]})
         return
@@ -70,6 +83,8 @@ def fit(
     column: Columns = None,
     length: Length = None,
     shunt: Shunt = None,
+    zero: Zero = False,
+    invert: Invert = False,
     json: Json = False,
 ) -> None:
     """Fit the self-sensing model to a slow loop; prints gap, residuals, validity range."""
@@ -78,7 +93,7 @@ def fit(
     if output is not None:
         require_model_file(output)
     model = run_fit(
-        read(recording, column, length, shunt),
+        read(recording, column, length, shunt, zero, invert),
         order=whole_number_or(order, "auto"),
         quantity=quantity,
         cycle=whole_number_or(cycle),
@@ -117,6 +132,8 @@ def estimate(
     column: Columns = None,
     length: Length = None,
     shunt: Shunt = None,
+    zero: Zero = False,
+    invert: Invert = False,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -124,7 +141,7 @@ def estimate(
     from musclewire.identify import estimate as run_estimate
     from musclewire.sensing import load_model
 
-    report = run_estimate(load_model(model), read(recording, column, length, shunt))
+    report = run_estimate(load_model(model), read(recording, column, length, shunt, zero, invert))
     if output is not None:
         if output.exists() and not force:
             raise CallerError(f"{output} exists: give another name or --force")
@@ -143,7 +160,7 @@ def estimate(
         if report.rms_pct is None
         else f"error {report.rms_pct:.3f} % rms, {report.max_pct:.3f} % largest, of stroke"
     )
-    show(f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in the model's range; {errors}")
+    show(f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in range and between B and C; {errors}")
 
 
 def rules(
@@ -192,7 +209,14 @@ def cite(json: Json = False) -> None:
         show("\n".join(items))
 
 
-def read(recording: str, column: list[str] | None, length: str | None, shunt: str | None) -> Recording:
+def read(
+    recording: str,
+    column: list[str] | None,
+    length: str | None,
+    shunt: str | None,
+    zero: bool = False,
+    invert: bool = False,
+) -> Recording:
     """Return a recording by path, or the paper's own measured wire by name."""
     from importlib.resources import as_file, files
 
@@ -206,7 +230,19 @@ def read(recording: str, column: list[str] | None, length: str | None, shunt: st
     if recording in PUBLISHED and not Path(recording).exists():
         with as_file(files("musclewire.parameters") / "data" / "published" / f"{recording}.csv") as path:
             return read_recording(path, mapping(column), metadata)
-    return read_recording(recording, mapping(column), metadata)
+    return turned(read_recording(recording, mapping(column), metadata), zero, invert)
+
+
+def turned(recording: Recording, zero: bool, invert: bool) -> Recording:
+    """Return a recording whose mechanical columns count from the first row, or the other way round."""
+    changed = {
+        name: (-recording[name] if invert and name != "force_n" else recording[name])
+        for name in ("displacement_m", "reference_strain", "force_n")
+        if name in recording
+    }
+    if zero:
+        changed = {name: values - values[0] for name, values in changed.items()}
+    return recording.with_columns(changed)
 
 
 def whole_number_or(text: str, *words: str) -> Any:

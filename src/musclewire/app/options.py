@@ -9,7 +9,21 @@ import typer
 
 from musclewire.errors import CallerError
 
-__all__ = ["Columns", "Force", "Json", "Length", "RealTime", "RigName", "Seed", "mapping", "quantity_option"]
+__all__ = [
+    "Columns",
+    "Force",
+    "Invert",
+    "Json",
+    "Length",
+    "OutputPath",
+    "RealTime",
+    "RigName",
+    "Seed",
+    "Shunt",
+    "Zero",
+    "mapping",
+    "quantity_option",
+]
 
 RigName = Annotated[str, typer.Argument(metavar="RIG", help="'simulated', or the path of a TOML rig file.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
@@ -30,6 +44,8 @@ Length = Annotated[
     typer.Option("--length", help="Length whose shortening is the strain, as '70 mm': one leg of a V-shaped wire."),
 ]
 Shunt = Annotated[str | None, typer.Option("--shunt", help="Shunt resistance of Eq. 1, as '1.0 ohm'.")]
+Zero = Annotated[bool, typer.Option("--zero", help="Count displacement, strain and force from the first row.")]
+Invert = Annotated[bool, typer.Option("--invert", help="The sensor reads backwards: negate displacement and strain.")]
 OutputPath = Annotated[Path | None, typer.Option("--output", "-o", help="Where to write.")]
 
 

@@ -45,9 +45,11 @@ def demo(
     from musclewire.app.report.page import write_report
     from musclewire.experiment.demo import run_demo
 
+    report = out / "report.html"
+    if report.is_file():
+        report.unlink()  # an interrupted demo must not leave an old report beside new recordings
     with stops_between_samples():
         result = run_demo(out, seed=seed, progress=lambda task, total_s: progress_bar(task, total_s, quiet=json))
-    report = out / "report.html"
     write_report(result, report, time.perf_counter() - started)
     model, metrics = result.model, result.run.metrics
     wall_s = time.perf_counter() - started
@@ -118,6 +120,8 @@ def characterize(
         show(
             answer.get("problem") or f"strain gap {answer['strain_gap_pct']:.3f} %, stroke {answer['stroke_pct']:.2f} %"
         )
+    if "problem" in answer:
+        raise typer.Exit(1)
 
 
 def pretension(

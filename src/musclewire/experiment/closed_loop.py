@@ -130,11 +130,14 @@ class SelfSensingPolicy:
         )
 
     def _in_sensing_segment(self, resistance_ohm: float, wire_voltage_v: float) -> bool:
-        """Tell whether the wire is between B and C. Recorded only: the loop goes on either way."""
+        """Tell whether the wire has come from its cold start to between B and C. The loop goes on either way.
+
+        Once there it stays there: a reference keeps within the model's range, so the wire is not let go cold.
+        """
         power_w = wire_voltage_v * wire_voltage_v / resistance_ohm
         if self._segment is None:
             self._segment = self._tracker.start(resistance_ohm, power_w)
-        else:
+        elif not self._segment.sensing:
             self._segment = self._tracker.step(self._segment, resistance_ohm, power_w)
         return self._segment.sensing
 

@@ -54,7 +54,10 @@ class ControlMetrics:
                 f"rms error {percent(self.rms_pct)} %, of the estimate {percent(self.estimate_rms_pct)} %, "
                 f"of tracking {percent(self.tracking_rms_pct)} % (of the largest target)"
             )
-        lines = [f"{'target':>10} {'':7} {'MAE %':>8} {'estimate %':>11} {'tracking %':>11}"]
+        lines = [
+            "errors in % of the target; estimate: against the reference instrument, tracking: against the target",
+            f"{'target':>10} {'':7} {'MAE %':>8} {'estimate %':>11} {'tracking %':>11}",
+        ]
         scale, unit = (100.0, "%") if self.quantity == "strain" else (1.0, "")
         for step in self.steps:
             lines.append(

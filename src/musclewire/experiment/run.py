@@ -84,7 +84,8 @@ def run_on_rig(
                     if index:
                         sample = rig.exchange(drive)
                     decision = policy.after(sample, sample.time_s - start_s)
-                    row = {**sample._asdict(), **decision.columns}
+                    # A recording counts from its own start; rounded, because the difference of clocks is not.
+                    row = {**sample._asdict(), **decision.columns, "time_s": round(sample.time_s - start_s, 9)}
                     recorder.append(row)
                     if on_sample is not None:
                         on_sample(row)

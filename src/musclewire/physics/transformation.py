@@ -47,19 +47,18 @@ def cooled_grain(
 ) -> tuple[float, float]:
     """Return a grain's martensite and R-phase shares after cooling or loading.
 
-    Where austenite could go to both other phases, the larger drive goes first.
+    What leaves austenite stops at R-phase where that holds, and goes on to martensite where it does not. So both
+    shares only ever rise to a bound, whatever the state: order between states lasts, and with it return-point memory
+    (Sethna et al. 1993, doi 10.1103/PhysRevLett.70.3347).
     """
-    formed = martensite + r_phase
-    a_to_m = max(share_beyond(a_to_m_drive_k, martensite_inverse_width_per_k) - formed, 0.0)
-    a_to_r = max(share_beyond(a_to_r_drive_k, r_phase_inverse_width_per_k) - formed, 0.0)
-    martensite_first = 1.0 if a_to_m_drive_k > a_to_r_drive_k else 0.0
-    a_to_m_left = max(a_to_m - (1.0 - martensite_first) * a_to_r, 0.0)
-    a_to_r_left = max(a_to_r - martensite_first * a_to_m, 0.0)
-    new_martensite = martensite + a_to_m_left
-    new_r_phase = r_phase + a_to_r_left
+    has_left_a = max(
+        share_beyond(a_to_m_drive_k, martensite_inverse_width_per_k),
+        share_beyond(a_to_r_drive_k, r_phase_inverse_width_per_k),
+    )
+    formed = max(martensite + r_phase, has_left_a)
     no_longer_r = share_beyond(r_to_m_drive_k, preference_inverse_width_per_k)
-    r_to_m = max(min(no_longer_r, new_martensite + new_r_phase) - new_martensite, 0.0)
-    return new_martensite + r_to_m, new_r_phase - r_to_m
+    new_martensite = max(martensite, min(no_longer_r, formed))
+    return new_martensite, formed - new_martensite
 
 
 @compiled_inline
@@ -74,13 +73,11 @@ def heated_grain(
     preference_inverse_width_per_k: float,
 ) -> tuple[float, float]:
     """Return a grain's martensite and R-phase shares after heating or unloading: the mirror of cooling."""
-    m_to_a = max(martensite - 1.0 + share_beyond(m_to_a_drive_k, martensite_inverse_width_per_k), 0.0)
-    m_to_r = max(martensite - 1.0 + share_beyond(m_to_r_drive_k, preference_inverse_width_per_k), 0.0)
-    austenite_first = 1.0 if m_to_a_drive_k > m_to_r_drive_k else 0.0
-    m_to_a_left = max(m_to_a - (1.0 - austenite_first) * m_to_r, 0.0)
-    m_to_r_left = max(m_to_r - austenite_first * m_to_a, 0.0)
-    new_martensite = martensite - m_to_a_left - m_to_r_left
-    new_r_phase = r_phase + m_to_r_left
+    has_left_m = max(
+        share_beyond(m_to_a_drive_k, martensite_inverse_width_per_k),
+        share_beyond(m_to_r_drive_k, preference_inverse_width_per_k),
+    )
+    new_martensite = min(martensite, 1.0 - has_left_m)
     must_be_austenite = share_beyond(r_to_a_drive_k, r_phase_inverse_width_per_k)
-    r_to_a = min(max(new_martensite + new_r_phase - 1.0 + must_be_austenite, 0.0), new_r_phase)
-    return new_martensite, new_r_phase - r_to_a
+    formed = min(martensite + r_phase, max(new_martensite, 1.0 - must_be_austenite))
+    return new_martensite, formed - new_martensite

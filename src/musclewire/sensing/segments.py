@@ -228,7 +228,7 @@ def _check_fall(curves: Smoothed) -> None:
     if sign > SETTLED_SIGN and change >= THERMAL_SHARE:
         raise RecordingError(
             f"strain of the wrong sign: over a stroke of {stroke:.3g} the resistance rises with it by "
-            f"{100 * change:.1f} %: contraction must be positive, negate the strain"
+            f"{100 * change:.1f} %: contraction must be positive, negate the strain (--invert)"
         )
     raise RecordingError(
         f"no transformation: the resistance does not fall as the strain rises over a stroke of {stroke:.3g} "

@@ -17,8 +17,9 @@ __all__ = ["SegmentState", "SegmentTracker"]
 
 FloatArray = npt.NDArray[np.float64]
 
-# Nearer to R_min than this, as normalised resistance, a wire cannot be in segment A-B.
-AMBIGUOUS_ABOVE = 0.6
+# Nearer to R_min than this, as normalised resistance, a wire cannot be in segment A-B: from A to B resistance rises
+# by a few percent, from B to C it falls by more than ten (Lan and Fan 2010, Fig. 3b).
+AMBIGUOUS_ABOVE = 0.8
 # A move of the smoothed resistance counts from this share of the span. At the sense voltage the current is small and
 # one sample's noise is a share of one to two hundredths; a mean over eight samples brings it well below.
 LEAST_MOVE = 0.02

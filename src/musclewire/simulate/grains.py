@@ -21,18 +21,23 @@ class GrainSpread(NamedTuple):
     width: FloatArray
 
 
-def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> FloatArray:
-    """Return z |z|^tail, stretched by 1 + skew above and 1 - skew below the middle; always increasing.
+# Half-width of the linear core, in normal quantiles: without one the middle grains would all switch at one temperature.
+CORE = 0.3
 
-    A signed power of a normal quantile, in two pieces (Fechner's split distribution). Measured Flexinol isobars
-    have a sharp core with long tails (tail near 1), which a normal distribution (tail 0) or a cosine law has not.
+
+def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> FloatArray:
+    """Return z (z^2 + 0.3^2)^(tail/2), stretched by 1 + skew above and 1 - skew below the middle; always increasing.
+
+    A signed power of a normal quantile with a linear core, in two pieces (Fechner's split distribution). Measured
+    Flexinol isobars have a sharp core with long tails (tail near 1), which a normal distribution (tail 0) or a cosine
+    law has not.
 
     Raises CallerError for a tail below 0 or a skew outside -1 to 1, with which it would fold back.
     """
-    if tail < 0.0 or not -1.0 < skew < 1.0:
+    if not (0.0 <= tail < np.inf and -1.0 < skew < 1.0):
         raise CallerError(f"grain_tail {tail} must be 0 or more and grain_skew {skew} between -1 and 1")
     z = np.asarray(normal_quantile, dtype=np.float64)
-    return np.asarray((1.0 + skew * np.sign(z)) * z * np.abs(z) ** tail, dtype=np.float64)
+    return np.asarray((1.0 + skew * np.sign(z)) * z * (z * z + CORE**2) ** (0.5 * tail), dtype=np.float64)
 
 
 def spread_grains(grains: int, skew: float, tail: float) -> GrainSpread:

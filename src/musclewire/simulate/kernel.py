@@ -22,6 +22,9 @@ __all__ = ["advance", "advance_plain"]
 LARGEST_CAPACITY_RATIO = 30.0
 # Twice the steepest Clausius-Clapeyron slope of martensite: no load makes stress follow temperature faster.
 STEEPEST_STRESS_PA_PER_K = 2e7
+# Parts in which a step's heat is taken up, at most; and the share of it that may be left for the next step.
+MOST_PARTS = 6
+SMALL_PART = 1e-3
 NUMBERS = len(WireNumbers._fields)
 
 
@@ -53,37 +56,46 @@ def heated(
 ) -> tuple[WireNumbers, float]:
     """Return the wire after heat has flowed for one step and its grains have followed, and the predicted rise [K].
 
-    The grains see a temperature and a stress predicted one step ahead, by the capacity and the slope of the step
-    before. Enthalpy then gives the temperature that goes with the phases they came to: energy is kept to rounding.
+    Temperature and phases are found together: a rise is tried with the last known capacity, the grains follow it, and
+    enthalpy says what rise is left. Stress goes along by its slope in the step before. Energy is kept to rounding.
     """
     excess_k = state.temperature_k - constants.ambient_temperature_k
     loss_w = convection_w_per_m2_k(constants, state.temperature_k) * constants.surface_m2 * excess_k
     heat_j = (power_w - loss_w) * dt_s
-    rise_k = heat_j / state.capacity_j_per_k
-    drives = drives_at(
-        constants,
-        state.temperature_k + rise_k,
-        state.stress_pa + state.stress_slope_pa_per_k * rise_k,
-        freshness.barrier_factor,
-    )
-    seen = drives_from(seen_drives_k)
-    change_m, change_r = switch_grains(constants, drives, seen, grain_martensite, grain_r_phase)
-    keep_drives(drives, seen_drives_k)
-    change_m /= grain_martensite.shape[0]
-    change_r /= grain_r_phase.shape[0]
-    martensite = state.martensite_fraction + change_m
-    r_phase = state.r_phase_fraction + change_r
+    own = constants.heat_capacity_j_per_k
     ratio = constants.r_phase_entropy_ratio
     enthalpy_j = state.enthalpy_j + heat_j
-    temperature_k = (
-        REFERENCE_TEMPERATURE_K
-        + (enthalpy_j + constants.latent_heat_j * (martensite + ratio * r_phase)) / constants.heat_capacity_j_per_k
-    )
-    capacity = state.capacity_j_per_k
-    if abs(rise_k) > 1e-9:
-        own = constants.heat_capacity_j_per_k
-        capacity = own - constants.latent_heat_j * (change_m + ratio * change_r) / rise_k
-        capacity = min(max(capacity, own), LARGEST_CAPACITY_RATIO * own)
+    martensite, r_phase, capacity = state.martensite_fraction, state.r_phase_fraction, state.capacity_j_per_k
+    grains = grain_martensite.shape[0]
+    rise_k = 0.0
+    temperature_k = state.temperature_k
+    left_k = heat_j / own
+    for _ in range(MOST_PARTS):
+        # Latent heat makes the wire's capacity larger than its own by a factor only known once grains have moved.
+        # Coming from below, a part of the way at a time, never moves grains further than the heat there is.
+        part_k = left_k * own / capacity
+        rise_k += part_k
+        drives = drives_at(
+            constants,
+            state.temperature_k + rise_k,
+            state.stress_pa + state.stress_slope_pa_per_k * rise_k,
+            freshness.barrier_factor,
+        )
+        seen = drives_from(seen_drives_k)
+        change_m, change_r = switch_grains(constants, drives, seen, grain_martensite, grain_r_phase)
+        keep_drives(drives, seen_drives_k)
+        martensite += change_m / grains
+        r_phase += change_r / grains
+        temperature_k = (
+            REFERENCE_TEMPERATURE_K + (enthalpy_j + constants.latent_heat_j * (martensite + ratio * r_phase)) / own
+        )
+        if part_k != 0.0:
+            capacity = own - constants.latent_heat_j * (change_m + ratio * change_r) / (grains * part_k)
+            capacity = min(max(capacity, own), LARGEST_CAPACITY_RATIO * own)
+        left_before_k, left_k = left_k, state.temperature_k + rise_k
+        left_k = temperature_k - left_k
+        if left_k * left_before_k <= 0.0 or abs(left_k) < SMALL_PART * abs(heat_j / own):
+            break
     after = WireNumbers(
         state.time_s,
         temperature_k,
@@ -93,7 +105,7 @@ def heated(
         enthalpy_j,
         state.heat_in_j + power_w * dt_s,
         state.heat_out_j + loss_w * dt_s,
-        state.cycles + 0.5 * abs(change_m),
+        state.cycles + 0.5 * abs(martensite - state.martensite_fraction),
         martensite,
         r_phase,
         state.resistance_ohm,
@@ -186,14 +198,15 @@ def advance_plain(
         force_sum += state.stress_pa * constants.legs * constants.area_m2
     means = (wire_voltage_sum / steps, shunt_voltage_sum / steps, displacement_sum / steps, force_sum / steps)
     time_s = state.time_s + steps * dt_s
-    return plain(state, time_s, grain_martensite.mean(), grain_r_phase.mean()), means
+    return plain(state, time_s, state.martensite_fraction, state.r_phase_fraction), means
 
 
 @compiled
 def plain(state: WireNumbers, time_s: float, martensite_fraction: float, r_phase_fraction: float) -> tuple[float, ...]:
-    """Return the numbers as a plain tuple, with time and the phase fractions, fresh from the grains.
+    """Return the numbers as a plain tuple, with time, which would gather rounding errors if kept up step by step.
 
-    Kept up step by step, those three would gather rounding errors.
+    The phase fractions stay as they were kept up: fresh ones differ in the last bit, which the predictions of the
+    next steps would blow up, so that a run cut in two would not be the run in one.
     """
     return (
         time_s,

@@ -30,14 +30,19 @@ def drives_at(constants: WireConstants, temperature_k: float, stress_pa: float, 
         temperature_k, stress_pa, constants.r_phase_temperature_k, constants.r_phase_stress_rate_pa_per_k
     )
     preference = martensite - r_phase
-    barrier = barrier_factor * (constants.martensite_barrier_k + constants.martensite_barrier_per_pa * stress_pa)
+    # A load may close the hysteresis, not turn it inside out; and no detour by way of austenite may be easier than
+    # the straight way between R-phase and martensite: else there is no return-point memory.
+    barrier = barrier_factor * max(
+        constants.martensite_barrier_k + constants.martensite_barrier_per_pa * stress_pa, 0.0
+    )
+    r_to_m_barrier = min(constants.r_to_m_barrier_k, barrier + constants.r_phase_barrier_k)
     return Drives(
         martensite - barrier,
         r_phase - constants.r_phase_barrier_k,
-        preference - constants.r_to_m_barrier_k,
+        preference - r_to_m_barrier,
         -martensite - barrier,
         -r_phase - constants.r_phase_barrier_k,
-        -preference - constants.r_to_m_barrier_k,
+        -preference - r_to_m_barrier,
     )
 
 

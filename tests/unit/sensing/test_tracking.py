@@ -7,7 +7,7 @@ import pytest
 
 from musclewire.sensing import SegmentTracker
 
-R_MIN, R_MAX = 15.0, 17.5
+R_MIN, R_MAX = 15.0, 17.3
 SAMPLES = 1800
 
 

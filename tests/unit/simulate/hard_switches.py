@@ -21,7 +21,7 @@ class HardSwitches:
     def __init__(self, numbers: dict[str, float], stress_pa: float, grains: int = 20_000) -> None:
         z = norm.ppf((np.arange(grains) + 0.5) / grains)
         stretch = np.where(z > 0, 1 + numbers["grain_skew"], 1 - numbers["grain_skew"])
-        delta = stretch * np.sign(z) * np.abs(z) ** (1 + numbers["grain_tail"])
+        delta = stretch * z * (z**2 + 0.3**2) ** (numbers["grain_tail"] / 2)
         self.middle_m = (
             numbers["martensite_temperature_k"]
             + stress_pa / numbers["martensite_stress_rate_pa_per_k"]

@@ -1,0 +1,8 @@
+from __future__ import annotations
+
+from hypothesis import settings
+
+# The first call of a compiled function takes seconds, and a busy machine is no defect: no deadlines. The same examples
+# every time, so that a red run can be repeated.
+settings.register_profile("musclewire", deadline=None, derandomize=True)
+settings.load_profile("musclewire")
