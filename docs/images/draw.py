@@ -14,6 +14,7 @@ HERE = Path(__file__).parent
 
 
 def main() -> None:
+    """Run the demo and write both pictures beside this file."""
     with tempfile.TemporaryDirectory() as folder:
         result = run_demo(Path(folder))
     with mpl.rc_context(STYLE):

@@ -14,7 +14,7 @@ import typer
 from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
 from musclewire.app.rig_commands import add_rig_commands
-from musclewire.app.stopping import STOPPED, listen_for_signals
+from musclewire.app.stopping import STOPPED, ignore_signals, listen_for_signals
 from musclewire.errors import MusclewireError
 
 __all__ = ["app", "main"]
@@ -57,7 +57,9 @@ add_model_commands(app)
 def main() -> None:
     """Run the command line and end the process with the documented exit code."""
     listen_for_signals()
-    sys.exit(run())
+    code = run()
+    ignore_signals()
+    sys.exit(code)
 
 
 def run(arguments: list[str] | None = None) -> int:

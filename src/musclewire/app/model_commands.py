@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from musclewire.app.files import require_figure_file, require_model_file, save_figure
 from musclewire.app.options import (
     Columns,
     Force,
@@ -90,6 +91,7 @@ def fit(
     """Fit the self-sensing model to a slow loop; prints gap, residuals, validity range."""
     from musclewire.identify import fit as run_fit
 
+    require_figure_file(plot)
     if output is not None:
         require_model_file(output)
     model = run_fit(
@@ -101,8 +103,6 @@ def fit(
     if output is not None:
         model.save(output)
     if plot is not None:
-        from musclewire.app.rig_commands import save_figure
-
         save_figure(model.plot(), plot)
     if json:
         emit_json({**model.report(), "model": None if output is None else str(output)})
@@ -110,19 +110,6 @@ def fit(
     show(model.summary())
     if output is not None:
         show(f"model written to {output}")
-
-
-def require_model_file(path: Path) -> None:
-    """Raise CallerError where a model would replace something that is not a model."""
-    from musclewire.sensing import load_model
-
-    if path.suffix != ".json":
-        raise CallerError(f"{path}: a model is a .json file")
-    if path.exists():
-        try:
-            load_model(path)
-        except CallerError:
-            raise CallerError(f"{path} exists and is not a model: give another name") from None
 
 
 def estimate(
@@ -171,10 +158,9 @@ def rules(
     """Show a fuzzy rule base, and its surfaces with --plot."""
     from musclewire.controllers import load_rule_base, plot_rule_surfaces, rule_base_names
 
+    require_figure_file(plot)
     rule_base = load_rule_base(name)
     if plot is not None:
-        from musclewire.app.rig_commands import save_figure
-
         save_figure(plot_rule_surfaces(rule_base)[0], plot)
     if json:
         emit_json({"known": list(rule_base_names()), **rule_base.model_dump(mode="json")})

@@ -27,7 +27,7 @@ __all__ = [
 
 RigName = Annotated[str, typer.Argument(metavar="RIG", help="'simulated', or the path of a TOML rig file.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
-Seed = Annotated[int | None, typer.Option("--seed", help="Seed of everything random in a simulated rig.")]
+Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of everything random in a simulated rig.")]
 RealTime = Annotated[bool, typer.Option("--real-time", help="Pace a simulated rig by the clock.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an existing recording.")]
 Columns = Annotated[

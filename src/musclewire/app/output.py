@@ -38,8 +38,7 @@ def show(text: str) -> None:
 
 def emit_json(document: Mapping[str, Any]) -> None:
     """Print exactly one JSON document on stdout; numbers that are not finite are a bug and raise."""
-    json.dump(document, sys.stdout, indent=2, allow_nan=False, default=plain)
-    sys.stdout.write("\n")
+    sys.stdout.write(json.dumps(document, indent=2, allow_nan=False, default=plain) + "\n")
 
 
 def plain(value: Any) -> Any:

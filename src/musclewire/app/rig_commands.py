@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from musclewire.app.files import require_figure_file, require_model_file, require_recording_file, save_figure
 from musclewire.app.options import Force, Json, OutputPath, RealTime, RigName, Seed, quantity_option
 from musclewire.app.output import emit_json, progress_bar, say, show
 from musclewire.app.pace import Pace
@@ -24,7 +25,7 @@ __all__ = ["add_rig_commands"]
 Amplitude = Annotated[str | None, typer.Option("--amplitude", help="Amplitude of the slow sine, as '3.2 V'.")]
 # Below this share of sensed samples a closed loop was not closed.
 LEAST_VALID_SHARE = 0.8
-Period = Annotated[float, typer.Option("--period", help="Period of the slow sine in seconds.", min=1.0)]
+Period = Annotated[float, typer.Option("--period", help="Period of the slow sine in seconds.", min=1.0, max=86400.0)]
 
 
 def add_rig_commands(app: typer.Typer) -> None:
@@ -37,7 +38,7 @@ def demo(
     out: Annotated[Path, typer.Option("--out", help="Folder for report, model and recordings.")] = Path(
         "musclewire-demo"
     ),
-    seed: Annotated[int, typer.Option("--seed", help="Seed of everything random.")] = 1,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of everything random.")] = 1,
     json: Json = False,
 ) -> None:
     """The main job on the simulated rig: characterise, fit, control by resistance, report."""
@@ -46,6 +47,8 @@ def demo(
     from musclewire.experiment.demo import run_demo
 
     report = out / "report.html"
+    if (out / "model.json").exists():
+        require_model_file(out / "model.json")
     if report.is_file():
         report.unlink()  # an interrupted demo must not leave an old report beside new recordings
     with stops_between_samples():
@@ -92,7 +95,7 @@ def characterize(
     from musclewire.identify.loop_gaps import loop_gaps
     from musclewire.rigs.configuration import open_rig
 
-    require_suffix(output, ".h5")
+    require_recording_file(output, force)
     with stops_between_samples(), open_rig(rig, seed=seed, real_time=real_time) as opened:
         volts = quantity_option(amplitude, "V")
         with progress_bar("Slow sine", cycles * period, quiet=json) as on_sample:
@@ -130,6 +133,7 @@ def pretension(
     amplitude: Amplitude = None,
     period: Period = 90.0,
     cycles: Annotated[int, typer.Option("--cycles", help="Cycles at each setting.", min=1)] = 2,
+    folder: Annotated[Path | None, typer.Option("--folder", help="Keep the recording of each setting here.")] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="Write the figure (.svg, .png, .pdf).")] = None,
     seed: Seed = None,
     json: Json = False,
@@ -138,6 +142,7 @@ def pretension(
     from musclewire.experiment.pretension import pretension_sweep
     from musclewire.rigs.configuration import open_rig
 
+    require_figure_file(plot)
     forces = [force for text in at or () if (force := quantity_option(text, "N")) is not None] or None
     with stops_between_samples(), open_rig(rig, seed=seed) as opened:
         sweep = pretension_sweep(
@@ -146,6 +151,7 @@ def pretension(
             amplitude_v=quantity_option(amplitude, "V"),
             period_s=period,
             cycles=cycles,
+            folder=folder,
             on_setting=None if json else lambda force: say(f"pretension {force:.2f} N"),
             on_sample=stop_if_asked,
         )
@@ -204,7 +210,7 @@ def control(
     target = read_reference(reference, quantity)
     settings = FuzzyPidSettings(rule_base=rules)
     if output is not None:
-        require_suffix(output, ".h5")
+        require_recording_file(output, force)
     with stops_between_samples(), open_rig(rig, seed=seed, real_time=real_time) as opened:
         if recalibrate:
             with progress_bar("Anchoring R_min and R_max", 90.0, quiet=json) as anchoring:
@@ -236,6 +242,7 @@ def train(
     amplitude: Amplitude = None,
     period: Period = 30.0,
     most_cycles: Annotated[int, typer.Option("--most-cycles", help="Give up after this many.", min=2)] = 60,
+    folder: Annotated[Path | None, typer.Option("--folder", help="Keep the recording of each cycle here.")] = None,
     seed: Seed = None,
     json: Json = False,
 ) -> None:
@@ -255,6 +262,7 @@ def train(
             amplitude_v=quantity_option(amplitude, "V"),
             period_s=period,
             most_cycles=most_cycles,
+            folder=folder,
             on_cycle=None if json else say_cycle,
             on_sample=stop_if_asked,
         )
@@ -305,17 +313,3 @@ def read_reference(reference: str, quantity: str) -> Reference:
         )
     table = read_recording(reference)
     return sampled_reference(table["time_s"] - table["time_s"][0], table[f"target_{COLUMN_SUFFIX[quantity]}"])
-
-
-def require_suffix(path: Path, suffix: str) -> None:
-    """Raise CallerError for an output file of another kind: a run is recorded as HDF5 while it goes."""
-    if path.suffix != suffix:
-        raise CallerError(f"{path}: a run is recorded as {suffix} (it survives a crash); 'musclewire import' converts")
-
-
-def save_figure(axes: Any, path: Path) -> None:
-    """Write the figure of some axes to a file."""
-    try:
-        axes.figure.savefig(path)
-    except (OSError, ValueError) as error:
-        raise CallerError(f"cannot write the figure {path}: {error}") from None

@@ -8,12 +8,15 @@ after its next sample; a second one does not wait.
 from __future__ import annotations
 
 import signal
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["STOPPED", "listen_for_signals", "stop_if_asked", "stops_between_samples"]
+__all__ = ["STOPPED", "ignore_signals", "listen_for_signals", "stop_if_asked", "stops_between_samples"]
 
+# An ending takes this long at most; after that a further signal counts again.
+PATIENCE_S = 2.0
 STOPPED = {130: "Ctrl-C", 143: "SIGTERM"}
 
 
@@ -22,6 +25,7 @@ class _Note:
 
     waiting_allowed = False
     exit_code: int | None = None
+    ending_since_s: float | None = None
 
 
 def listen_for_signals() -> None:
@@ -31,16 +35,26 @@ def listen_for_signals() -> None:
 
 
 def _on_signal(number: int, _frame: FrameType | None) -> None:
+    if _Note.ending_since_s is not None and time.monotonic() - _Note.ending_since_s < PATIENCE_S:
+        return  # a double Ctrl-C must not break into the ending that the first one began
     if _Note.waiting_allowed and _Note.exit_code is None:
         _Note.exit_code = 128 + number
         return
+    _Note.ending_since_s = time.monotonic()
     raise SystemExit(128 + number)
+
+
+def ignore_signals() -> None:
+    """Let the process end in peace: its exit code is decided."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
 
 
 def stop_if_asked(_row: Mapping[str, float] | None = None) -> None:
     """Raise SystemExit where a signal has left its note; serves as a callback after each sample."""
     if _Note.exit_code is not None:
         code, _Note.exit_code = _Note.exit_code, None
+        _Note.ending_since_s = time.monotonic()
         raise SystemExit(code)
 
 

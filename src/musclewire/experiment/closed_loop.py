@@ -39,7 +39,7 @@ RANGE_AS_PERCENT_STRAIN = 3.0
 def controller_for(rig: Rig, model: SensingModel, settings: FuzzyPidSettings | None = None) -> FuzzyPid:
     """Return the fuzzy-tuned PID within a rig's limits, its error unit fitted to the model's quantity."""
     chosen = settings or FuzzyPidSettings()
-    if model.quantity != "strain":
+    if model.quantity != "strain" and "error_unit" not in chosen.model_fields_set:
         unit = (model.quantity_max - model.quantity_min) / RANGE_AS_PERCENT_STRAIN
         chosen = chosen.model_copy(update={"error_unit": unit})
     return FuzzyPid(chosen, DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v))
@@ -220,6 +220,11 @@ def check_same_wire(model: SensingModel, rig: Rig) -> None:
 
 def check_targets(model: SensingModel, reference: Reference, sample_period_s: float) -> None:
     """Raise CallerError when a reference leaves the range in which the model can sense."""
+    if reference.duration_s < sample_period_s:
+        raise CallerError(
+            f"the reference lasts {reference.duration_s:g} s, less than one sample of {sample_period_s:g} s: "
+            "its last row says when it ends"
+        )
     times = [index * sample_period_s for index in range(round(reference.duration_s / sample_period_s) + 1)]
     targets = reference.targets_at(times)
     low, high = float(targets.min()), float(targets.max())

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from musclewire.controllers.references import Staircase, staircase
-from musclewire.errors import CallerError
 from musclewire.experiment.closed_loop import APPROACH_S, control
 from musclewire.experiment.metrics import ControlRun
 from musclewire.experiment.open_loop import PAPER_PERIOD_S, characterize
 from musclewire.experiment.pretension import PretensionSweep, pretension_sweep
-from musclewire.experiment.run import OnSample
+from musclewire.experiment.run import OnSample, file_in
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
 from musclewire.identify.sensing_model import fit
 from musclewire.rigs.configuration import open_rig
@@ -54,11 +53,7 @@ def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -
     staircase of Fig. 11. Existing files of an earlier demo are replaced. Whatever interrupts it, the recordings so
     far are on disk.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise CallerError(f"cannot make the folder {folder}: {error.strerror or error}") from None
-    files = {f"loop_{volts:g}V": folder / f"loop-{volts:g}V.h5" for volts in AMPLITUDES_V}
+    files = {f"loop_{volts:g}V": file_in(folder, f"loop-{volts:g}V.h5") for volts in AMPLITUDES_V}
     files |= {"model": folder / "model.json", "staircase": folder / "staircase.h5"}
     loops: dict[float, Recording] = {}
     steps = staircase()
@@ -82,5 +77,5 @@ def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -
         open_rig("simulated", seed=seed) as rig,
         progress("Pretension sweep", 8 * PAPER_PERIOD_S) as on_sample,
     ):
-        sweep = pretension_sweep(rig, cycles=1, on_sample=on_sample)
+        sweep = pretension_sweep(rig, cycles=1, folder=folder / "pretension", on_sample=on_sample)
     return DemoResult(loops, loop_gaps(major), model, steps, run, sweep, files)

@@ -20,13 +20,13 @@ SETTLE_S = 1.0
 
 @dataclass(frozen=True)
 class StepMetrics:
-    """One step: errors in percent of its target; None where the rig has no reference instrument."""
+    """One step: errors in percent of its target; None without an instrument, or where no sample counts."""
 
     target: float
     direction: str
     mae_pct: float | None
     estimate_mae_pct: float | None
-    tracking_mae_pct: float
+    tracking_mae_pct: float | None
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
     errors = [row.mae_pct for row in rows if row.mae_pct is not None]
     judged = elapsed_s > 1e-9
     target = recording[f"target_{suffix}"][judged]
-    per = float(np.abs(target).max())
+    per = float(np.abs(target).max()) or 1.0
     true = None if measured is None else measured[judged]
     return ControlMetrics(
         quantity=quantity,
@@ -131,6 +131,8 @@ def step_metrics(
 ) -> StepMetrics:
     """Return the errors of one step, from one second after its start to its end."""
     part = (elapsed_s > step.start_s + SETTLE_S + 1e-9) & (elapsed_s <= step.stop_s + 1e-9)
+    if not part.any() or step.target == 0.0:  # nothing after the first second, or nothing to be relative to
+        return StepMetrics(step.target, step.direction, None, None, None)
     seen = estimated[part]
     true = None if measured is None else measured[part]
     return StepMetrics(

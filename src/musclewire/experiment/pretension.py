@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment.open_loop import characterize
-from musclewire.experiment.run import OnSample
+from musclewire.experiment.run import OnSample, file_in
 from musclewire.identify.loop_gaps import loop_gaps
 from musclewire.rigs.protocol import HasStage, Rig
 from musclewire.signals.recording import Recording
@@ -90,14 +91,16 @@ def pretension_sweep(
     amplitude_v: float | None = None,
     period_s: float = 90.0,
     cycles: int = 2,
+    folder: str | Path | None = None,
     on_setting: Callable[[float], None] | None = None,
     on_sample: OnSample | None = None,
 ) -> PretensionSweep:
     """Characterise the wire at each pretension and compare the gaps.
 
-    ``on_setting`` hears each pretension once it is set. A setting whose loop cannot be used (slack, or no
-    transformation left at high stress) is kept as a failure with its reason. Raises CallerError for a rig without
-    a stage that software can move, RecordingError when no setting gives a loop.
+    With ``folder`` each setting is recorded there as it runs, replacing an earlier sweep's. ``on_setting`` hears each
+    pretension once it is set. A setting whose loop cannot be used (slack, or no transformation left at high stress) is
+    kept as a failure with its reason. Raises CallerError for a rig without a stage that software can move,
+    RecordingError when no setting gives a loop.
     """
     if not isinstance(rig, HasStage):
         raise CallerError(
@@ -110,7 +113,15 @@ def pretension_sweep(
         rig.set_pretension(pretension)
         if on_setting is not None:
             on_setting(pretension)
-        recording = characterize(rig, amplitude_v=amplitude_v, period_s=period_s, cycles=cycles, on_sample=on_sample)
+        recording = characterize(
+            rig,
+            amplitude_v=amplitude_v,
+            period_s=period_s,
+            cycles=cycles,
+            path=None if folder is None else file_in(folder, f"pretension-{pretension:.2f}N.h5"),
+            overwrite=True,
+            on_sample=on_sample,
+        )
         try:
             gaps = loop_gaps(recording)
         except RecordingError as error:

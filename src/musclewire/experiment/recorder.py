@@ -11,6 +11,7 @@ from typing import Self
 
 import numpy as np
 
+from musclewire.errors import RigError
 from musclewire.signals.hdf5 import RecordingWriter
 from musclewire.signals.recording import MetadataValue, Recording
 
@@ -24,6 +25,11 @@ def cause_of(error: BaseException | None) -> str:
     if isinstance(error, (KeyboardInterrupt, SystemExit)):
         return "interrupted"
     return f"{type(error).__name__}: {error}".splitlines()[0]
+
+
+def first_line(problem: BaseException) -> str:
+    """Return the first line of what an error says."""
+    return (str(problem).splitlines() or [type(problem).__name__])[0]
 
 
 class Recorder:
@@ -56,8 +62,12 @@ class Recorder:
         """Keep one row; it gives every column."""
         kept = {name: row[name] for name in self._columns}
         self._rows.append(tuple(kept.values()))
-        if self._writer is not None:
+        if self._writer is None:
+            return
+        try:
             self._writer.append(kept)
+        except (OSError, RuntimeError) as problem:
+            raise self._not_written(problem) from None
 
     def recording(self) -> Recording:
         """Return what has been recorded so far."""
@@ -74,9 +84,21 @@ class Recorder:
     ) -> None:
         """Write what is left and say why the run ended; an exception takes the partial recording along."""
         self._ended = cause_of(error)
-        if self._writer is not None:
-            self._writer.close(self._ended)
         if error is not None:
             where = f" and in {self._writer.path}" if self._writer else ""
             error.add_note(f"{len(self._rows)} samples were recorded; they are in error.recording{where}")
             error.recording = self.recording()  # type: ignore[attr-defined]
+        if self._writer is None:
+            return
+        try:
+            self._writer.close(self._ended)
+        except (OSError, RuntimeError, ValueError) as problem:
+            if error is None:
+                raise self._not_written(problem) from None
+            error.add_note(f"closing {self._writer.path} failed: {first_line(problem)}")
+
+    def _not_written(self, problem: Exception) -> RigError:
+        """Return the error for a disk that takes no more, with what was recorded on it."""
+        error = RigError(f"cannot write {self._writer.path if self._writer else ''}: {first_line(problem)}")
+        error.recording = self.recording()  # type: ignore[attr-defined]
+        return error

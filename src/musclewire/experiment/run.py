@@ -16,7 +16,7 @@ from musclewire.rigs.protocol import Rig
 from musclewire.signals.recording import MetadataValue, Recording
 from musclewire.signals.samples import RawSample
 
-__all__ = ["Decision", "OnSample", "Policy", "run_on_rig"]
+__all__ = ["Decision", "OnSample", "Policy", "file_in", "refuse_unusable", "run_on_rig"]
 
 OnSample = Callable[[Mapping[str, float]], None]
 # Rows that may be lost to a power cut: about a second of a paced rig, a fraction of one where no clock paces.
@@ -48,6 +48,25 @@ class Policy(Protocol):
         ...
 
 
+def file_in(folder: str | Path, name: str) -> Path:
+    """Return a file in a folder that is made if need be. Raises CallerError where that cannot be."""
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CallerError(f"cannot make the folder {folder}: {error.strerror or error}") from None
+    return Path(folder) / name
+
+
+def refuse_unusable(path: str | Path | None, overwrite: bool) -> None:
+    """Raise CallerError where a recording could not be put, before anything is heated for it."""
+    if path is None:
+        return
+    if Path(path).exists() and not overwrite:
+        raise CallerError(f"{path} exists: give another name, or allow replacing it (--force, overwrite=True)")
+    if not Path(path).parent.is_dir():
+        raise CallerError(f"{path}: there is no folder {Path(path).parent}")
+
+
 def run_on_rig(
     rig: Rig,
     policy: Policy,
@@ -67,8 +86,7 @@ def run_on_rig(
     samples = round(duration_s / rig.sample_period_s)
     if samples < 1:
         raise CallerError(f"a run of {duration_s} s is shorter than one sample of {rig.sample_period_s} s")
-    if path is not None and not overwrite and Path(path).exists():
-        raise CallerError(f"{path} exists: give another name, or allow replacing it (--force, overwrite=True)")
+    refuse_unusable(path, overwrite)
     try:
         drive = policy.first_drive_voltage_v()
         sample = rig.exchange(drive)

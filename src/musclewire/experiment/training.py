@@ -14,7 +14,7 @@ from pathlib import Path
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment.open_loop import characterize
-from musclewire.experiment.run import OnSample
+from musclewire.experiment.run import OnSample, file_in
 from musclewire.identify.recordings import required_quantity, resistance_reading
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.model import SensingModel
@@ -56,18 +56,28 @@ def train(
     period_s: float = TRAINING_PERIOD_S,
     most_cycles: int = 60,
     settled_share: float = SETTLED_SHARE,
+    folder: str | Path | None = None,
     on_cycle: Callable[[TrainingCycle], None] | None = None,
     on_sample: OnSample | None = None,
 ) -> Training:
     """Cycle a wire until its loop repeats: five cycles that together move it by less than 0.3 %.
 
-    Raises CallerError for fewer than two cycles, RecordingError when the wire does not transform at all.
+    With ``folder`` each cycle is recorded there as it runs. Raises CallerError for fewer than two cycles,
+    RecordingError when the wire does not transform at all.
     """
     if most_cycles < 2:
         raise CallerError(f"most_cycles is {most_cycles}: a change needs at least 2 cycles")
     cycles: list[TrainingCycle] = []
     for number in range(1, most_cycles + 1):
-        recording = characterize(rig, amplitude_v=amplitude_v, period_s=period_s, cycles=1, on_sample=on_sample)
+        recording = characterize(
+            rig,
+            amplitude_v=amplitude_v,
+            period_s=period_s,
+            cycles=1,
+            path=None if folder is None else file_in(folder, f"cycle-{number:03d}.h5"),
+            overwrite=True,
+            on_sample=on_sample,
+        )
         reading = resistance_reading(recording)
         segments = find_segments(reading.resistance_ohm, required_quantity(recording), reading.valid)
         cycle = TrainingCycle(

@@ -12,7 +12,7 @@ from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity, re
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.resistance import ArrayReading
-from musclewire.sensing.tracking import SegmentTracker
+from musclewire.sensing.tracking import AMBIGUOUS_ABOVE, SegmentTracker
 from musclewire.signals.recording import MetadataValue, Recording
 
 __all__ = ["EstimateReport", "estimate", "fit"]
@@ -84,9 +84,13 @@ def wire_notes(recording: Recording) -> dict[str, str | float]:
 
 
 def in_sensing_segment(model: SensingModel, recording: Recording, reading: ArrayReading) -> NDArray[np.bool_]:
-    """Return where the wire is between B and C, (n_times,); everywhere where the recording has no voltage."""
+    """Return where the wire is between B and C, (n_times,).
+
+    Without a voltage there is no power to tell by; then only resistances that no cold wire has count.
+    """
     if "wire_voltage_v" not in recording:
-        return np.ones(len(recording), dtype=np.bool_)
+        span = model.resistance_max_ohm - model.resistance_min_ohm
+        return reading.resistance_ohm < model.resistance_min_ohm + AMBIGUOUS_ABOVE * span
     some_ohm = np.where(reading.valid, reading.resistance_ohm, 1.0)
     power_w = recording["wire_voltage_v"] ** 2 / some_ohm
     tracker = SegmentTracker(model.resistance_min_ohm, model.resistance_max_ohm)

@@ -25,15 +25,16 @@ def wire_resistance_ohm(
     austenite_area_m2: float,
     transformation_strain: float,
     elastic_strain: float,
+    thermal_strain: float,
 ) -> float:
     """Return rho l / A [ohm] with the length and the section the strains leave.
 
-    Transformation strain keeps the volume, so l/A grows as its square; elastic strain thins the wire by
-    Poisson's ratio of 0.33 (vendor's figure for NiTi).
+    Transformation strain keeps the volume, so l/A grows as its square; elastic strain thins the wire by Poisson's
+    ratio of 0.33 (vendor's figure for NiTi); thermal expansion widens it as it lengthens it, so l/A falls.
 
-    >>> round(wire_resistance_ohm(1e-6, 0.14, 7.854e-9, 0.04, 0.0) / wire_resistance_ohm(1e-6, 0.14, 7.854e-9, 0.0, 0.0), 4)
+    >>> round(wire_resistance_ohm(1e-6, 0.14, 7.854e-9, 0.04, 0.0, 0.0) / (1e-6 * 0.14 / 7.854e-9), 4)
     1.0816
-    """  # noqa: E501
+    """
     stretch = 1.0 + transformation_strain
     thinning = 1.0 - ELASTIC_POISSON_RATIO * elastic_strain
     return (
@@ -43,5 +44,5 @@ def wire_resistance_ohm(
         * stretch
         * stretch
         * (1.0 + elastic_strain)
-        / (thinning * thinning)
+        / (thinning * thinning * (1.0 + thermal_strain))
     )

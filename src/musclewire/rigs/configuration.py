@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
@@ -33,7 +33,7 @@ class RigConfiguration(BaseModel):
     wire: str = "paper-100um"
     bench: str = "paper"
     new_wire: bool = False
-    seed: int = 1
+    seed: int = Field(default=1, ge=0)
     settings: dict[str, float | str] = {}
 
 
@@ -61,7 +61,7 @@ def with_settings(wire: Wire, bench: Bench, settings: Mapping[str, float | str],
             raise CallerError(f"{where}: unknown setting '{key}'{nearest_hint(key, known)}")
         value = parse_quantity(given, known[key].unit) if isinstance(given, str) else float(given)
         changed[key] = known[key].model_copy(
-            update={"value": value, "kind": "measured", "source": where, "note": "set by the user"}
+            update={"value": value, "kind": "assumed", "source": where, "note": "set by the user"}
         )
     return changed_group(wire, changed, where), changed_group(bench, changed, where)
 

@@ -53,6 +53,12 @@ class SimulatedRig:
         self._constants = constants_from(alloy, wire, bench, new_wire=new_wire)
         self._state = resting_state(self._constants)
         self._drive_voltage_v = 0.0
+        self._off_for_good = False
+        self._check_pretension(self._bench["pretension_n"])
+        if self.sense_voltage_v >= self.maximum_voltage_v:
+            raise CallerError(
+                f"sense_voltage_v {self.sense_voltage_v} V must be below maximum_voltage_v {self.maximum_voltage_v} V"
+            )
         self._real_time = real_time
         self._next_due_s: float | None = None
         self._steps = self._steps_of_a_sample()
@@ -143,14 +149,27 @@ class SimulatedRig:
 
         The clock goes on and the wire keeps what it has been through in cycles.
         """
-        self._constants = with_pretension(self._constants, pretension_n)
+        self._check_pretension(pretension_n)
+        self._drive_voltage_v = 0.0
+        constants = with_pretension(self._constants, pretension_n)
+        # What a new wire has gained in length by now belongs to the new zero.
+        fresh = math.exp(-self._state.cycles / constants.shakedown_cycles)
+        gained = constants.shakedown_strain * (1.0 - fresh)
+        self._constants = constants._replace(cold_strain=constants.cold_strain + gained)
         rested = resting_state(self._constants)
         self._state = rested._replace(time_s=self._state.time_s, cycles=self._state.cycles)
 
+    def _check_pretension(self, pretension_n: float) -> None:
+        allowed = self._wire_values["maximum_force_n"]
+        if not 0.0 <= pretension_n <= allowed:
+            raise CallerError(f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self._wire.name} allows")
+
     def exchange(self, drive_voltage_v: float) -> RawSample:
         """Hold a drive voltage for one sample period and return the averaged readings at its end."""
+        if self._off_for_good:
+            raise RigError("this rig is closed or has failed and stays off: open it again")
         if not (math.isfinite(drive_voltage_v) and 0.0 <= drive_voltage_v <= self.maximum_voltage_v + 1e-9):
-            self._drive_voltage_v = 0.0
+            self.close()
             raise RigError(
                 f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; the drive is off"
             )
@@ -160,7 +179,7 @@ class SimulatedRig:
             self._state, self._constants, self._drive_voltage_v, self._bench["time_step_s"], self._steps
         )
         if not math.isfinite(self._state.temperature_k):
-            self._drive_voltage_v = 0.0
+            self.close()
             raise NumericsError(
                 f"the simulated wire left its numbers at {self._state.time_s:.3f} s: make time_step_s smaller"
             )
@@ -196,11 +215,12 @@ class SimulatedRig:
         self._next_due_s = max(due, now - self.sample_period_s) + self.sample_period_s
 
     def make_safe(self) -> None:
-        """Go to the sense voltage at once."""
-        self._drive_voltage_v = self.sense_voltage_v
+        """Go to the sense voltage at once; a rig that is off for good stays off."""
+        self._drive_voltage_v = 0.0 if self._off_for_good else self.sense_voltage_v
 
     def close(self) -> None:
-        """Switch the drive off."""
+        """Switch the drive off for good."""
+        self._off_for_good = True
         self._drive_voltage_v = 0.0
 
     def __enter__(self) -> Self:

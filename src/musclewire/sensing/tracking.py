@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["SegmentState", "SegmentTracker"]
+__all__ = ["AMBIGUOUS_ABOVE", "SegmentState", "SegmentTracker"]
 
 FloatArray = npt.NDArray[np.float64]
 

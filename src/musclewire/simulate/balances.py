@@ -11,7 +11,14 @@ from musclewire.physics.mechanics import (
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K, phase_resistivity_ohm_m, wire_resistance_ohm
 from musclewire.simulate.state import WireConstants
 
-__all__ = ["convection_w_per_m2_k", "resistance_of", "strain_at", "stress_in_balance_pa", "total_strain"]
+__all__ = [
+    "contraction_of",
+    "convection_w_per_m2_k",
+    "resistance_of",
+    "strain_at",
+    "stress_in_balance_pa",
+    "total_strain",
+]
 
 
 @compiled
@@ -40,6 +47,15 @@ def total_strain(
 
 
 @compiled
+def contraction_of(constants: WireConstants, strain: float) -> float:
+    """Return how much shorter the wire is than cold under pretension, as a share of that length.
+
+    Strain counts from stress-free austenite, contraction from the longer wire that one lays a ruler on.
+    """
+    return (constants.cold_strain - strain) / (1.0 + constants.cold_strain)
+
+
+@compiled
 def stress_in_balance_pa(
     constants: WireConstants,
     stress_pa: float,
@@ -55,7 +71,7 @@ def stress_in_balance_pa(
     The function is almost linear in stress, so that one step leaves an error of second order.
     """
     strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k) + residual_strain
-    contraction = constants.cold_strain - strain
+    contraction = contraction_of(constants, strain)
     stiffness = constants.spring_stiffness_n_per_m * constants.leg_length_m
     section = constants.legs * constants.area_m2
     wanted = (constants.pretension_n + stiffness * contraction + friction_n) / section
@@ -67,7 +83,8 @@ def stress_in_balance_pa(
         constants.strain_saturated,
         constants.strain_stress_scale_pa,
     )
-    return max(stress_pa - (stress_pa - wanted) / (1.0 + stiffness * compliance / section), 0.0)
+    per_stretch = 1.0 / (1.0 + constants.cold_strain)
+    return max(stress_pa - (stress_pa - wanted) / (1.0 + stiffness * per_stretch * compliance / section), 0.0)
 
 
 @compiled
@@ -95,7 +112,7 @@ def resistance_of(
         )
     )
     return wire_resistance_ohm(
-        resistivity, constants.austenite_length_m, constants.area_m2, transformation, elastic + thermal
+        resistivity, constants.austenite_length_m, constants.area_m2, transformation, elastic, thermal
     )
 
 

@@ -12,7 +12,13 @@ from typing import Any, NamedTuple
 from musclewire.compiled import compiled
 from musclewire.physics.mechanics import friction_force_n
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
-from musclewire.simulate.balances import convection_w_per_m2_k, resistance_of, stress_in_balance_pa, total_strain
+from musclewire.simulate.balances import (
+    contraction_of,
+    convection_w_per_m2_k,
+    resistance_of,
+    stress_in_balance_pa,
+    total_strain,
+)
 from musclewire.simulate.state import FloatArray, Sums, WireConstants, WireNumbers, WireState
 from musclewire.simulate.switching import drives_at, drives_from, keep_drives, switch_grains
 
@@ -124,7 +130,7 @@ def balanced(state: WireNumbers, constants: WireConstants, freshness: Freshness,
         constants, state.stress_pa, martensite, r_phase, temperature_k, state.friction_n, residual
     )
     strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k)
-    contraction = constants.cold_strain - strain - residual
+    contraction = contraction_of(constants, strain + residual)
     moved_m = (contraction - state.contraction) * constants.leg_length_m
     friction_n = friction_force_n(state.friction_n, moved_m, constants.friction_n, constants.friction_presliding_m)
     slope = state.stress_slope_pa_per_k

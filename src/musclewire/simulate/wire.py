@@ -15,9 +15,10 @@ from musclewire.simulate.grains import spread_grains
 from musclewire.simulate.state import FloatArray, WireConstants, WireState
 from musclewire.simulate.switching import cooled_plain
 
-__all__ = ["constants_from", "resting_state", "with_ambient", "with_pretension"]
+__all__ = ["constants_from", "resting_state", "with_pretension"]
 
 HOTTEST_START_K = 500.0
+LEAST_PRESLIDING_M = 5e-6
 COOLING_STEP_K = 0.25
 TABLE_START_K = 200.0
 TABLE_STEP_K = 2.0
@@ -40,6 +41,11 @@ def constants_from(alloy: Alloy, wire: Wire, rig: Bench, *, new_wire: bool = Fal
     length, legs, diameter = bench["wire_length_m"], bench["legs"], spool["diameter_m"]
     if min(length, legs, diameter) <= 0.0:
         raise CallerError("wire_length_m, legs and diameter_m must be above 0: there is no wire otherwise")
+    if bench["guide_friction_n"] > 0.0 and bench["guide_presliding_m"] < LEAST_PRESLIDING_M:
+        raise CallerError(
+            f"guide_presliding_m is {bench['guide_presliding_m']:g} m: below {LEAST_PRESLIDING_M:g} m the friction of "
+            "the guide is stiffer than the wire and the step cannot follow it"
+        )
     area = 0.25 * math.pi * diameter**2
     mass = area * length * material["density_kg_per_m3"]
     spread = spread_grains(int(bench["grains"]), material["grain_skew"], material["grain_tail"])
@@ -90,15 +96,6 @@ def with_pretension(constants: WireConstants, pretension_n: float) -> WireConsta
         pretension_n=pretension_n,
         cold_strain=cold,
         austenite_length_m=constants.wire_length_m / (1.0 + cold),
-    )
-
-
-def with_ambient(constants: WireConstants, ambient_temperature_k: float) -> WireConstants:
-    """Return the constants in air of another temperature; the cold reference strain stays as it was."""
-    diameter = constants.surface_m2 / (math.pi * constants.wire_length_m)
-    return constants._replace(
-        ambient_temperature_k=ambient_temperature_k,
-        convection_table_w_per_m2_k=convection_table(diameter, ambient_temperature_k),
     )
 
 

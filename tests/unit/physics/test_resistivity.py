@@ -20,7 +20,7 @@ def test_resistivity_is_as_stated_at_20_degrees_and_linear_from_there() -> None:
 def test_an_undeformed_wire_has_resistivity_times_length_over_area() -> None:
     """126 ohm/m over 14 cm, the paper's 100 um wire: 17.64 ohm."""
     rho = 126.0 * AREA_M2
-    assert wire_resistance_ohm(rho, 0.14, AREA_M2, 0.0, 0.0) == pytest.approx(17.64)
+    assert wire_resistance_ohm(rho, 0.14, AREA_M2, 0.0, 0.0, 0.0) == pytest.approx(17.64)
 
 
 @settings(derandomize=True, deadline=None, max_examples=100)
@@ -29,7 +29,13 @@ def test_transformation_strain_keeps_the_volume(strain: float) -> None:
     length = 0.14 * (1 + strain)
     area = AREA_M2 * 0.14 / length
     expected = 1e-6 * length / area
-    assert wire_resistance_ohm(1e-6, 0.14, AREA_M2, strain, 0.0) == pytest.approx(expected, rel=1e-12)
+    assert wire_resistance_ohm(1e-6, 0.14, AREA_M2, strain, 0.0, 0.0) == pytest.approx(expected, rel=1e-12)
+
+
+def test_thermal_expansion_lowers_the_resistance_by_geometry() -> None:
+    """Longer by a share and wider by the same on both sides: l/A falls by that share."""
+    expected = 1e-6 * 0.14 * 1.001 / (AREA_M2 * 1.001**2)
+    assert wire_resistance_ohm(1e-6, 0.14, AREA_M2, 0.0, 0.0, 0.001) == pytest.approx(expected, rel=1e-12)
 
 
 @settings(derandomize=True, deadline=None, max_examples=100)
@@ -37,4 +43,4 @@ def test_transformation_strain_keeps_the_volume(strain: float) -> None:
 def test_elastic_strain_thins_the_wire_by_poissons_ratio(strain: float) -> None:
     diameter = 100e-6 * (1 - 0.33 * strain)
     expected = 1e-6 * 0.14 * (1 + strain) / (math.pi / 4 * diameter**2)
-    assert wire_resistance_ohm(1e-6, 0.14, AREA_M2, 0.0, strain) == pytest.approx(expected, rel=1e-12)
+    assert wire_resistance_ohm(1e-6, 0.14, AREA_M2, 0.0, strain, 0.0) == pytest.approx(expected, rel=1e-12)

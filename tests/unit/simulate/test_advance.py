@@ -119,7 +119,7 @@ def leg_stress_pa(state: WireState, wire: WireConstants, friction_n: float) -> f
         elastic = stress * ((1 - x_m) / wire.austenite_modulus_pa + x_m / wire.martensite_modulus_pa)
         alpha = x_m * wire.martensite_expansion_per_k + (1 - x_m) * wire.austenite_expansion_per_k
         strain = h * x_m + wire.r_phase_strain * x_r + elastic + alpha * (state.temperature_k - 293.15)
-        contraction = wire.cold_strain - strain
+        contraction = (wire.cold_strain - strain) / (1 + wire.cold_strain)
         force = wire.pretension_n + wire.spring_stiffness_n_per_m * contraction * wire.leg_length_m + friction_n
         return stress - force / (wire.legs * wire.area_m2)
 

@@ -12,7 +12,7 @@ from wire_makers import constants
 
 from musclewire.simulate.kernel import advance
 from musclewire.simulate.state import WireConstants, WireState
-from musclewire.simulate.wire import resting_state, with_ambient
+from musclewire.simulate.wire import resting_state
 
 # Cold martensite at any temperature reached here, and no latent heat.
 INERT = {"latent_heat_j_per_kg": 0.0, "martensite_temperature_k": 3000.0, "r_phase_temperature_k": 300.0}
@@ -39,19 +39,21 @@ def resistance_ohm(temperature_k: float, wire: WireConstants) -> float:
     """Return the resistance of the martensite wire on its spring at this temperature."""
     warm = temperature_k - 293.15
 
-    def strains(stress: float) -> tuple[float, float]:
+    def strains(stress: float) -> tuple[float, float, float]:
         h = wire.strain_saturated + (wire.strain_at_no_stress - wire.strain_saturated) * math.exp(
             -stress / wire.strain_stress_scale_pa
         )
-        return h, stress / wire.martensite_modulus_pa + wire.martensite_expansion_per_k * warm
+        return h, stress / wire.martensite_modulus_pa, wire.martensite_expansion_per_k * warm
 
     def missing(stress: float) -> float:
-        stretch = wire.spring_stiffness_n_per_m * wire.leg_length_m * (wire.cold_strain - sum(strains(stress)))
+        # A leg as measured is longer than its austenite by the cold strain, from which strains count.
+        austenite_leg_m = wire.leg_length_m / (1 + wire.cold_strain)
+        stretch = wire.spring_stiffness_n_per_m * austenite_leg_m * (wire.cold_strain - sum(strains(stress)))
         return stress - (wire.pretension_n + stretch) / (2 * wire.area_m2)
 
-    h, rest = strains(brentq(missing, 0.0, 1e9, xtol=1.0))
+    h, elastic, thermal = strains(brentq(missing, 0.0, 1e9, xtol=1.0))
     rho = wire.martensite_resistivity_ohm_m * (1 + wire.martensite_resistivity_per_k * warm)
-    shape = (1 + h) ** 2 * (1 + rest) / (1 - 0.33 * rest) ** 2
+    shape = (1 + h) ** 2 * (1 + elastic) / (1 - 0.33 * elastic) ** 2 / (1 + thermal)
     return rho * wire.austenite_length_m / wire.area_m2 * shape
 
 
@@ -105,7 +107,7 @@ def test_the_error_against_scipy_falls_with_the_step() -> None:
 
 def test_in_warmer_air_the_wire_settles_warmer_by_nearly_as_much() -> None:
     wire = inert_wire()
-    warmer = with_ambient(wire, wire.ambient_temperature_k + 10.0)
+    warmer = wire._replace(ambient_temperature_k=wire.ambient_temperature_k + 10.0)
     state, _ = advance(resting_state(wire), wire, 2.0, 1e-3, 10_000)
     in_warm_air, _ = advance(resting_state(wire), warmer, 2.0, 1e-3, 10_000)
     assert 8.0 < in_warm_air.temperature_k - state.temperature_k < 12.0
