@@ -65,6 +65,18 @@ def test_a_paced_run_stopped_by_a_signal_ends_safe_and_readable(
     assert len(recording) >= 20
 
 
+def test_an_impatient_second_ctrl_c_changes_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "loop.h5"
+    process = start("characterize", "simulated", "--real-time", "-o", path)
+    wait_for_rows(process, path, 20)
+    for _ in range(3):
+        process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 130, err
+    assert "Traceback" not in err
+    assert read_recording(path).metadata["ended"] == "interrupted"
+
+
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_demo_stopped_by_a_signal_keeps_what_it_recorded(number: signal.Signals, code: int, tmp_path: Path) -> None:
     process = start("demo", "--json", "--out", tmp_path / "demo")

@@ -119,6 +119,11 @@ def test_a_foreign_header_is_taken_by_an_explicit_mapping(musclewire: Callable[.
         (("characterize", "simulated", "-o", "x.h5", "--amplitude", "3 N"), ("V",)),
         (("rules", "zhao1993"), ("zhao-1993",)),
         (("pretension", "simulated", "--at", "-1 N"), ("pretension",)),
+        (("pretension", "simulated", "--at", "20 N"), ("4.601",)),
+        (("pretension", "simulated", "--at", "1.9 N", "--plot", "x.gif"), (".svg",)),
+        (("fit", "lan-fan-2010-table-2", "--order", "3", "-o", "m.json", "--plot", "x.gif"), (".svg",)),
+        (("characterize", "simulated", "-o", "nowhere/x.h5"), ("nowhere",)),
+        (("demo", "--seed", "-1"), ("seed",)),
     ],
 )
 def test_wrong_usage_is_one_line_too(

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import pytest
 
-from musclewire.errors import RigError
+from musclewire.errors import CallerError, RigError
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.protocol import HasStage, Rig
 
@@ -173,3 +173,30 @@ def test_a_rig_with_a_stage_takes_another_pretension(rig: Rig) -> None:
         return
     rig.set_pretension(2.5)
     assert rig.metadata()["pretension_n"] == pytest.approx(2.5)
+
+
+def test_a_closed_rig_stays_off_whatever_is_asked_of_it(rig: Rig) -> None:
+    rig.close()
+    rig.make_safe()
+    assert rig.drive_voltage_v == 0.0
+    with pytest.raises(RigError, match="stays off"):
+        rig.exchange(rig.drive_amplitude_v)
+    assert rig.drive_voltage_v == 0.0
+
+
+def test_a_refused_voltage_latches_the_drive_off(rig: Rig) -> None:
+    with pytest.raises(RigError, match="the drive is off"):
+        rig.exchange(2.0 * rig.maximum_voltage_v)
+    rig.make_safe()
+    assert rig.drive_voltage_v == 0.0
+
+
+def test_moving_the_stage_switches_the_drive_off_and_more_than_the_wire_allows_is_refused(rig: Rig) -> None:
+    assert isinstance(rig, HasStage)
+    with rig:
+        rig.exchange(rig.drive_amplitude_v)
+        rig.set_pretension(1.5)
+        assert rig.drive_voltage_v == 0.0
+        for pretension_n in (-0.1, 20.0, math.nan):
+            with pytest.raises(CallerError, match="pretension"):
+                rig.set_pretension(pretension_n)

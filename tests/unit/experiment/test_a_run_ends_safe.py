@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from fake_rig import FakeRig, straight_model
 
+from musclewire.controllers import FuzzyPidSettings, sampled_reference
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment.closed_loop import control
+from musclewire.experiment.closed_loop import control, controller_for
 from musclewire.experiment.open_loop import WaveformPolicy, characterize, slow_sine
 from musclewire.experiment.run import run_on_rig
 from musclewire.sensing import SensingModel
@@ -54,6 +56,51 @@ def test_a_rig_that_fails_is_made_safe_too(failing_sample: int) -> None:
         characterize(rig, period_s=10.0)
     assert rig.safe_calls >= 1
     assert rig.drive_voltage_v == rig.sense_voltage_v
+
+
+def test_a_recording_that_cannot_be_put_anywhere_is_refused_before_anything_is_heated(tmp_path: Path) -> None:
+    rig = FakeRig()
+    (tmp_path / "old.h5").write_bytes(b"precious")
+    for path, message in ((tmp_path / "old.h5", "exists"), (tmp_path / "nowhere" / "new.h5", "no folder")):
+        with pytest.raises(CallerError, match=message):
+            characterize(rig, period_s=5.0, path=path)
+    assert rig.samples == 0
+
+
+def test_a_disk_that_takes_no_more_ends_the_run_safe_with_the_samples_on_the_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError("[Errno 28] No space left on device")
+
+    monkeypatch.setattr("musclewire.signals.hdf5.RecordingWriter.append", full)
+    rig = FakeRig()
+    with pytest.raises(RigError, match=r"cannot write .*run\.h5: .*No space left") as caught:
+        characterize(rig, period_s=5.0, path=tmp_path / "run.h5")
+    assert rig.drive_voltage_v == rig.sense_voltage_v
+    assert len(caught.value.recording) == 1  # type: ignore[attr-defined]
+
+
+def test_a_reference_shorter_than_a_sample_is_refused_before_anything_is_heated() -> None:
+    rig = FakeRig()
+    with pytest.raises(CallerError, match="less than one sample"):
+        control(rig, straight_model(), sampled_reference([0.0], [0.02]))
+    assert rig.samples == 0
+
+
+def test_a_step_too_short_to_settle_has_no_error_rather_than_a_wrong_one() -> None:
+    from musclewire.controllers import staircase
+
+    metrics = control(FakeRig(), straight_model(), staircase(hold_s=1.0)).metrics
+    assert {step.mae_pct for step in metrics.steps} == {None}
+    assert metrics.mae_max_pct is None
+
+
+def test_the_controllers_error_unit_is_fitted_to_the_quantity_unless_the_caller_gave_one() -> None:
+    metres = replace(straight_model(), quantity="displacement")
+    assert controller_for(FakeRig(), metres).settings.error_unit == pytest.approx(0.04 / 3.0)
+    given = FuzzyPidSettings(error_unit=0.123)
+    assert controller_for(FakeRig(), metres, given).settings.error_unit == 0.123
 
 
 def test_a_finished_run_ends_at_the_sense_voltage_and_leaving_the_block_switches_off() -> None:
