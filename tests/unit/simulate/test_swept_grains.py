@@ -1,0 +1,49 @@
+"""A step looks only at the grains between a threshold before and after; that must miss none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.simulate.state import WireConstants
+from musclewire.simulate.switching import cool_swept, drives_at, heat_swept, switch_grains
+from musclewire.simulate.wire import constants_from
+
+
+def shipped(**changes: float) -> WireConstants:
+    constants = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
+    return constants._replace(**changes)
+
+
+# The alloy that ships; one in which f_M - f_R spreads the other way; and one with no spread of the R-phase at all.
+KINDS = {
+    "shipped": shipped(),
+    "preference reversed": shipped(martensite_spread_k=1.0, r_phase_spread_k=40.0),
+    "R-phase all at once": shipped(r_phase_spread_k=0.0),
+}
+CLIMATES = st.lists(st.tuples(st.floats(290.0, 400.0), st.floats(0.0, 4e8)), min_size=2, max_size=40)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=60)
+@given(climates=CLIMATES)
+def test_swept_grains_end_as_if_all_had_been_looked_at(kind: str, climates: list[tuple[float, float]]) -> None:
+    constants = KINDS[kind]
+    grains = constants.grain_middle.shape[0]
+    seen = drives_at(constants, 500.0, 0.0, 1.0)
+    swept, whole = (np.zeros(grains), np.zeros(grains)), (np.zeros(grains), np.zeros(grains))
+    for grain_pair in (swept, whole):  # a state goes with the drives it has followed
+        cool_swept(constants, seen, 0, grains, *grain_pair)
+    for temperature_k, stress_pa in climates:
+        drives = drives_at(constants, temperature_k, stress_pa, 1.0)
+        before = swept[0].sum(), swept[1].sum()
+        changes = switch_grains(constants, drives, seen, *swept)
+        cool_swept(constants, drives, 0, grains, *whole)
+        heat_swept(constants, drives, 0, grains, *whole)
+        seen = drives
+        assert np.abs(swept[0] - whole[0]).max() < 1e-12
+        assert np.abs(swept[1] - whole[1]).max() < 1e-12
+        assert changes == pytest.approx((swept[0].sum() - before[0], swept[1].sum() - before[1]), abs=1e-9)
