@@ -49,25 +49,31 @@ def freshness_of(constants: WireConstants, cycles: float) -> Freshness:
     return Freshness(fresh, constants.shakedown_strain * (1.0 - fresh), 1.0 + constants.shakedown_barrier * fresh)
 
 
+class TakenUp(NamedTuple):
+    """Where a step's heat has brought a wire, the capacity it showed, and the rise its grains have followed."""
+
+    temperature_k: float
+    martensite: float
+    r_phase: float
+    capacity_j_per_k: float
+    rise_k: float
+
+
 @compiled
-def heated(
+def heat_taken_up(
     state: WireNumbers,
     constants: WireConstants,
     freshness: Freshness,
-    power_w: float,
-    dt_s: float,
+    heat_j: float,
     grain_martensite: FloatArray,
     grain_r_phase: FloatArray,
     seen_drives_k: FloatArray,
-) -> tuple[WireNumbers, float]:
-    """Return the wire after heat has flowed for one step and its grains have followed, and the predicted rise [K].
+) -> TakenUp:
+    """Return temperature and phases after a step's heat, found together; the grains move in place.
 
-    Temperature and phases are found together: a rise is tried with the last known capacity, the grains follow it, and
-    enthalpy says what rise is left. Stress goes along by its slope in the step before. Energy is kept to rounding.
+    A rise is tried with the last known capacity, the grains follow it, and enthalpy says what rise is left. Stress
+    goes along by its slope in the step before. Energy is kept to rounding.
     """
-    excess_k = state.temperature_k - constants.ambient_temperature_k
-    loss_w = convection_w_per_m2_k(constants, state.temperature_k) * constants.surface_m2 * excess_k
-    heat_j = (power_w - loss_w) * dt_s
     own = constants.heat_capacity_j_per_k
     ratio = constants.r_phase_entropy_ratio
     enthalpy_j = state.enthalpy_j + heat_j
@@ -102,23 +108,42 @@ def heated(
         left_k = temperature_k - left_k
         if left_k * left_before_k <= 0.0 or abs(left_k) < SMALL_PART * abs(heat_j / own):
             break
+    return TakenUp(temperature_k, martensite, r_phase, capacity, rise_k)
+
+
+@compiled
+def heated(
+    state: WireNumbers,
+    constants: WireConstants,
+    freshness: Freshness,
+    power_w: float,
+    dt_s: float,
+    grain_martensite: FloatArray,
+    grain_r_phase: FloatArray,
+    seen_drives_k: FloatArray,
+) -> tuple[WireNumbers, float]:
+    """Return the wire after heat has flowed for one step and its grains have followed, and the rise they saw [K]."""
+    excess_k = state.temperature_k - constants.ambient_temperature_k
+    loss_w = convection_w_per_m2_k(constants, state.temperature_k) * constants.surface_m2 * excess_k
+    heat_j = (power_w - loss_w) * dt_s
+    taken = heat_taken_up(state, constants, freshness, heat_j, grain_martensite, grain_r_phase, seen_drives_k)
     after = WireNumbers(
         state.time_s,
-        temperature_k,
+        taken.temperature_k,
         state.stress_pa,
         state.contraction,
         state.friction_n,
-        enthalpy_j,
+        state.enthalpy_j + heat_j,
         state.heat_in_j + power_w * dt_s,
         state.heat_out_j + loss_w * dt_s,
-        state.cycles + 0.5 * abs(martensite - state.martensite_fraction),
-        martensite,
-        r_phase,
+        state.cycles + 0.5 * abs(taken.martensite - state.martensite_fraction),
+        taken.martensite,
+        taken.r_phase,
         state.resistance_ohm,
-        capacity,
+        taken.capacity_j_per_k,
         state.stress_slope_pa_per_k,
     )
-    return after, rise_k
+    return after, taken.rise_k
 
 
 @compiled

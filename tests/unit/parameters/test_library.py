@@ -72,7 +72,7 @@ def test_a_spools_resistivity_is_its_resistance_per_metre_times_its_section(name
 
     wire, fitted = load_wire(name).values(), load_wire("paper-100um").values()
     assert wire["resistivity_factor"] == pytest.approx(resistivity(wire) / resistivity(fitted), abs=5.1e-5)
-    # LITERATURE 3a: 87 to 106 uOhm cm over the vendor's whole size table.
+    # 87 to 106 uOhm cm over the vendor's whole size table.
     assert 0.85e-6 < resistivity(wire) < 1.07e-6
 
 
@@ -92,7 +92,7 @@ def test_the_bench_is_the_papers() -> None:
 
 @pytest.mark.parametrize("name", names("alloy"))
 def test_an_alloy_keeps_to_the_ranges_in_print(name: str) -> None:
-    """Wide ranges of the literature (LITERATURE 3): they hold whatever a new fit says."""
+    """Wide ranges of what is published for NiTi wire: they hold whatever a new fit says."""
     alloy = load_alloy(name).values()
     assert 5e6 < alloy["martensite_stress_rate_pa_per_k"] < 12e6
     assert alloy["r_phase_stress_rate_pa_per_k"] > alloy["martensite_stress_rate_pa_per_k"]

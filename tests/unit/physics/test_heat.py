@@ -18,7 +18,7 @@ from musclewire.physics.heat import (
 AIR = [(300.0, 184.6, 26.3, 0.707), (350.0, 208.2, 30.0, 0.700), (400.0, 230.1, 33.8, 0.690)]
 
 # Wires at 90 C in air of 22 C: diameter [thousandths of an inch], Churchill and Chu, Morgan [W/(m2 K)], evaluated
-# apart from this package with its own properties of air (LITERATURE, section 3c). It lists Dynalloy's wires by
+# apart from this package with its own properties of air. Dynalloy's wires are listed by
 # their rounded millimetres (0.10 mm); they are drawn to inches (0.1016 mm), and only with those do both agree.
 HOT_WIRES = [
     (1.0, 496, 434),

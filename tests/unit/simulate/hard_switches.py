@@ -1,4 +1,4 @@
-"""The grain ensemble written a second time from docs MODEL.md's rules, by brute force, without the kernel.
+"""The grain ensemble written a second time from its rules, by brute force, without the kernel.
 
 Twenty thousand grains, each wholly in one of three phases; a grain switches when an advantage passes its barrier,
 and the larger excess wins. No grain has a width and nothing is compiled.
