@@ -274,7 +274,7 @@ def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
         warnings.append("the loop does not come back to cold: B is where it turns, resistances above it are unknown")
     elif not USUAL_COLD_SHARE[0] <= cold_share <= USUAL_COLD_SHARE[1]:
         warnings.append(
-            f"segment A-B takes {100 * cold_share:.0f} % of the stroke (usually 5 to 25 %): strain below "
+            f"segment A-B takes {100 * cold_share:.1f} % of the stroke (usually 5 to 25 %): strain below "
             f"{factor * (segments.strain_cold + cold_share * stroke):.3g} {unit} cannot be told "
             "from resistance"
         )
