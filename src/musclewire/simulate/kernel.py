@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inline
 from musclewire.physics.mechanics import friction_force_n
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
 from musclewire.simulate.balances import (
@@ -30,7 +30,9 @@ LARGEST_CAPACITY_RATIO = 30.0
 STEEPEST_STRESS_PA_PER_K = 2e7
 # Parts in which a step's heat is taken up, at most; and the share of it that may be left for the next step.
 MOST_PARTS = 6
-SMALL_PART = 1e-3
+SMALL_PART = 1e-2
+# Rises below this are rounding.
+NO_RISE_K = 1e-9
 NUMBERS = len(WireNumbers._fields)
 
 
@@ -59,7 +61,7 @@ class TakenUp(NamedTuple):
     rise_k: float
 
 
-@compiled
+@compiled_inline
 def heat_taken_up(
     state: WireNumbers,
     constants: WireConstants,
@@ -106,12 +108,12 @@ def heat_taken_up(
             capacity = min(max(capacity, own), LARGEST_CAPACITY_RATIO * own)
         left_before_k, left_k = left_k, state.temperature_k + rise_k
         left_k = temperature_k - left_k
-        if left_k * left_before_k <= 0.0 or abs(left_k) < SMALL_PART * abs(heat_j / own):
+        if left_k * left_before_k <= 0.0 or abs(left_k) < SMALL_PART * abs(heat_j / own) + NO_RISE_K:
             break
     return TakenUp(temperature_k, martensite, r_phase, capacity, rise_k)
 
 
-@compiled
+@compiled_inline
 def heated(
     state: WireNumbers,
     constants: WireConstants,
@@ -146,7 +148,7 @@ def heated(
     return after, taken.rise_k
 
 
-@compiled
+@compiled_inline
 def balanced(state: WireNumbers, constants: WireConstants, freshness: Freshness, rise_k: float) -> WireNumbers:
     """Return the wire in balance with its load, with the resistance it then has."""
     martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
@@ -159,7 +161,7 @@ def balanced(state: WireNumbers, constants: WireConstants, freshness: Freshness,
     moved_m = (contraction - state.contraction) * constants.leg_length_m
     friction_n = friction_force_n(state.friction_n, moved_m, constants.friction_n, constants.friction_presliding_m)
     slope = state.stress_slope_pa_per_k
-    if abs(rise_k) > 1e-9:
+    if abs(rise_k) > NO_RISE_K:
         slope = (stress_pa - state.stress_pa) / rise_k
         slope = min(max(slope, -STEEPEST_STRESS_PA_PER_K), STEEPEST_STRESS_PA_PER_K)
     return WireNumbers(
