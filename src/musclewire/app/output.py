@@ -70,17 +70,20 @@ class Bar:
         """Remember the task and how many seconds it has."""
         self._task = task
         self._total_s = total_s
-        self._start_s: float | None = None
+        self._last_s: float | None = None
+        self._before_s = 0.0
         self._progress: Progress | None = None
 
     def advance(self, row: Mapping[str, float]) -> None:
         """Move the bar to a sample's time; a signal that waited for the sample stops the run here."""
         stop_if_asked()
-        if self._start_s is None:
-            self._start_s = row["time_s"]
+        if self._last_s is None:
             self._open()
+        elif row["time_s"] < self._last_s:  # a new recording, whose clock begins anew
+            self._before_s += self._last_s
+        self._last_s = row["time_s"]
         if self._progress is not None:
-            self._progress.update(self._progress.task_ids[0], completed=row["time_s"] - self._start_s)
+            self._progress.update(self._progress.task_ids[0], completed=self._before_s + self._last_s)
 
     def _open(self) -> None:
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
