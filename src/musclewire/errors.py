@@ -16,6 +16,7 @@ __all__ = [
     "MissingExtraError",
     "RecordingError",
     "RigError",
+    "RecordingNotWrittenError",
     "NumericsError",
     "FitRejectedError",
     "nearest_hint",
@@ -52,6 +53,13 @@ class RigError(MusclewireError):
     """The rig failed or said something impossible. It has been made safe before this is raised."""
 
     exit_code = 3
+
+
+class RecordingNotWrittenError(RigError):
+    """A recording's file cannot be written any more. The rig is safe; the message says where the samples went.
+
+    HDF5 may crash a process that lets go of such a file, so the command line ends without doing so.
+    """
 
 
 class NumericsError(MusclewireError):

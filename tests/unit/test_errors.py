@@ -25,7 +25,7 @@ def test_the_owner_of_an_error_decides_the_exit_code(error: type[MusclewireError
 
 def test_everything_raised_on_purpose_can_be_caught_in_one_place() -> None:
     kinds = [getattr(errors, name) for name in errors.__all__ if name.endswith("Error")]
-    assert len(kinds) == 7
+    assert len(kinds) == 8
     assert all(issubclass(kind, MusclewireError) for kind in kinds)
 
 

@@ -6,6 +6,7 @@ made safe; 130 and 143 interrupted by Ctrl-C and SIGTERM, rig made safe.
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import Annotated, Any
 
@@ -15,7 +16,7 @@ from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
 from musclewire.app.rig_commands import add_rig_commands
 from musclewire.app.stopping import STOPPED, ignore_signals, listen_for_signals
-from musclewire.errors import MusclewireError
+from musclewire.errors import MusclewireError, RecordingNotWrittenError
 
 __all__ = ["app", "main"]
 
@@ -59,6 +60,10 @@ def main() -> None:
     listen_for_signals()
     code = run()
     ignore_signals()
+    if FileTrouble.seen:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
     sys.exit(code)
 
 
@@ -82,8 +87,18 @@ def run(arguments: list[str] | None = None) -> int:
         return 1
 
 
+class FileTrouble:
+    """Whether a recording's file failed; then HDF5's own tidying up at the end of the process may crash it."""
+
+    seen = False
+
+
 def report_error(error: MusclewireError) -> int:
     """Print an error as one line, and where its samples are if a run was being recorded."""
+    if isinstance(error, RecordingNotWrittenError):
+        FileTrouble.seen = True
+        say(f"musclewire: {' '.join(str(error).split())}")
+        return error.exit_code
     say(f"musclewire: {' '.join(str(error).split())}")
     say_where_samples_are(error)
     return error.exit_code

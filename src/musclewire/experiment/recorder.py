@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -11,7 +12,7 @@ from typing import Self
 
 import numpy as np
 
-from musclewire.errors import RigError
+from musclewire.errors import MusclewireError, RecordingNotWrittenError
 from musclewire.signals.hdf5 import RecordingWriter
 from musclewire.signals.recording import MetadataValue, Recording
 
@@ -27,9 +28,23 @@ def cause_of(error: BaseException | None) -> str:
     return f"{type(error).__name__}: {error}".splitlines()[0]
 
 
+# Files HDF5 has lost hold of: closing one, or letting it be collected, fails again and may crash the process.
+_NEVER_LET_GO: list[object] = []
+
+
 def first_line(problem: BaseException) -> str:
     """Return the first line of what an error says."""
     return (str(problem).splitlines() or [type(problem).__name__])[0]
+
+
+def rescued(recording: Recording, name: str) -> str:
+    """Save a recording whose own file failed into the temporary folder; say where, or that it did not work."""
+    place = Path(tempfile.gettempdir()) / f"{name}-rescued-{datetime.now(UTC):%Y%m%dT%H%M%S}.csv"
+    try:
+        recording.save(place)
+    except (OSError, RuntimeError, MusclewireError) as problem:
+        return f"its {len(recording)} samples could not be saved in {place} either ({first_line(problem)})"
+    return f"its {len(recording)} samples are in {place}"
 
 
 class Recorder:
@@ -97,8 +112,12 @@ class Recorder:
                 raise self._not_written(problem) from None
             error.add_note(f"closing {self._writer.path} failed: {first_line(problem)}")
 
-    def _not_written(self, problem: Exception) -> RigError:
-        """Return the error for a disk that takes no more, with what was recorded on it."""
-        error = RigError(f"cannot write {self._writer.path if self._writer else ''}: {first_line(problem)}")
-        error.recording = self.recording()  # type: ignore[attr-defined]
+    def _not_written(self, problem: Exception) -> RecordingNotWrittenError:
+        """Return the error for a disk that takes no more; what was recorded goes along, and to another place."""
+        path = self._writer.path if self._writer else Path("recording.h5")
+        _NEVER_LET_GO.append(self._writer)
+        self._writer = None
+        recording = self.recording()
+        error = RecordingNotWrittenError(f"cannot write {path}: {first_line(problem)}; {rescued(recording, path.stem)}")
+        error.recording = recording  # type: ignore[attr-defined]
         return error

@@ -74,11 +74,14 @@ def test_a_disk_that_takes_no_more_ends_the_run_safe_with_the_samples_on_the_err
         raise OSError("[Errno 28] No space left on device")
 
     monkeypatch.setattr("musclewire.signals.hdf5.RecordingWriter.append", full)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     rig = FakeRig()
     with pytest.raises(RigError, match=r"cannot write .*run\.h5: .*No space left") as caught:
         characterize(rig, period_s=5.0, path=tmp_path / "run.h5")
     assert rig.drive_voltage_v == rig.sense_voltage_v
     assert len(caught.value.recording) == 1  # type: ignore[attr-defined]
+    (rescued,) = tmp_path.glob("run-rescued-*.csv")
+    assert str(rescued) in str(caught.value)
 
 
 def test_a_reference_shorter_than_a_sample_is_refused_before_anything_is_heated() -> None:
