@@ -56,7 +56,7 @@ class RigError(MusclewireError):
 
 
 class RecordingNotWrittenError(RigError):
-    """A recording's file cannot be written any more. The rig is safe; the message says where the samples went.
+    """A recording's file cannot be written any more. The rig is safe; a note on it says where the samples went.
 
     HDF5 may crash a process that lets go of such a file, so the command line ends without doing so.
     """

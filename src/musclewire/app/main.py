@@ -97,8 +97,6 @@ def report_error(error: MusclewireError) -> int:
     """Print an error as one line, and where its samples are if a run was being recorded."""
     if isinstance(error, RecordingNotWrittenError):
         FileTrouble.seen = True
-        say(f"musclewire: {' '.join(str(error).split())}")
-        return error.exit_code
     say(f"musclewire: {' '.join(str(error).split())}")
     say_where_samples_are(error)
     return error.exit_code

@@ -37,14 +37,14 @@ def first_line(problem: BaseException) -> str:
     return (str(problem).splitlines() or [type(problem).__name__])[0]
 
 
-def rescued(recording: Recording, name: str) -> str:
-    """Save a recording whose own file failed into the temporary folder; say where, or that it did not work."""
+def rescued(recording: Recording, name: str) -> Path | None:
+    """Save a recording whose own file failed into the temporary folder; None where that does not work either."""
     place = Path(tempfile.gettempdir()) / f"{name}-rescued-{datetime.now(UTC):%Y%m%dT%H%M%S}.csv"
     try:
         recording.save(place)
-    except (OSError, RuntimeError, MusclewireError) as problem:
-        return f"its {len(recording)} samples could not be saved in {place} either ({first_line(problem)})"
-    return f"its {len(recording)} samples are in {place}"
+    except (OSError, RuntimeError, MusclewireError):
+        return None
+    return place
 
 
 class Recorder:
@@ -72,6 +72,7 @@ class Recorder:
         self._rows: list[tuple[float, ...]] = []
         self._writer = None if path is None else RecordingWriter(path, columns, self._metadata, block_rows, overwrite)
         self._ended = "running"
+        self._lost: Path | None = None
 
     def append(self, row: Mapping[str, float]) -> None:
         """Keep one row; it gives every column."""
@@ -82,7 +83,7 @@ class Recorder:
         try:
             self._writer.append(kept)
         except (OSError, RuntimeError) as problem:
-            raise self._not_written(problem) from None
+            raise self._lose_file(problem) from None
 
     def recording(self) -> Recording:
         """Return what has been recorded so far."""
@@ -99,25 +100,36 @@ class Recorder:
     ) -> None:
         """Write what is left and say why the run ended; an exception takes the partial recording along."""
         self._ended = cause_of(error)
+        problem = self._close_file()
+        if error is None and problem is not None:
+            error = problem
+            self._take_along(error)
+            raise error
         if error is not None:
-            where = f" and in {self._writer.path}" if self._writer else ""
-            error.add_note(f"{len(self._rows)} samples were recorded; they are in error.recording{where}")
-            error.recording = self.recording()  # type: ignore[attr-defined]
+            self._take_along(error)
+
+    def _close_file(self) -> RecordingNotWrittenError | None:
         if self._writer is None:
-            return
+            return None
         try:
             self._writer.close(self._ended)
         except (OSError, RuntimeError, ValueError) as problem:
-            if error is None:
-                raise self._not_written(problem) from None
-            error.add_note(f"closing {self._writer.path} failed: {first_line(problem)}")
+            return self._lose_file(problem)
+        return None
 
-    def _not_written(self, problem: Exception) -> RecordingNotWrittenError:
-        """Return the error for a disk that takes no more; what was recorded goes along, and to another place."""
+    def _take_along(self, error: BaseException) -> None:
+        """Put the recording on an exception, with a note that says where it is."""
+        recording = self.recording()
+        error.recording = recording  # type: ignore[attr-defined]
+        where = f" and in {self._writer.path}" if self._writer else ""
+        if self._lost is not None:
+            # Only now: by the time a recorder ends, the rig is safe, and a slow disk cannot keep a wire hot.
+            where = f" and in {saved}" if (saved := rescued(recording, self._lost.stem)) else ""
+        error.add_note(f"{len(self._rows)} samples were recorded; they are in error.recording{where}")
+
+    def _lose_file(self, problem: Exception) -> RecordingNotWrittenError:
+        """Give up a file that cannot be written any more and return the error that says so."""
         path = self._writer.path if self._writer else Path("recording.h5")
         _NEVER_LET_GO.append(self._writer)
-        self._writer = None
-        recording = self.recording()
-        error = RecordingNotWrittenError(f"cannot write {path}: {first_line(problem)}; {rescued(recording, path.stem)}")
-        error.recording = recording  # type: ignore[attr-defined]
-        return error
+        self._writer, self._lost = None, path
+        return RecordingNotWrittenError(f"cannot write {path}: {first_line(problem)}")
