@@ -66,14 +66,17 @@ def _compile(function: Function, **options: Any) -> Function:
     # Numba chooses the folder while it decorates, so the setting is ours for that moment only.
     numba_config.CACHE_DIR = folder or before
     try:
-        dispatcher = numba.njit(cache=folder is not None, error_model="numpy", **options)(function)
+        dispatcher = numba.njit(cache=folder is not None, error_model="numpy", nogil=True, **options)(function)
     finally:
         numba_config.CACHE_DIR = before
     return dispatcher
 
 
 def compiled(function: Function) -> Function:
-    """Compile ``function`` on its first call, in strict IEEE 754 arithmetic: the same digits as plain Python."""
+    """Compile ``function`` on its first call, in strict IEEE 754 arithmetic: the same digits as plain Python.
+
+    It lets go of the interpreter while it runs, so that threads can run several wires at a time.
+    """
     return _compile(function)
 
 

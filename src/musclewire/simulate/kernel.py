@@ -69,7 +69,7 @@ def heat_taken_up(
     heat_j: float,
     grain_martensite: FloatArray,
     grain_r_phase: FloatArray,
-    seen_drives_k: FloatArray,
+    seen_drives: FloatArray,
 ) -> TakenUp:
     """Return temperature and phases after a step's heat, found together; the grains move in place.
 
@@ -95,9 +95,9 @@ def heat_taken_up(
             state.stress_pa + state.stress_slope_pa_per_k * rise_k,
             freshness.barrier_factor,
         )
-        seen = drives_from(seen_drives_k)
+        seen = drives_from(seen_drives)
         change_m, change_r = switch_grains(constants, drives, seen, grain_martensite, grain_r_phase)
-        keep_drives(drives, seen_drives_k)
+        keep_drives(drives, seen_drives)
         martensite += change_m / grains
         r_phase += change_r / grains
         temperature_k = (
@@ -122,13 +122,13 @@ def heated(
     dt_s: float,
     grain_martensite: FloatArray,
     grain_r_phase: FloatArray,
-    seen_drives_k: FloatArray,
+    seen_drives: FloatArray,
 ) -> tuple[WireNumbers, float]:
     """Return the wire after heat has flowed for one step and its grains have followed, and the rise they saw [K]."""
     excess_k = state.temperature_k - constants.ambient_temperature_k
     loss_w = convection_w_per_m2_k(constants, state.temperature_k) * constants.surface_m2 * excess_k
     heat_j = (power_w - loss_w) * dt_s
-    taken = heat_taken_up(state, constants, freshness, heat_j, grain_martensite, grain_r_phase, seen_drives_k)
+    taken = heat_taken_up(state, constants, freshness, heat_j, grain_martensite, grain_r_phase, seen_drives)
     after = WireNumbers(
         state.time_s,
         taken.temperature_k,
@@ -193,7 +193,7 @@ def advance(
     # Only plain tuples cross into compiled code and back. Numba would call the class of a named tuple on the way
     # out; a Ctrl-C that arrives in that call finds nobody to handle it, and the process dies on the spot.
     numbers: tuple[Any, ...] = tuple(state[:NUMBERS])
-    martensite, r_phase, seen = state.grain_martensite.copy(), state.grain_r_phase.copy(), state.seen_drives_k.copy()
+    martensite, r_phase, seen = state.grain_martensite.copy(), state.grain_r_phase.copy(), state.seen_drives.copy()
     after, means = advance_plain(numbers, martensite, r_phase, seen, tuple(constants), drive_voltage_v, dt_s, steps)
     return WireState._make((*after, martensite, r_phase, seen)), Sums(*means)
 
@@ -203,7 +203,7 @@ def advance_plain(
     numbers: tuple[float, ...],
     grain_martensite: FloatArray,
     grain_r_phase: FloatArray,
-    seen_drives_k: FloatArray,
+    seen_drives: FloatArray,
     constant_values: tuple[Any, ...],
     drive_voltage_v: float,
     dt_s: float,
@@ -223,9 +223,7 @@ def advance_plain(
         power_w = current * current * state.resistance_ohm
         wire_voltage_sum += current * state.resistance_ohm
         shunt_voltage_sum += current * constants.shunt_resistance_ohm
-        state, rise_k = heated(
-            state, constants, freshness, power_w, dt_s, grain_martensite, grain_r_phase, seen_drives_k
-        )
+        state, rise_k = heated(state, constants, freshness, power_w, dt_s, grain_martensite, grain_r_phase, seen_drives)
         state = balanced(state, constants, freshness, rise_k)
         displacement_sum += state.contraction * constants.leg_length_m
         force_sum += state.stress_pa * constants.legs * constants.area_m2

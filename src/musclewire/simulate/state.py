@@ -63,6 +63,7 @@ class WireConstants(NamedTuple):
     shakedown_barrier: float
     cold_strain: float
     martensite_spread_k: float
+    martensite_spread_per_pa: float
     r_phase_spread_k: float
     grain_edges: FloatArray
     grain_middle: FloatArray
@@ -91,7 +92,7 @@ class WireNumbers(NamedTuple):
 class WireState(NamedTuple):
     """All that a wire remembers.
 
-    ``grain_*`` are shares of each grain, (n_grains,); ``seen_drives_k`` the drives they last followed, (6,).
+    ``grain_*`` are shares of each grain, (n_grains,); ``seen_drives`` the drives they last followed, (7,).
     """
 
     time_s: float
@@ -110,7 +111,7 @@ class WireState(NamedTuple):
     stress_slope_pa_per_k: float
     grain_martensite: FloatArray
     grain_r_phase: FloatArray
-    seen_drives_k: FloatArray
+    seen_drives: FloatArray
 
 
 class Sums(NamedTuple):
@@ -123,7 +124,7 @@ class Sums(NamedTuple):
 
 
 class Drives(NamedTuple):
-    """How far [K] each of the six phase changes is beyond its barrier, for a grain of offset 0."""
+    """How far [K] each of the six phase changes is beyond its barrier, for a grain of offset 0, and at what stress."""
 
     a_to_m_k: float
     a_to_r_k: float
@@ -131,3 +132,4 @@ class Drives(NamedTuple):
     m_to_a_k: float
     r_to_a_k: float
     m_to_r_k: float
+    stress_pa: float

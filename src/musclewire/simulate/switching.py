@@ -43,16 +43,18 @@ def drives_at(constants: WireConstants, temperature_k: float, stress_pa: float, 
         -martensite - barrier,
         -r_phase - constants.r_phase_barrier_k,
         -preference - r_to_m_barrier,
+        stress_pa,
     )
 
 
 @compiled
-def spreads(constants: WireConstants) -> tuple[float, float, float]:
-    """Return the spreads [K] over the grains of f_M, f_R and f_M - f_R.
+def spreads(constants: WireConstants, stress_pa: float) -> tuple[float, float, float]:
+    """Return the spreads [K] over the grains of f_M, f_R and f_M - f_R at a stress.
 
+    Load pulls grains apart: each is turned differently to the wire's axis and feels its own share of the stress.
     A spread under a microkelvin counts as that: a switch rather than a ramp.
     """
-    spread_m = constants.martensite_spread_k
+    spread_m = constants.martensite_spread_k + constants.martensite_spread_per_pa * stress_pa
     spread_r = constants.r_phase_entropy_ratio * constants.r_phase_spread_k
     spread_p = spread_m - spread_r
     if abs(spread_p) < 1e-6:
@@ -92,7 +94,7 @@ def cool_swept(
     grain_r_phase: FloatArray,
 ) -> None:
     """Let grains ``first`` to before ``last`` follow the cooling drives, in place."""
-    spread_m, spread_r, spread_p = spreads(constants)
+    spread_m, spread_r, spread_p = spreads(constants, drives.stress_pa)
     for j in range(first, last):
         middle = constants.grain_middle[j]
         per_width = 1.0 / constants.grain_width[j]
@@ -118,7 +120,7 @@ def heat_swept(
     grain_r_phase: FloatArray,
 ) -> None:
     """Let grains ``first`` to before ``last`` follow the heating drives, in place."""
-    spread_m, spread_r, spread_p = spreads(constants)
+    spread_m, spread_r, spread_p = spreads(constants, drives.stress_pa)
     for j in range(first, last):
         middle = constants.grain_middle[j]
         per_width = 1.0 / constants.grain_width[j]
@@ -147,26 +149,33 @@ def switch_grains(
     A grain moves only when one of its drives has risen, and only if that drive's threshold swept over it: so a
     step looks at the few grains between the thresholds before and after, whatever their number in all.
     """
-    spread_m, spread_r, spread_p = spreads(constants)
+    spread_m, spread_r, spread_p = spreads(constants, drives.stress_pa)
+    seen_m, seen_r, seen_p = spreads(constants, seen.stress_pa)
     edges = constants.grain_edges
+    grains = constants.grain_middle.shape[0]
     change_m = 0.0
     change_r = 0.0
     for change in range(6):
         if change == 0:
-            new, old, spread = drives.a_to_m_k, seen.a_to_m_k, -spread_m
+            new, old, spread, seen_spread = drives.a_to_m_k, seen.a_to_m_k, -spread_m, -seen_m
         elif change == 1:
-            new, old, spread = drives.a_to_r_k, seen.a_to_r_k, -spread_r
+            new, old, spread, seen_spread = drives.a_to_r_k, seen.a_to_r_k, -spread_r, -seen_r
         elif change == 2:
-            new, old, spread = drives.r_to_m_k, seen.r_to_m_k, -spread_p
+            new, old, spread, seen_spread = drives.r_to_m_k, seen.r_to_m_k, -spread_p, -seen_p
         elif change == 3:
-            new, old, spread = drives.m_to_a_k, seen.m_to_a_k, spread_m
+            new, old, spread, seen_spread = drives.m_to_a_k, seen.m_to_a_k, spread_m, seen_m
         elif change == 4:
-            new, old, spread = drives.r_to_a_k, seen.r_to_a_k, spread_r
+            new, old, spread, seen_spread = drives.r_to_a_k, seen.r_to_a_k, spread_r, seen_r
         else:
-            new, old, spread = drives.m_to_r_k, seen.m_to_r_k, spread_p
-        if new <= old:
+            new, old, spread, seen_spread = drives.m_to_r_k, seen.m_to_r_k, spread_p, seen_p
+        place, seen_place = new / spread, old / seen_spread
+        # The threshold stands where a grain's offset makes its drive zero; it moves as the drive or the spread changes.
+        if spread * seen_spread < 0.0:
+            first, last = 0, grains  # the order of the grains has turned over: all may be due
+        elif (place - seen_place) * spread > 0.0:
+            first, last = grains_swept(edges, seen_place, place)
+        else:
             continue
-        first, last = grains_swept(edges, old / spread, new / spread)
         for j in range(first, last):
             change_m -= grain_martensite[j]
             change_r -= grain_r_phase[j]
@@ -181,20 +190,21 @@ def switch_grains(
 
 
 @compiled
-def drives_from(kept_k: FloatArray) -> Drives:
-    """Return the drives kept in a wire's state, (6,)."""
-    return Drives(kept_k[0], kept_k[1], kept_k[2], kept_k[3], kept_k[4], kept_k[5])
+def drives_from(kept: FloatArray) -> Drives:
+    """Return the drives kept in a wire's state, (7,)."""
+    return Drives(kept[0], kept[1], kept[2], kept[3], kept[4], kept[5], kept[6])
 
 
 @compiled
-def keep_drives(drives: Drives, kept_k: FloatArray) -> None:
-    """Write drives into a wire's state, (6,), in place."""
-    kept_k[0] = drives.a_to_m_k
-    kept_k[1] = drives.a_to_r_k
-    kept_k[2] = drives.r_to_m_k
-    kept_k[3] = drives.m_to_a_k
-    kept_k[4] = drives.r_to_a_k
-    kept_k[5] = drives.m_to_r_k
+def keep_drives(drives: Drives, kept: FloatArray) -> None:
+    """Write drives into a wire's state, (7,), in place."""
+    kept[0] = drives.a_to_m_k
+    kept[1] = drives.a_to_r_k
+    kept[2] = drives.r_to_m_k
+    kept[3] = drives.m_to_a_k
+    kept[4] = drives.r_to_a_k
+    kept[5] = drives.m_to_r_k
+    kept[6] = drives.stress_pa
 
 
 @compiled
@@ -211,6 +221,6 @@ def cooled_plain(
         temperature = hottest_k + (coldest_k - hottest_k) * step / steps
         drives = drives_at(constants, temperature, stress_pa, 1.0)
         cool_swept(constants, drives, 0, grains, grain_martensite, grain_r_phase)
-    seen = np.zeros(6)
+    seen = np.zeros(7)
     keep_drives(drives, seen)
     return grain_martensite, grain_r_phase, seen

@@ -15,7 +15,7 @@ from musclewire.simulate.grains import spread_grains
 from musclewire.simulate.state import FloatArray, WireConstants, WireState
 from musclewire.simulate.switching import cooled_plain
 
-__all__ = ["constants_from", "resting_state", "with_pretension"]
+__all__ = ["constants_from", "cooled_grains", "resting_state", "with_pretension"]
 
 HOTTEST_START_K = 500.0
 LEAST_PRESLIDING_M = 5e-6
@@ -54,6 +54,8 @@ def constants_from(alloy: Alloy, wire: Wire, rig: Bench, *, new_wire: bool = Fal
         same |= {"shakedown_strain": 0.0, "shakedown_resistivity": 0.0, "shakedown_barrier": 0.0}
     for name in ("austenite", "martensite", "r_phase"):
         same[f"{name}_resistivity_ohm_m"] *= spool["resistivity_factor"]
+    for name in ("martensite", "r_phase"):
+        same[f"{name}_temperature_k"] += spool["temperature_shift_k"]
     constants = WireConstants(
         **same,
         wire_length_m=length,
@@ -88,7 +90,7 @@ def with_pretension(constants: WireConstants, pretension_n: float) -> WireConsta
     if not 0.0 <= pretension_n < math.inf:
         raise CallerError(f"pretension is {pretension_n} N: a wire cannot be pushed, give 0 or more")
     stress = pretension_n / (constants.legs * constants.area_m2)
-    martensite, r_phase, _ = cooled_grains(constants, stress)
+    martensite, r_phase, _ = cooled_grains(constants, stress, constants.ambient_temperature_k)
     cold = total_strain(
         constants, stress, float(martensite.mean()), float(r_phase.mean()), constants.ambient_temperature_k
     )
@@ -99,17 +101,18 @@ def with_pretension(constants: WireConstants, pretension_n: float) -> WireConsta
     )
 
 
-def cooled_grains(constants: WireConstants, stress_pa: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return martensite and R-phase of the grains, and their drives, of a wire cooled from hot to ambient."""
-    ambient = constants.ambient_temperature_k
-    steps = max(int((HOTTEST_START_K - ambient) / COOLING_STEP_K), 1)
-    return cooled_plain(tuple(constants), stress_pa, HOTTEST_START_K, ambient, steps)
+def cooled_grains(
+    constants: WireConstants, stress_pa: float, temperature_k: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return martensite and R-phase of the grains, and their drives, of a wire cooled from hot to a temperature."""
+    steps = max(int((HOTTEST_START_K - temperature_k) / COOLING_STEP_K), 1)
+    return cooled_plain(tuple(constants), stress_pa, HOTTEST_START_K, temperature_k, steps)
 
 
 def resting_state(constants: WireConstants) -> WireState:
     """Return a wire at rest, cooled to ambient under its pretension."""
     stress = constants.pretension_n / (constants.legs * constants.area_m2)
-    grain_martensite, grain_r_phase, seen_drives_k = cooled_grains(constants, stress)
+    grain_martensite, grain_r_phase, seen_drives = cooled_grains(constants, stress, constants.ambient_temperature_k)
     martensite, r_phase = float(grain_martensite.mean()), float(grain_r_phase.mean())
     temperature = constants.ambient_temperature_k
     transformed = martensite + constants.r_phase_entropy_ratio * r_phase
@@ -131,5 +134,5 @@ def resting_state(constants: WireConstants) -> WireState:
         stress_slope_pa_per_k=0.0,
         grain_martensite=grain_martensite,
         grain_r_phase=grain_r_phase,
-        seen_drives_k=seen_drives_k,
+        seen_drives=seen_drives,
     )

@@ -25,7 +25,7 @@ class HardSwitches:
         self.middle_m = (
             numbers["martensite_temperature_k"]
             + stress_pa / numbers["martensite_stress_rate_pa_per_k"]
-            + numbers["martensite_spread_k"] * delta
+            + (numbers["martensite_spread_k"] + numbers["martensite_spread_per_pa"] * stress_pa) * delta
         )
         self.middle_r = (
             numbers["r_phase_temperature_k"]

@@ -18,10 +18,15 @@ def shipped(**changes: float) -> WireConstants:
     return constants._replace(**changes)
 
 
-# The alloy that ships; one in which f_M - f_R spreads the other way; and one with no spread of the R-phase at all.
+# The alloy that ships; one in which f_M - f_R spreads the other way, or turns over as the load grows; one whose grains
+# a load pulls apart; and one with no spread of the R-phase at all.
 KINDS = {
     "shipped": shipped(),
     "preference reversed": shipped(martensite_spread_k=1.0, r_phase_spread_k=40.0),
+    "pulled apart by load": shipped(martensite_spread_per_pa=3e-8),
+    "preference turns over": shipped(
+        martensite_spread_k=1.0, martensite_spread_per_pa=2e-8, r_phase_spread_k=20.0, r_phase_entropy_ratio=0.2
+    ),
     "R-phase all at once": shipped(r_phase_spread_k=0.0),
 }
 CLIMATES = st.lists(st.tuples(st.floats(290.0, 400.0), st.floats(0.0, 4e8)), min_size=2, max_size=40)

@@ -26,6 +26,7 @@ ROUND = {
     "martensite_barrier_k": 10.0,
     "martensite_barrier_per_pa": -2e-8,
     "martensite_spread_k": 11.0,
+    "martensite_spread_per_pa": 1e-8,
     "grain_skew": -0.2,
     "grain_tail": 1.0,
     "r_phase_temperature_k": 350.0,

@@ -1,0 +1,99 @@
+"""Isobars: strain of a wire against temperature under a constant stress, simulated and summed up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import RecordingError
+from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.simulate.paths import isobaric_path
+from musclewire.simulate.wire import constants_from
+
+__all__ = ["Isobar", "IsobarSummary", "half_transformation_slope_pa_per_k", "simulated_isobar", "summarize_isobar"]
+
+FloatArray = NDArray[np.float64]
+COLDEST_K, HOTTEST_K = 303.15, 413.15
+SHARES = (0.1, 0.5, 0.9)
+
+
+class Isobar(NamedTuple):
+    """One loop, cold to hot to cold: temperatures and strains, each (n,), under one stress."""
+
+    stress_pa: float
+    temperature_k: FloatArray
+    strain: FloatArray
+
+
+class IsobarSummary(NamedTuple):
+    """Stroke of a loop, and the temperatures at which 10, 50 and 90 % of it are done on either branch."""
+
+    stress_pa: float
+    stroke: float
+    heating_k: tuple[float, float, float]
+    cooling_k: tuple[float, float, float]
+
+
+def simulated_isobar(
+    alloy: Alloy,
+    wire: Wire,
+    bench: Bench,
+    stress_pa: float,
+    *,
+    coldest_k: float = COLDEST_K,
+    hottest_k: float = HOTTEST_K,
+    points: int = 441,
+) -> Isobar:
+    """Return the loop of a simulated wire under ``stress_pa`` from coldest to hottest and back, ``points`` each way."""
+    up = np.linspace(coldest_k, hottest_k, points)
+    kelvin = np.concatenate([up, up[-2::-1]])
+    path = isobaric_path(constants_from(alloy, wire, bench), stress_pa, kelvin)
+    return Isobar(stress_pa, kelvin, path.strain)
+
+
+def summarize_isobar(isobar: Isobar) -> IsobarSummary:
+    """Return stroke and transformation temperatures of a loop, measured or simulated.
+
+    The stroke is largest minus smallest strain; a branch is done by 10 % where it has covered a tenth of its own
+    range. Raises RecordingError where the loop has no stroke or does not go up and down in temperature.
+    """
+    hottest = int(np.argmax(isobar.temperature_k))
+    stroke = float(np.ptp(isobar.strain))
+    if not (0 < hottest < isobar.strain.size - 1 and stroke > 0.0):
+        raise RecordingError("an isobar must go from cold to hot and back, and the strain must change on the way")
+    heating = crossings(isobar.temperature_k[: hottest + 1], isobar.strain[: hottest + 1])
+    cooling = crossings(isobar.temperature_k[hottest:][::-1], isobar.strain[hottest:][::-1])
+    # Cooling runs the other way: its first tenth is where nine tenths of the strain are still to come.
+    return IsobarSummary(isobar.stress_pa, stroke, heating, (cooling[2], cooling[1], cooling[0]))
+
+
+def crossings(temperature_k: FloatArray, strain: FloatArray) -> tuple[float, float, float]:
+    """Return where a branch, in order of temperature, has lost 10, 50 and 90 % of its strain."""
+    lost = (strain.max() - strain) / np.ptp(strain)
+    # Noise may pass a level several times: the running maximum passes it once.
+    rising = np.maximum.accumulate(lost)
+    first, half, last = (interpolated(temperature_k, rising, share) for share in SHARES)
+    return first, half, last
+
+
+def interpolated(temperature_k: FloatArray, rising: FloatArray, share: float) -> float:
+    """Return the temperature at which ``rising`` first passes ``share``."""
+    after = int(np.argmax(rising >= share))
+    if after == 0:
+        return float(temperature_k[0])
+    before = after - 1
+    part = (share - rising[before]) / (rising[after] - rising[before])
+    return float(temperature_k[before] + part * (temperature_k[after] - temperature_k[before]))
+
+
+def half_transformation_slope_pa_per_k(summaries: Sequence[IsobarSummary], branch: str) -> float:
+    """Return the Clausius-Clapeyron slope [Pa/K] of the half-transformation temperatures; ``branch`` as in a summary.
+
+    The inverse of the slope of temperature over stress in a straight-line fit: stress is what was set exactly.
+    """
+    stress = [summary.stress_pa for summary in summaries]
+    half = [getattr(summary, f"{branch}_k")[1] for summary in summaries]
+    return float(1.0 / np.polyfit(stress, half, 1)[0])
