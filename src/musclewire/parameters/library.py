@@ -8,6 +8,7 @@ from importlib.resources import files
 from typing import Any
 
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters.catalogue import catalogue_names, catalogue_wire, load_catalogue
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.parameters.validation import validated
 
@@ -17,9 +18,10 @@ FOLDERS = {"wire": "wires", "alloy": "alloys", "bench": "benches"}
 
 
 def names(kind: str) -> list[str]:
-    """Return the names of all wires, alloys or benches that come with musclewire."""
+    """Return the names of all wires, alloys or benches that come with musclewire; catalogue wires come last."""
     folder = files("musclewire.parameters") / "data" / FOLDERS[kind]
-    return sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
+    found = sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
+    return found + (catalogue_names() if kind == "wire" else [])
 
 
 def read_named(kind: str, name: str) -> dict[str, Any]:
@@ -38,7 +40,10 @@ def load_alloy(name: str) -> Alloy:
 
 @cache
 def load_wire(name: str) -> Wire:
-    """Return a named wire. Raises CallerError for an unknown name."""
+    """Return a named wire, of a file or of the catalogue. Raises CallerError for an unknown name."""
+    if name in catalogue_names():
+        rules = load_catalogue().wire
+        return catalogue_wire(name, load_wire(rules.high_temperature_shift_wire), load_wire(rules.reference_wire))
     return validated(Wire, read_named("wire", name), f"wire {name}")
 
 

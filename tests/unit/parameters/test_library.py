@@ -72,8 +72,9 @@ def test_a_spools_resistivity_is_its_resistance_per_metre_times_its_section(name
 
     wire, fitted = load_wire(name).values(), load_wire("paper-100um").values()
     assert wire["resistivity_factor"] == pytest.approx(resistivity(wire) / resistivity(fitted), abs=5.1e-5)
-    # 87 to 106 uOhm cm over the vendor's whole size table.
-    assert 0.85e-6 < resistivity(wire) < 1.07e-6
+    # 87 to 106 uOhm cm over the vendor's size table but for its thinnest wire, whose 1425 ohm/m are really printed.
+    least = 0.72e-6 if name.startswith("flexinol-0.025-") else 0.85e-6
+    assert least < resistivity(wire) < 1.07e-6
 
 
 @pytest.mark.parametrize("name", names("wire"))

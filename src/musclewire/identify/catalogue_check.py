@@ -1,0 +1,144 @@
+"""How a simulated wire does what the vendor's catalogue says: contraction after one second, then cooling in still air.
+
+The vendor's test, as its footnotes tell it: a wire lifts 172 MPa, is heated for one second by the catalogue's current
+and left to cool in still air; the last 0.5 % of deformation is not counted. Here a deformation of 0.5 % is a strain of
+0.005, and the wire has cooled when it is within that of its cold length under the same load. The wire starts cold, at
+rest, at the bench's ambient temperature.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import NumericsError
+from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.simulate.paths import drive_path, isobaric_path
+from musclewire.simulate.state import WireConstants, WireState
+from musclewire.simulate.wire import constants_from
+
+__all__ = ["PULL_STRESS_PA", "UNCOUNTED_STRAIN", "CatalogueRun", "dead_weight_bench", "run_catalogue_test"]
+
+FloatArray = NDArray[np.float64]
+
+PULL_STRESS_PA = 172e6
+HEATING_S = 1.0
+UNCOUNTED_STRAIN = 0.005
+# Hot enough that no martensite is left in any wire under this load; the stroke is the largest contraction on the way.
+HOTTEST_K, STROKE_POINTS = 493.15, 100
+# Thin wires cool fast: a step is this share of the time in which a wire's own heat capacity would cool by a factor e.
+STEP_SHARE = 0.02
+SHORTEST_STEP_S, LONGEST_STEP_S = 5e-4, 5e-3
+COOLING_CHUNKS, LONGEST_COOLING_S = 200, 120.0
+GRAINS = 100.0
+
+
+class CatalogueRun(NamedTuple):
+    """What the catalogue's test of one wire gave; contractions are shares of the cold length under the load.
+
+    ``cooling_s`` is None where the wire never got beyond the uncounted last part, or had not cooled after 120 s.
+    """
+
+    stroke: float
+    contraction: float
+    contraction_share: float
+    cooling_s: float | None
+    cooling_to_share_s: float | None
+    temperature_k: float
+    energy_j: float
+
+
+def dead_weight_bench(bench: Bench, diameter_m: float, stress_pa: float = PULL_STRESS_PA) -> Bench:
+    """Return a bench whose weight pulls a wire of this diameter with this stress, ready for a fast simulation.
+
+    One leg, no spring and no friction whatever ``bench`` has; its length, shunt and ambient temperature stay.
+    """
+    weight_n = stress_pa * 0.25 * np.pi * diameter_m**2
+    numbers = {
+        "legs": 1.0,
+        "spring_stiffness_n_per_m": 0.0,
+        "guide_friction_n": 0.0,
+        "pretension_n": float(weight_n),
+        "grains": GRAINS,
+    }
+    return bench.model_copy(
+        update={name: getattr(bench, name).model_copy(update={"value": value}) for name, value in numbers.items()}
+    )
+
+
+def run_catalogue_test(
+    alloy: Alloy,
+    wire: Wire,
+    bench: Bench,
+    current_a: float,
+    *,
+    stress_pa: float = PULL_STRESS_PA,
+    heating_s: float = HEATING_S,
+) -> CatalogueRun:
+    """Heat a wire under a dead weight by a held current for one second, let it cool, and measure both.
+
+    ``bench`` gives length, shunt and ambient temperature (:func:`dead_weight_bench` gives it the rest). Takes some
+    ten milliseconds. Raises NumericsError where the wire leaves its numbers.
+    """
+    constants = constants_from(alloy, wire, dead_weight_bench(bench, wire.diameter_m.value, stress_pa))
+    step_s = step_for(constants)
+    samples = max(round(heating_s / step_s), 1)
+    heated, state = drive_path(
+        constants, np.full(samples, current_a), dt_s=heating_s / samples, steps=1, regulated_current=True
+    )
+    contraction = state.contraction
+    if not np.isfinite(contraction):
+        raise NumericsError(f"the simulated {wire.name} left its numbers at {current_a:g} A")
+    stroke = full_stroke(constants, stress_pa)
+    curve = cooling_curve(constants, state, step_s)
+    return CatalogueRun(
+        stroke=stroke,
+        contraction=contraction,
+        contraction_share=contraction / stroke,
+        cooling_s=time_below(curve, step_s, contraction, UNCOUNTED_STRAIN),
+        cooling_to_share_s=time_below(curve, step_s, contraction, UNCOUNTED_STRAIN * stroke),
+        temperature_k=float(heated.temperature_k.max()),
+        energy_j=state.heat_in_j,
+    )
+
+
+def step_for(constants: WireConstants) -> float:
+    """Return a time step fine enough for the wire's own cooling."""
+    loss = constants.convection_factor * constants.surface_m2 * float(constants.convection_table_w_per_m2_k[80])
+    return float(np.clip(STEP_SHARE * constants.heat_capacity_j_per_k / loss, SHORTEST_STEP_S, LONGEST_STEP_S))
+
+
+def full_stroke(constants: WireConstants, stress_pa: float) -> float:
+    """Return the largest contraction of the wire under this stress when it is heated all the way through."""
+    kelvin = np.linspace(constants.ambient_temperature_k, HOTTEST_K, STROKE_POINTS)
+    path = isobaric_path(constants, stress_pa, kelvin)
+    return float((constants.cold_strain - path.strain.min()) / (1.0 + constants.cold_strain))
+
+
+def cooling_curve(constants: WireConstants, state: WireState, step_s: float) -> FloatArray:
+    """Return the contraction step by step after switching off, (n,), until the last part that does not count is left.
+
+    It goes on until a hundredth of the uncounted part is left, or for 120 s.
+    """
+    pieces: list[FloatArray] = []
+    off = np.zeros(COOLING_CHUNKS)
+    for _ in range(int(LONGEST_COOLING_S / (COOLING_CHUNKS * step_s)) + 1):
+        path, state = drive_path(constants, off, dt_s=step_s, steps=1, state=state)
+        pieces.append(path.displacement_m / constants.leg_length_m)
+        if state.contraction < 0.01 * UNCOUNTED_STRAIN:
+            break
+    return np.concatenate(pieces)
+
+
+def time_below(curve: FloatArray, step_s: float, start: float, level: float) -> float | None:
+    """Return when a falling curve, given at the ends of steps, passes a level; None where it does not."""
+    if start <= level:
+        return None
+    below = np.flatnonzero(curve <= level)
+    if below.size == 0:
+        return None
+    after = int(below[0])
+    before = start if after == 0 else float(curve[after - 1])
+    return step_s * (after + (before - level) / (before - float(curve[after])))
