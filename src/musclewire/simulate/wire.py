@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 
@@ -15,16 +17,15 @@ from musclewire.simulate.grains import spread_grains
 from musclewire.simulate.state import FloatArray, WireConstants, WireState
 from musclewire.simulate.switching import cooled_plain
 
-__all__ = ["constants_from", "cooled_grains", "resting_state", "with_pretension"]
+__all__ = ["constants_from", "constants_of", "cooled_grains", "resting_state", "with_pretension"]
 
-HOTTEST_START_K = 500.0
 LEAST_PRESLIDING_M = 5e-6
-COOLING_STEP_K = 0.25
 TABLE_START_K = 200.0
 TABLE_STEP_K = 2.0
 TABLE_POINTS = 301
 
 
+@lru_cache(maxsize=64)
 def convection_table(diameter_m: float, ambient_temperature_k: float) -> FloatArray:
     """Return the convection coefficient every 2 K from 200 K to 800 K for one ambient, (301,)."""
     walls = TABLE_START_K + TABLE_STEP_K * np.arange(TABLE_POINTS)
@@ -37,7 +38,13 @@ def constants_from(alloy: Alloy, wire: Wire, rig: Bench, *, new_wire: bool = Fal
     A new wire has yet to see its first cycles; otherwise its shakedown is over and leaves no trace.
     Raises CallerError where the numbers cannot belong to a wire (no length, no grains).
     """
-    material, spool, bench = alloy.values(), wire.values(), rig.values()
+    return constants_of(alloy.values(), wire.values(), rig.values(), new_wire=new_wire)
+
+
+def constants_of(
+    material: Mapping[str, float], spool: Mapping[str, float], bench: Mapping[str, float], *, new_wire: bool = False
+) -> WireConstants:
+    """Do the work of :func:`constants_from` on bare numbers by name: a search tries thousands of them."""
     length, legs, diameter = bench["wire_length_m"], bench["legs"], spool["diameter_m"]
     if min(length, legs, diameter) <= 0.0:
         raise CallerError("wire_length_m, legs and diameter_m must be above 0: there is no wire otherwise")
@@ -46,6 +53,8 @@ def constants_from(alloy: Alloy, wire: Wire, rig: Bench, *, new_wire: bool = Fal
             f"guide_presliding_m is {bench['guide_presliding_m']:g} m: below {LEAST_PRESLIDING_M:g} m the friction of "
             "the guide is stiffer than the wire and the step cannot follow it"
         )
+    if material["r_phase_entropy_ratio"] >= 1.0:
+        raise CallerError("r_phase_entropy_ratio must be below 1: A to R is a part of the way from A to M")
     area = 0.25 * math.pi * diameter**2
     mass = area * length * material["density_kg_per_m3"]
     spread = spread_grains(int(bench["grains"]), material["grain_skew"], material["grain_tail"])
@@ -105,8 +114,7 @@ def cooled_grains(
     constants: WireConstants, stress_pa: float, temperature_k: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return martensite and R-phase of the grains, and their drives, of a wire cooled from hot to a temperature."""
-    steps = max(int((HOTTEST_START_K - temperature_k) / COOLING_STEP_K), 1)
-    return cooled_plain(tuple(constants), stress_pa, HOTTEST_START_K, temperature_k, steps)
+    return cooled_plain(tuple(constants), stress_pa, temperature_k)
 
 
 def resting_state(constants: WireConstants) -> WireState:

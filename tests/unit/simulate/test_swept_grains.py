@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.simulate.state import WireConstants
 from musclewire.simulate.switching import cool_swept, drives_at, heat_swept, switch_grains
-from musclewire.simulate.wire import constants_from
+from musclewire.simulate.wire import constants_from, cooled_grains
 
 
 def shipped(**changes: float) -> WireConstants:
@@ -52,3 +52,18 @@ def test_swept_grains_end_as_if_all_had_been_looked_at(kind: str, climates: list
         assert np.abs(swept[0] - whole[0]).max() < 1e-12
         assert np.abs(swept[1] - whole[1]).max() < 1e-12
         assert changes == pytest.approx((swept[0].sum() - before[0], swept[1].sum() - before[1]), abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=40)
+@given(stress_pa=st.floats(0.0, 4e8), coldest_k=st.floats(280.0, 400.0))
+def test_cooling_in_one_look_ends_where_cooling_bit_by_bit_does(kind: str, stress_pa: float, coldest_k: float) -> None:
+    constants = KINDS[kind]
+    grains = constants.grain_middle.shape[0]
+    martensite, r_phase = np.zeros(grains), np.zeros(grains)
+    for temperature_k in np.linspace(600.0, coldest_k, 200):
+        drives = drives_at(constants, float(temperature_k), stress_pa, 1.0)
+        cool_swept(constants, drives, 0, grains, martensite, r_phase)
+    at_once = cooled_grains(constants, stress_pa, coldest_k)
+    assert np.abs(at_once[0] - martensite).max() < 1e-9
+    assert np.abs(at_once[1] - r_phase).max() < 1e-9
