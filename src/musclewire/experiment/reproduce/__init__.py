@@ -1,0 +1,7 @@
+"""Every printed number of the paper's sections II and III beside ours: checks, the runs they need, and the verdict."""
+
+from musclewire.experiment.reproduce.checks import Check, Row, judged, selected
+from musclewire.experiment.reproduce.reproduction import Reproduction, all_checks, reproduce
+from musclewire.experiment.reproduce.runs import Loop, Runs
+
+__all__ = ["Check", "Loop", "Reproduction", "Row", "Runs", "all_checks", "judged", "reproduce", "selected"]

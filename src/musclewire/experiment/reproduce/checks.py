@@ -1,0 +1,129 @@
+"""One check: a number of the paper, how ours is found, and how far apart the two may be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from musclewire.errors import CallerError, MusclewireError, nearest_hint
+
+if TYPE_CHECKING:
+    from musclewire.experiment.reproduce.runs import Runs
+
+__all__ = ["Check", "Compare", "Kind", "Row", "holds", "judged", "selected", "subject_of"]
+
+# printed: a measured number; words: a sentence turned into a number; equation: how far our run is from obeying it;
+# input: a number of the paper that we took over; literature: published elsewhere.
+Kind = Literal["printed", "words", "equation", "input", "literature"]
+Compare = Literal["within", "at most", "at least"]
+# Room for rounding in the comparison itself.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Check:
+    """What the paper says and how to find what we have; ``measure`` may raise whatever a bad loop raises.
+
+    ``paper`` and ``tolerance`` are in ``unit``. "within" wants ours no further than the tolerance from the paper's
+    number, "at most" no more than the tolerance above it, "at least" no more than the tolerance below it.
+    """
+
+    name: str
+    paper: float
+    unit: str
+    tolerance: float
+    why: str
+    kind: Kind
+    measure: Callable[[Runs], float]
+    compare: Compare = "within"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A check with its outcome; ``ours`` is None where no number could be had, and ``problem`` says why."""
+
+    name: str
+    paper: float
+    ours: float | None
+    unit: str
+    tolerance: float
+    compare: Compare
+    ok: bool
+    known_failure: bool
+    known_reason: str | None
+    why: str
+    kind: Kind
+    problem: str | None
+
+    @property
+    def subject(self) -> str:
+        """What the row belongs to: a figure, a table, an equation."""
+        return subject_of(self.name)
+
+
+def subject_of(name: str) -> str:
+    """Return the part of a row's name before its first point: "fig4" of "fig4.strain_gap_pct[125um,1.70N]"."""
+    return name.partition(".")[0]
+
+
+def holds(check: Check, ours: float) -> bool:
+    """Tell whether our number keeps to the tolerance."""
+    room = check.tolerance + ROUNDING * max(1.0, abs(check.paper))
+    if check.compare == "at most":
+        return ours <= check.paper + room
+    if check.compare == "at least":
+        return ours >= check.paper - room
+    return abs(ours - check.paper) <= room
+
+
+def judged(check: Check, runs: Runs, known: Mapping[str, str]) -> Row:
+    """Return the row of a check. A loop that cannot be used, or a number that is not finite, fails the row."""
+    ours: float | None = None
+    problem: str | None = None
+    try:
+        ours = float(check.measure(runs))
+    except MusclewireError as error:
+        problem = " ".join(str(error).split())
+    if ours is not None and not math.isfinite(ours):
+        ours, problem = None, "the result is not a finite number"
+    return Row(
+        name=check.name,
+        paper=float(check.paper),
+        ours=ours,
+        unit=check.unit,
+        tolerance=check.tolerance,
+        compare=check.compare,
+        ok=ours is not None and holds(check, ours),
+        known_failure=check.name in known,
+        known_reason=known.get(check.name),
+        why=check.why,
+        kind=check.kind,
+        problem=problem,
+    )
+
+
+def selected(checks: Sequence[Check], only: str | None) -> list[Check]:
+    """Return the checks whose names begin with ``only``, all without one.
+
+    A number is not cut in two: "fig1" is not the beginning of "fig11". Raises CallerError, suggesting the nearest
+    name, when nothing begins so.
+    """
+    if only is None:
+        return list(checks)
+    chosen = [check for check in checks if begins_with(check.name, only)]
+    if only and chosen:
+        return chosen
+    names = [check.name for check in checks]
+    subjects = list(dict.fromkeys(map(subject_of, names)))
+    hint = nearest_hint(only, [*subjects, *names])
+    if not hint.startswith("; did"):
+        hint = f"; known: {', '.join(subjects)}"
+    raise CallerError(f"no row or figure begins with '{only}'{hint}")
+
+
+def begins_with(name: str, beginning: str) -> bool:
+    """Tell whether a name begins so, and not in the middle of a number."""
+    rest = name.removeprefix(beginning)
+    return name.startswith(beginning) and not (beginning[-1:].isdigit() and rest[:1].isdigit())

@@ -1,0 +1,58 @@
+"""Published isobars of Flexinol, not in the paper: the same alloy under constant stress."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from musclewire.experiment.reproduce.checks import Check
+from musclewire.experiment.reproduce.runs import Runs
+from musclewire.identify.isobars import half_transformation_slope_pa_per_k
+from musclewire.parameters.library import read_published
+
+__all__ = ["checks"]
+
+ZERO_CELSIUS_K = 273.15
+STROKE_TOLERANCE_PCT, HALF_TOLERANCE_K, SLOPE_TOLERANCE_MPA_PER_K = 0.3, 4.0, 1.0
+
+
+def checks() -> list[Check]:
+    """Return strokes, half-transformation temperatures and slopes beside the measured ones."""
+    published = read_published("flexinol_isobars")
+    found = []
+    for index, stress in enumerate(published["stress_mpa"]):
+        found.append(
+            Check(f"isobars.stroke_pct[{stress:.0f}MPa]", published["stroke_pct"][index], "% strain",
+                STROKE_TOLERANCE_PCT, "0.3 %: a fifteenth of the stroke; set before the alloy was fitted",
+                "literature", partial(stroke_pct, stress_mpa=stress))
+        )  # fmt: skip
+    for branch in ("heating", "cooling"):
+        for index, stress in enumerate(published["stress_mpa"]):
+            found.append(
+                Check(f"isobars.half_{branch}_degc[{stress:.0f}MPa]", published[f"{branch}_degc"][index][1], "C",
+                    HALF_TOLERANCE_K,
+                    "temperature at which half the stroke is done; 4 K: spools and heat treatments differ by 10 K and "
+                    "more, and one shift for the sample is all that is fitted to it",
+                    "literature", partial(half_degc, branch=branch, stress_mpa=stress))
+            )  # fmt: skip
+    return found + [
+        Check(f"isobars.{branch}_slope_mpa_per_k", published[f"{branch}_slope_mpa_per_k"], "MPa/K",
+            SLOPE_TOLERANCE_MPA_PER_K, "straight line through the half-transformation temperatures; published slopes "
+            "of NiTi wire lie between 5 and 12 MPa/K", "literature", partial(slope_mpa_per_k, branch=branch))
+        for branch in ("heating", "cooling")
+    ]  # fmt: skip
+
+
+def stroke_pct(runs: Runs, *, stress_mpa: float) -> float:
+    """Return the stroke of an isobar [% strain]."""
+    return 100.0 * runs.isobar_summary(stress_mpa).stroke
+
+
+def half_degc(runs: Runs, *, branch: str, stress_mpa: float) -> float:
+    """Return the temperature at which half the stroke of a branch is done [C]."""
+    return float(getattr(runs.isobar_summary(stress_mpa), f"{branch}_k")[1]) - ZERO_CELSIUS_K
+
+
+def slope_mpa_per_k(runs: Runs, *, branch: str) -> float:
+    """Return the Clausius-Clapeyron slope of a branch [MPa/K]."""
+    stresses = read_published("flexinol_isobars")["stress_mpa"]
+    return 1e-6 * half_transformation_slope_pa_per_k([runs.isobar_summary(stress) for stress in stresses], branch)

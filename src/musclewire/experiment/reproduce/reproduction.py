@@ -1,0 +1,69 @@
+"""All checks in the paper's order, run and judged."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from musclewire.experiment.reproduce import equations, isobars, section2, section3, table1
+from musclewire.experiment.reproduce.checks import Check, Row, judged, selected
+from musclewire.experiment.reproduce.runs import Runs
+from musclewire.experiment.run import OnSample
+from musclewire.parameters.known_failures import known_failures
+
+__all__ = ["Reproduction", "all_checks", "reproduce"]
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """The rows that were asked for, and the runs behind them."""
+
+    rows: tuple[Row, ...]
+    runs: Runs
+    seed: int
+    wall_s: float
+
+    @property
+    def failing(self) -> list[Row]:
+        """Rows that do not keep to their tolerance."""
+        return [row for row in self.rows if not row.ok]
+
+    @property
+    def new_failures(self) -> list[Row]:
+        """Failing rows that the committed list does not have."""
+        return [row for row in self.failing if not row.known_failure]
+
+    @property
+    def repaired(self) -> list[Row]:
+        """Rows of the committed list that hold."""
+        return [row for row in self.rows if row.ok and row.known_failure]
+
+
+def all_checks() -> list[Check]:
+    """Return every check in the order of the paper, the isobars last."""
+    modules = (table1, equations, section2, section3, isobars)
+    return [check for module in modules for check in module.checks()]
+
+
+def reproduce(
+    only: str | None = None,
+    *,
+    seed: int = 1,
+    on_row: Callable[[str, int, int], None] | None = None,
+    on_sample: OnSample | None = None,
+) -> Reproduction:
+    """Compare what the paper prints with the shipped parameters on the simulated rig.
+
+    ``only`` keeps the rows whose names begin so; only the recordings they need are made. ``on_row`` hears each name
+    with its number and the count before it is worked on. Raises CallerError where no name begins with ``only``.
+    """
+    started = time.perf_counter()
+    chosen = selected(all_checks(), only)
+    runs, known = Runs(seed, on_sample), known_failures()
+    rows = []
+    for number, check in enumerate(chosen):
+        if on_row is not None:
+            on_row(check.name, number, len(chosen))
+        rows.append(judged(check, runs, known))
+    return Reproduction(tuple(rows), runs, seed, time.perf_counter() - started)

@@ -1,0 +1,174 @@
+"""The recordings that the checks need, each made once and only when asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.controllers.references import Staircase, staircase
+from musclewire.experiment.closed_loop import control
+from musclewire.experiment.metrics import ControlRun
+from musclewire.experiment.open_loop import characterize
+from musclewire.experiment.run import OnSample
+from musclewire.identify.isobars import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
+from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
+from musclewire.identify.recordings import required_quantity, resistance_reading
+from musclewire.identify.sensing_model import fit
+from musclewire.parameters.library import load_alloy, load_bench, load_wire, read_published
+from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.sensing.branches import Branch, single_valued
+from musclewire.sensing.model import SensingModel
+from musclewire.signals.recording import Recording
+
+__all__ = ["CYCLES", "ISOBAR_WIRE", "Loop", "Runs"]
+
+FloatArray = NDArray[np.float64]
+CYCLES = 2
+ISOBAR_WIRE = "isobar-sample"
+MAIN_WIRE = "paper-100um"
+COLD_SAMPLES = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A slow sine with its gaps, and the simulated wire's own resistance at the end of each sample, (n_times,)."""
+
+    recording: Recording
+    gaps: LoopGaps
+    true_resistance_ohm: FloatArray
+
+    @cached_property
+    def resistance_ohm(self) -> FloatArray:
+        """Resistance by Eq. 1, (n_times,)."""
+        return resistance_reading(self.recording).resistance_ohm
+
+    def quantity(self, name: str) -> FloatArray:
+        """Return strain, displacement [m] or contraction force [N], (n_times,)."""
+        return required_quantity(self.recording, name)
+
+    @property
+    def strain_gap_pct(self) -> float:
+        """Eq. 2 for strain."""
+        return 100.0 * self.gaps.strain_gap
+
+    @property
+    def force_gap_pct(self) -> float:
+        """Eq. 2 for force; the simulated rig always has a load cell."""
+        return 100.0 * (self.gaps.force_gap or 0.0)
+
+    @property
+    def stroke_pct(self) -> float:
+        """Largest less cold strain."""
+        return 100.0 * (self.gaps.segments.strain_max - self.gaps.segments.strain_cold)
+
+    def halves(self) -> tuple[slice, slice]:
+        """Return heating A to C and cooling C to A of the analysed cycle, as row slices."""
+        found = self.gaps.segments
+        return slice(found.heating_a, found.heating_c + 1), slice(found.cooling_c, found.cooling_a + 1)
+
+    def sensing_branches(self, quantity: str) -> tuple[Branch, Branch]:
+        """Return heating and cooling from B to C as single-valued curves over resistance."""
+        found, values = self.gaps.segments, self.quantity(quantity)
+        heating = slice(found.heating_b, found.heating_c + 1)
+        cooling = slice(found.cooling_c, found.cooling_b + 1)
+        up, down = (
+            single_valued((self.resistance_ohm[part], values[part]), name)
+            for part, name in ((heating, "heating"), (cooling, "cooling"))
+        )
+        return up, down
+
+
+class Runs:
+    """Makes recordings on the simulated rig and keeps them; every rig is opened with the same seed."""
+
+    def __init__(self, seed: int = 1, on_sample: OnSample | None = None) -> None:
+        """Make nothing yet; ``on_sample`` is called after every sample of every run."""
+        self._seed = seed
+        self._on_sample = on_sample or (lambda _: None)
+        self._loops: dict[tuple[str, float, float | None, float | None], Loop] = {}
+        self._cold: dict[str, float] = {}
+        self._isobars: dict[float, Isobar] = {}
+
+    def loop(
+        self,
+        wire: str,
+        pretension_n: float,
+        *,
+        amplitude_v: float | None = None,
+        stiffness_n_per_m: float | None = None,
+    ) -> Loop:
+        """Return the slow sine of a wire at a pretension, from a rig opened for it alone.
+
+        Without ``amplitude_v`` it is the wire's own, without ``stiffness_n_per_m`` the bench's spring. Raises
+        RecordingError where the recording shows no loop.
+        """
+        key = (wire, round(pretension_n, 6), amplitude_v, stiffness_n_per_m)
+        if key not in self._loops:
+            settings: dict[str, float | str] = {"pretension_n": pretension_n}
+            if stiffness_n_per_m is not None:
+                settings["spring_stiffness_n_per_m"] = stiffness_n_per_m
+            truth: list[float] = []
+            with open_rig(RigConfiguration(wire=wire, seed=self._seed, settings=settings)) as rig:
+
+                def note(row: Mapping[str, float]) -> None:
+                    truth.append(rig.wire_state.resistance_ohm)
+                    self._on_sample(row)
+
+                recording = characterize(rig, amplitude_v=amplitude_v, cycles=CYCLES, on_sample=note)
+            self._loops[key] = Loop(recording, loop_gaps(recording), np.array(truth))
+        return self._loops[key]
+
+    def main_loop(self) -> Loop:
+        """Return the loop of Fig. 9: 100 um at 1.9 N, 3.2 V."""
+        paper = read_published("lan_fan_2010")
+        return self.loop(
+            MAIN_WIRE, paper["loop_100um"]["pretension_n"], amplitude_v=float(paper["setup"]["amplitude_v"][0])
+        )
+
+    @cached_property
+    def model(self) -> SensingModel:
+        """The sixth-order model of the loop of Fig. 9."""
+        return fit(self.main_loop().recording)
+
+    @cached_property
+    def staircase(self) -> Staircase:
+        """The paper's steps."""
+        return staircase()
+
+    @cached_property
+    def control_run(self) -> ControlRun:
+        """The staircase of Fig. 11, on a rig that has just run the loop of Fig. 9."""
+        pretension = read_published("lan_fan_2010")["loop_100um"]["pretension_n"]
+        with open_rig("simulated", wire=MAIN_WIRE, seed=self._seed, pretension_n=pretension) as rig:
+            model = fit(characterize(rig, cycles=CYCLES, on_sample=self._on_sample))
+            return control(rig, model, self.staircase, on_sample=self._on_sample)
+
+    def cold_resistance_per_metre(self, wire: str) -> float:
+        """Return ohm per metre of a cold wire by Eq. 1 at the sense voltage, each leg under its nominal force."""
+        if wire not in self._cold:
+            bench, spool = load_bench("paper").values(), load_wire(wire).values()
+            pull_n = bench["legs"] * spool["nominal_force_n"]
+            with open_rig("simulated", wire=wire, seed=self._seed, pretension_n=pull_n) as rig:
+                samples = [rig.exchange(rig.sense_voltage_v) for _ in range(COLD_SAMPLES)]
+            wire_voltage = np.mean([sample.wire_voltage_v for sample in samples])
+            shunt_voltage = np.mean([sample.shunt_voltage_v for sample in samples])
+            resistance_ohm = float(wire_voltage / shunt_voltage) * bench["shunt_resistance_ohm"]
+            self._cold[wire] = resistance_ohm / bench["wire_length_m"]
+        return self._cold[wire]
+
+    def isobar(self, stress_mpa: float) -> Isobar:
+        """Return the simulated loop at constant stress of the sample behind the published isobars."""
+        if stress_mpa not in self._isobars:
+            wire = load_wire(ISOBAR_WIRE)
+            self._isobars[stress_mpa] = simulated_isobar(
+                load_alloy(wire.alloy), wire, load_bench("paper"), 1e6 * stress_mpa
+            )
+        return self._isobars[stress_mpa]
+
+    def isobar_summary(self, stress_mpa: float) -> IsobarSummary:
+        """Return stroke and temperatures of the simulated isobar."""
+        return summarize_isobar(self.isobar(stress_mpa))

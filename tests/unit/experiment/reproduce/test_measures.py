@@ -1,0 +1,49 @@
+"""Distances and excursions on curves made by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.errors import RecordingError
+from musclewire.experiment.reproduce.measures import falling_steps, largest_distance, lowest_place, outside_band
+from musclewire.sensing.branches import Branch
+
+RISING = np.linspace(0.0, 10.0, 101)
+
+
+def test_points_between_two_curves_are_inside_whichever_is_the_upper() -> None:
+    low, high = Branch(RISING, 0.1 * RISING), Branch(RISING, 0.1 * RISING + 1.0)
+    place = np.array([2.0, 5.0, 8.0])
+    assert outside_band(place, 0.1 * place + 0.5, low, high) == 0.0
+    assert outside_band(place, 0.1 * place + 0.5, high, low) == 0.0
+
+
+def test_the_excursion_is_how_far_the_farthest_point_is_from_the_nearer_curve() -> None:
+    low, high = Branch(RISING, 0.0 * RISING), Branch(RISING, 0.0 * RISING + 1.0)
+    assert outside_band(np.array([1.0, 2.0, 3.0]), np.array([0.5, 1.2, -0.3]), low, high) == pytest.approx(0.3)
+
+
+def test_curves_are_compared_where_they_overlap_only() -> None:
+    one = Branch(RISING, RISING)
+    other = Branch(RISING + 5.0, np.where(RISING > 5.0, 99.0, RISING + 5.25))
+    assert largest_distance(one, other) == pytest.approx(0.25, abs=1e-9)
+    with pytest.raises(RecordingError, match="share no resistance"):
+        largest_distance(one, Branch(RISING + 20.0, RISING))
+
+
+@given(st.floats(2.0, 8.0), st.floats(0.1, 5.0))
+def test_the_lowest_place_of_a_parabola_is_its_vertex(vertex: float, bend: float) -> None:
+    places = np.linspace(0.0, 10.0, 11)
+    assert lowest_place(places.tolist(), (bend * (places - vertex) ** 2).tolist()) == pytest.approx(vertex, abs=1e-6)
+
+
+def test_the_lowest_place_at_an_end_is_that_end() -> None:
+    assert lowest_place([1.0, 2.0, 3.0], [5.0, 4.0, 3.0]) == 3.0
+    assert lowest_place([1.0, 2.0, 3.0], [3.0, 4.0, 5.0]) == 1.0
+
+
+def test_only_falls_count() -> None:
+    assert falling_steps([3.0, 2.0, 2.0, 1.0, 1.5]) == 2
