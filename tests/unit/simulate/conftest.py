@@ -1,4 +1,4 @@
-"""The makers of wires stand beside the tests; importlib mode does not put this folder on the path."""
+"""What tests here import stands beside them and in benchmarks/; importlib mode puts neither folder on the path."""
 
 from __future__ import annotations
 
@@ -6,3 +6,4 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[3] / "benchmarks"))

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from plain_scipy_wire import churchill_chu_w_per_m2_k
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from wire_makers import constants
@@ -22,17 +23,6 @@ PIECE_S = 1.6
 
 def inert_wire() -> WireConstants:
     return constants(bench_values={"guide_friction_n": 0.0}, **INERT)
-
-
-def churchill_chu_w_per_m2_k(wall_k: float, ambient_k: float, diameter_m: float) -> float:
-    film = (wall_k + ambient_k) / 2
-    viscosity = 1.458e-6 * film**1.5 / (film + 110.4)
-    conductivity = 2.64638e-3 * film**1.5 / (film + 245.4 * 10 ** (-12 / film))
-    prandtl = 1006.0 * viscosity / conductivity
-    kinematic = viscosity * 287.05 * film / 101325.0
-    rayleigh = 9.80665 * abs(wall_k - ambient_k) / film * diameter_m**3 * prandtl / kinematic**2
-    nusselt = (0.6 + 0.387 * rayleigh ** (1 / 6) / (1 + (0.559 / prandtl) ** (9 / 16)) ** (8 / 27)) ** 2
-    return nusselt * conductivity / diameter_m
 
 
 def resistance_ohm(temperature_k: float, wire: WireConstants) -> float:

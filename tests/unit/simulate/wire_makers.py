@@ -126,6 +126,15 @@ def walk(
     return visited
 
 
+def follow(wire: WireConstants, kept: tuple[Array, Array, Array], climates: list[tuple[float, float]]) -> None:
+    """Take martensite, R-phase and seen drives of a wire through temperatures and stresses as a step does, in place."""
+    martensite, r_phase, seen = kept
+    for temperature_k, stress_pa in climates:
+        drives = switching.drives_at(wire, temperature_k, stress_pa, 1.0)
+        switching.switch_grains(wire, drives, switching.drives_from(seen), martensite, r_phase)
+        switching.keep_drives(drives, seen)
+
+
 def austenite(wire: WireConstants) -> tuple[Array, Array]:
     grains = wire.grain_middle.size
     return np.zeros(grains), np.zeros(grains)
