@@ -62,7 +62,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def run(folder: Path, *arguments: str, expect: int = 0) -> str:
+def run(folder: Path, *arguments: str, expect: int = 0, may_not_hold: bool = False) -> str:
     done = subprocess.run(
         [sys.executable, "-m", "musclewire", *arguments],
         cwd=folder,
@@ -71,7 +71,7 @@ def run(folder: Path, *arguments: str, expect: int = 0) -> str:
         env={**os.environ, "MPLBACKEND": "Agg"},
         check=False,
     )
-    assert done.returncode == expect, done.stderr
+    assert done.returncode == expect or (may_not_hold and done.returncode == 1), done.stderr
     return done.stdout if expect == 0 else done.stderr
 
 
@@ -81,6 +81,8 @@ CALLS = {
     "pretension": ["simulated", "--at", "1.9 N", "--cycles", "1"],
     "control": ["simulated", "model.json"],
     "train": ["simulated"],
+    "simulate": ["--wire", "flexinol-0.20-lt"],
+    "catalogue": [],
     "import": ["loop.h5"],
     "fit": ["loop.h5"],
     "estimate": ["model.json", "loop.h5"],
@@ -89,9 +91,13 @@ CALLS = {
 }
 
 
+# Commands whose answer may be that something does not hold: exit code 1, and the document all the same.
+MAY_NOT_HOLD = ("catalogue",)
+
+
 @pytest.mark.parametrize("name", SECTIONS)
 def test_the_json_has_the_keys_as_said(name: str, folder: Path) -> None:
-    document = json.loads(run(folder, name, *CALLS[name], "--json"))
+    document = json.loads(run(folder, name, *CALLS[name], "--json", may_not_hold=name in MAY_NOT_HOLD))
     assert set(document) == json_keys(SECTIONS[name])
 
 

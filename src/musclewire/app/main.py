@@ -16,6 +16,7 @@ from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
 from musclewire.app.rig_commands import add_rig_commands
 from musclewire.app.stopping import STOPPED, ignore_signals, listen_for_signals
+from musclewire.app.wire_commands import add_wire_commands
 from musclewire.errors import MusclewireError, RecordingNotWrittenError
 
 __all__ = ["app", "main"]
@@ -53,6 +54,7 @@ def options(
 
 add_rig_commands(app)
 add_model_commands(app)
+add_wire_commands(app)
 
 
 def main() -> None:

@@ -27,6 +27,7 @@ __all__ = [
     "catalogue_wire",
     "class_of",
     "load_catalogue",
+    "same_size_hint",
 ]
 
 Status = Literal["corroborated", "unverified", "suspect"]
@@ -155,6 +156,20 @@ def catalogue_row(name: str) -> CatalogueRow:
         if name in {f"flexinol-{row.name}-{wire_class}" for wire_class in CLASSES}:
             return row
     raise CallerError(f"there is no wire called '{name}' in the catalogue{nearest_hint(name, catalogue_names())}")
+
+
+def same_size_hint(name: str) -> str:
+    """Return a hint at the catalogue's spelling of a size written otherwise ('flexinol-0.1-lt'), or nothing."""
+    parts = name.split("-")
+    try:
+        size_mm = float(parts[1])
+    except (IndexError, ValueError):
+        return ""
+    found = [row.name for row in load_catalogue().row if row.diameter_mm == size_mm]
+    if not found:
+        return ""
+    wire_class = parts[-1] if parts[-1] in CLASSES else "ht"
+    return f"; did you mean 'flexinol-{found[0]}-{wire_class}'?"
 
 
 def class_of(name: str) -> str:

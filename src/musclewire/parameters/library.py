@@ -8,7 +8,7 @@ from importlib.resources import files
 from typing import Any
 
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters.catalogue import catalogue_names, catalogue_wire, load_catalogue
+from musclewire.parameters.catalogue import catalogue_names, catalogue_wire, load_catalogue, same_size_hint
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.parameters.validation import validated
 
@@ -27,7 +27,8 @@ def names(kind: str) -> list[str]:
 def read_named(kind: str, name: str) -> dict[str, Any]:
     """Return the parsed TOML file of a named wire, alloy or bench."""
     if name not in names(kind):
-        raise CallerError(f"there is no {kind} called '{name}'{nearest_hint(name, names(kind))}")
+        hint = same_size_hint(name) if kind == "wire" else ""
+        raise CallerError(f"there is no {kind} called '{name}'{hint or nearest_hint(name, names(kind))}")
     text = (files("musclewire.parameters") / "data" / FOLDERS[kind] / f"{name}.toml").read_text("utf-8")
     return tomllib.loads(text)
 

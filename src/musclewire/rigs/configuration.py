@@ -76,13 +76,14 @@ def open_rig(
     rig: str | Path | RigConfiguration = "simulated",
     *,
     wire: str | None = None,
+    bench: str | None = None,
     seed: int | None = None,
     real_time: bool = False,
     **settings: float | str,
 ) -> SimulatedRig:
     """Open a rig: ``"simulated"`` for the paper's bench, or the path of a TOML rig file.
 
-    ``wire`` names another wire than the rig's; ``settings`` change numbers of wire and bench by name, in SI or as text
+    ``wire`` and ``bench`` name others than the rig's; ``settings`` change numbers of both by name, in SI or as text
     with a unit, as in ``open_rig("simulated", pretension_n=1.7)``. Raises CallerError for unknown names and
     impossible numbers.
     """
@@ -95,11 +96,12 @@ def open_rig(
     else:
         configuration, where = read_rig_file(rig), f"rig file {rig}"
     named = load_wire(wire or configuration.wire)
-    chosen, bench = with_settings(named, load_bench(configuration.bench), {**configuration.settings, **settings}, where)
+    around = load_bench(bench or configuration.bench)
+    chosen, around = with_settings(named, around, {**configuration.settings, **settings}, where)
     return SimulatedRig(
         load_alloy(chosen.alloy),
         chosen,
-        bench,
+        around,
         seed=configuration.seed if seed is None else seed,
         new_wire=configuration.new_wire,
         real_time=real_time,

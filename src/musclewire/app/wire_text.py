@@ -1,0 +1,227 @@
+"""How a simulated drive, the list of wires and the catalogue's comparison read: as text, and as keys for JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from musclewire.experiment.maker import DriveAnswer, DrivePlan
+    from musclewire.identify.catalogue_table import Comparison, Judged
+    from musclewire.parameters.catalogue import CatalogueCell
+
+__all__ = ["answer_json", "answer_text", "comparison_json", "comparison_text", "wires_json", "wires_text"]
+
+ZERO_DEGC_K = 273.15
+MARKS = {"corroborated": "", "unverified": "?", "suspect": "??"}
+
+
+def answer_json(answer: DriveAnswer, recording: Path | None) -> dict[str, Any]:
+    """Return a drive's answer under the keys of the interface."""
+    from musclewire.experiment.maker import catalogue_side
+
+    numbers, plan, best = answer.numbers, answer.plan, answer.one_second
+    return {
+        "wire": plan.question.wire,
+        "simulated": True,
+        "length_m": plan.question.length_m,
+        "load_n": plan.load_n,
+        "spring_stiffness_n_per_m": plan.question.spring_n_per_m,
+        "ambient_temperature_degc": plan.question.ambient_k - ZERO_DEGC_K,
+        "supply_v": plan.supply_v,
+        "current_a": plan.current_a,
+        "shunt_resistance_ohm": plan.shunt_ohm,
+        "on_s": plan.question.on_s,
+        "contraction_pct": 100 * numbers.contraction,
+        "contraction_m": numbers.contraction * plan.question.length_m,
+        "stroke_pct": 100 * best.stroke,
+        "contraction_share_pct": 100 * numbers.contraction / best.stroke,
+        "contracted_s": numbers.contracted_s,
+        "cooling_s": numbers.cooling_s,
+        "true_peak_temperature_degc": numbers.temperature_peak_k - ZERO_DEGC_K,
+        "settled_temperature_degc": answer.settled_k - ZERO_DEGC_K,
+        "current_mean_a": numbers.current_mean_a,
+        "drive_voltage_peak_v": numbers.voltage_peak_v,
+        "power_peak_w": numbers.power_peak_w,
+        "energy_j": numbers.energy_j,
+        "suggested": {
+            "one_second_current_a": best.current_a,
+            "holding_current_a": best.holding_current_a,
+            "supply_v": answer.supply_needed_v,
+            "shunt_resistance_ohm": answer.shunt.resistance_ohm,
+            "shunt_power_w": answer.shunt.power_w,
+            "shunt_rating_w": answer.shunt.rating_w,
+        },
+        "catalogue": catalogue_side(plan),
+        "warnings": list(answer.warnings),
+        "samples": len(answer.recording),
+        "seed": plan.question.seed,
+        "recording": None if recording is None else str(recording),
+    }
+
+
+def answer_text(answer: DriveAnswer) -> str:
+    """Return a drive's answer as lines for people."""
+    numbers, plan, best, shunt = answer.numbers, answer.plan, answer.one_second, answer.shunt
+    length_mm = 1e3 * plan.question.length_m
+    left_on = f"left on like this it would settle at {answer.settled_k - ZERO_DEGC_K:.0f} C"
+    lines = [
+        headline(plan),
+        f"  contraction   {100 * numbers.contraction:.2f} % = {length_mm * numbers.contraction:.2f} mm, "
+        f"{100 * numbers.contraction / best.stroke:.0f} % of a full stroke of {100 * best.stroke:.2f} %; "
+        + ("90 % not reached" if numbers.contracted_s is None else f"90 % after {numbers.contracted_s:.2f} s"),
+        f"  temperature   {numbers.temperature_peak_k - ZERO_DEGC_K:.0f} C at most (the simulation's truth; no "
+        f"instrument shows it); {left_on}",
+        f"  electrical    {amperes(numbers.current_mean_a)} on average, {numbers.voltage_peak_v:.2f} V and "
+        f"{numbers.power_peak_w:.3g} W at most, {numbers.energy_j:.3g} J",
+        "  cooling       " + cooling_words(answer),
+        "",
+        f"for 90 % of the stroke in one second, {length_mm:g} mm of this wire would want",
+        f"  current       {amperes(best.current_a)}; then {amperes(best.holding_current_a)} holds it there",
+        f"  supply        {answer.supply_needed_v:.2f} V across wire and shunt, plus what the switch drops",
+        f"  shunt         {shunt.resistance_ohm:g} ohm, {1e3 * shunt.power_w:.0f} mW: buy one for {shunt.rating_w:g} W",
+    ]
+    return "\n".join(lines + catalogue_lines(plan))
+
+
+def headline(plan: DrivePlan) -> str:
+    """Return the line that says what was simulated."""
+    pull = f"{plan.load_n:.3g} N" + (
+        f" on a spring of {plan.question.spring_n_per_m:g} N/m" if plan.question.spring_n_per_m else " dead weight"
+    )
+    source = "" if plan.supply_v is None or plan.current_a is None else f" from at most {plan.supply_v:g} V"
+    driven = f"{plan.supply_v:g} V" if plan.current_a is None else amperes(plan.current_a) + source
+    return (
+        f"{plan.question.wire}, simulated: {1e3 * plan.question.length_m:g} mm, {pull}, still air of "
+        f"{plan.question.ambient_k - ZERO_DEGC_K:g} C, {driven} through {plan.shunt_ohm:g} ohm for "
+        f"{plan.question.on_s:g} s"
+    )
+
+
+def cooling_words(answer: DriveAnswer) -> str:
+    """Return the cooling time, or why there is none."""
+    numbers = answer.numbers
+    if numbers.cooling_s is not None:
+        return f"{numbers.cooling_s:.2f} s after switching off, until 0.5 % of strain is left"
+    if numbers.contraction <= 0.005:
+        return "nothing to wait for: it contracted by less than the last 0.5 %, which is not counted"
+    return "not cooled by the end of the run: give a longer --duration"
+
+
+def catalogue_lines(plan: DrivePlan) -> list[str]:
+    """Return what the catalogue prints for the wire, each number with its standing."""
+    from musclewire.experiment.maker import catalogue_side
+
+    side = catalogue_side(plan)
+    if side is None:
+        return []
+    shown = {
+        "for one second": ("one_second_current_a", amperes(side["one_second_current_a"]["value"])),
+        "cooling": ("cooling_s", f"{side['cooling_s']['value']:g} s"),
+        "resistance": ("resistance_ohm_per_m", f"{side['resistance_ohm_per_m']['value']:g} ohm/m"),
+        "pull": ("pull_force_n", f"{side['pull_force_n']['value']:.3g} N"),
+    }
+    lines = [f"  {label:<14}  {text} ({side[key]['status']})" for label, (key, text) in shown.items()]
+    return ["", "the catalogue prints", *lines]
+
+
+def amperes(current_a: float) -> str:
+    """Return a current as people write it."""
+    return f"{1e3 * current_a:.0f} mA" if current_a < 1.0 else f"{current_a:.2f} A"
+
+
+def wires_json() -> dict[str, Any]:
+    """Return all wires that come with musclewire."""
+    from musclewire.parameters.library import load_wire, names
+
+    return {
+        "wires": [
+            {
+                "name": name,
+                "description": load_wire(name).description,
+                "diameter_m": load_wire(name).diameter_m.value,
+                "resistance_per_metre_ohm_per_m": load_wire(name).resistance_per_metre_ohm_per_m.value,
+            }
+            for name in names("wire")
+        ]
+    }
+
+
+def wires_text() -> str:
+    """Return all wires as lines: name, what it is."""
+    rows = wires_json()["wires"]
+    return "\n".join(f"{row['name']:<18} {row['description']}" for row in rows)
+
+
+def comparison_json(compared: Sequence[Comparison]) -> dict[str, Any]:
+    """Return the comparison with the catalogue: a row for each wire, in order."""
+    from musclewire.identify.catalogue_table import BARS
+
+    return {
+        "bars": BARS,
+        "rows": [row_json(one) for one in compared],
+        "judged": sum(verdict is not None for one in compared for verdict in (one.contraction.ok, one.cooling.ok)),
+        "failed": sum(verdict is False for one in compared for verdict in (one.contraction.ok, one.cooling.ok)),
+        "ok": all(one.ok for one in compared),
+    }
+
+
+def row_json(one: Comparison) -> dict[str, Any]:
+    """Return one wire of the comparison."""
+    return {
+        "wire": one.wire,
+        "diameter_m": one.row.diameter_m,
+        "current_a": one.row.current_a,
+        "current_status": one.row.current_ma.status,
+        "stroke_pct": 100 * one.run.stroke,
+        "contraction_share_pct": 100 * one.run.contraction_share,
+        "contraction_ok": one.contraction.ok,
+        "true_temperature_degc": one.run.temperature_k - ZERO_DEGC_K,
+        "cooling_s": one.run.cooling_s,
+        "catalogue_cooling_s": one.cooling.cell.value,
+        "cooling_status": one.cooling.cell.status,
+        "cooling_ok": one.cooling.ok,
+        "ok": one.ok,
+    }
+
+
+def comparison_text(compared: Sequence[Comparison]) -> str:
+    """Return the comparison as a table: a line for each size, 70 C wire and 90 C wire side by side."""
+    from musclewire.identify.catalogue_table import BARS
+    from musclewire.parameters.catalogue import load_catalogue
+
+    lines = [
+        "172 MPa dead weight, the catalogue's current for one second, still air of 22 C; simulated wires",
+        "",
+        "             | 70 C wire (LT)                       | 90 C wire (HT), not judged",
+        "  mm      mA | % of stroke     cooling s  catalogue | % of stroke  cooling s  catalogue",
+    ]
+    for low, high in zip(compared[::2], compared[1::2], strict=True):
+        current = marked(low.row.current_ma.value, low.row.current_ma)
+        lines.append(
+            f"{low.row.name:>5} {current:>7} | {judged_text(low.contraction, 100.0, 1):>11} "
+            f"{judged_text(low.cooling, 1.0, 2):>14}  {marked(low.cooling.cell.value, low.cooling.cell):>8} | "
+            f"{judged_text(high.contraction, 100.0, 1):>11} {judged_text(high.cooling, 1.0, 2):>10}  "
+            f"{marked(high.cooling.cell.value, high.cooling.cell):>8}"
+        )
+    document = comparison_json(compared)
+    lines += [
+        "",
+        f"{document['judged']} judged, {document['failed']} failed (FAIL). {BARS}.",
+        "? the catalogue's number is not corroborated. Cooling: from switching off after the second until 0.5 % of",
+        "strain is left; - where the wire did not contract by that much.",
+        f"Catalogue: {load_catalogue().source}.",
+    ]
+    return "\n".join(lines)
+
+
+def marked(value: float, cell: CatalogueCell) -> str:
+    """Return a catalogue number with a question mark where it is not corroborated."""
+    return f"{value:g}{MARKS[cell.status]}" if MARKS[cell.status] else f"{value:g} "
+
+
+def judged_text(one: Judged, scale: float, digits: int) -> str:
+    """Return a number of ours with its verdict."""
+    shown = "-" if one.ours is None else f"{scale * one.ours:.{digits}f}"
+    return shown if one.ok is None else f"{shown} {'ok' if one.ok else 'FAIL'}"

@@ -1,0 +1,166 @@
+"""A plain drive: supply or current on for a while, then off. It answers what a wire does before parts are bought.
+
+Both policies would run on a real rig: the held current is regulated by the current that is measured.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from musclewire.errors import CallerError, RigError
+from musclewire.experiment.run import Decision, OnSample, Policy, run_on_rig
+from musclewire.rigs.protocol import Rig
+from musclewire.sensing.resistance import wire_resistance
+from musclewire.signals.recording import MetadataValue, Recording
+from musclewire.signals.samples import RawSample
+
+__all__ = ["HeldCurrent", "HeldVoltage", "WithThermometer", "drive_wire"]
+
+# Samples without current after which a wire counts as broken.
+LONGEST_BLIND_SAMPLES = 5
+
+
+class HeldVoltage:
+    """A supply switched on after one sample and off again ``on_s`` later; off is the sense voltage."""
+
+    columns: tuple[str, ...] = ()
+
+    def __init__(self, drive_voltage_v: float, sense_voltage_v: float, sample_period_s: float, on_s: float) -> None:
+        """Hold ``drive_voltage_v`` for ``on_s``; the first sample senses the wire cold."""
+        self._drive_voltage_v = drive_voltage_v
+        self._sense_voltage_v = sense_voltage_v
+        self._off_at_s = sample_period_s + on_s
+
+    def first_drive_voltage_v(self) -> float:
+        """Return the sense voltage."""
+        return self._sense_voltage_v
+
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:  # noqa: ARG002
+        """Return the supply's voltage until it is time to switch off."""
+        on = elapsed_s < self._off_at_s - 1e-9
+        return Decision(self._drive_voltage_v if on else self._sense_voltage_v, {})
+
+
+class HeldCurrent:
+    """A current held by what was measured: the circuit's resistance is the last drive voltage over the last current.
+
+    It lags by one sample, in which a wire's resistance changes by little. A sample without current keeps the drive;
+    five of them raise RigError.
+    """
+
+    columns: tuple[str, ...] = ()
+
+    def __init__(
+        self,
+        current_a: float,
+        sense_voltage_v: float,
+        maximum_voltage_v: float,
+        shunt_resistance_ohm: float,
+        sample_period_s: float,
+        on_s: float,
+    ) -> None:
+        """Hold ``current_a`` for ``on_s`` as far as ``maximum_voltage_v`` reaches; the first sample measures."""
+        self._current_a = current_a
+        self._sense_voltage_v = sense_voltage_v
+        self._maximum_voltage_v = maximum_voltage_v
+        self._shunt_resistance_ohm = shunt_resistance_ohm
+        self._off_at_s = sample_period_s + on_s
+        self._blind_samples = 0
+
+    def first_drive_voltage_v(self) -> float:
+        """Return the sense voltage."""
+        return self._sense_voltage_v
+
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:
+        """Return the voltage that drives the wanted current through the resistance just measured."""
+        if elapsed_s >= self._off_at_s - 1e-9:
+            return Decision(self._sense_voltage_v, {})
+        reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
+        if not reading.valid:
+            return Decision(self._kept(sample), {})
+        self._blind_samples = 0
+        circuit_ohm = sample.drive_voltage_v * self._shunt_resistance_ohm / sample.shunt_voltage_v
+        wanted_v = self._current_a * circuit_ohm
+        return Decision(min(max(wanted_v, self._sense_voltage_v), self._maximum_voltage_v), {})
+
+    def _kept(self, sample: RawSample) -> float:
+        self._blind_samples += 1
+        if self._blind_samples >= LONGEST_BLIND_SAMPLES:
+            raise RigError(
+                f"no current through the wire for {self._blind_samples} samples up to {sample.time_s:.2f} s at "
+                f"{sample.drive_voltage_v:.2f} V: check wire, clamps and shunt; the rig is at its sense voltage"
+            )
+        return sample.drive_voltage_v
+
+
+class WithThermometer:
+    """Another policy, with the wire's temperature recorded beside it. Only a simulation knows it."""
+
+    def __init__(self, policy: Policy, temperature_k: Callable[[], float]) -> None:
+        """Ask ``temperature_k`` after each sample; the policy does not see it."""
+        self._policy = policy
+        self._temperature_k = temperature_k
+        self.columns = (*policy.columns, "wire_temperature_k")
+
+    def first_drive_voltage_v(self) -> float:
+        """Return the policy's own."""
+        return self._policy.first_drive_voltage_v()
+
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:
+        """Return the policy's decision with the temperature added."""
+        decision = self._policy.after(sample, elapsed_s)
+        columns: Mapping[str, float] = {**decision.columns, "wire_temperature_k": self._temperature_k()}
+        return Decision(decision.drive_voltage_v, columns)
+
+
+def drive_wire(
+    rig: Rig,
+    *,
+    on_s: float,
+    duration_s: float,
+    supply_v: float | None = None,
+    current_a: float | None = None,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    on_sample: OnSample | None = None,
+) -> Recording:
+    """Switch a supply or a held current on for ``on_s`` and record the rig for ``duration_s`` in all.
+
+    With a current, ``supply_v`` only limits the voltage. The first sample is taken at the sense voltage. A simulated
+    rig's recording has the wire's true temperature beside the samples. Raises CallerError for neither or impossible
+    numbers, RigError where no current flows.
+    """
+    refuse_impossible(rig, on_s, duration_s, supply_v, current_a)
+    limit_v = rig.maximum_voltage_v if supply_v is None else supply_v
+    policy: Policy
+    if current_a is None:
+        policy = HeldVoltage(limit_v, rig.sense_voltage_v, rig.sample_period_s, on_s)
+    else:
+        policy = HeldCurrent(
+            current_a, rig.sense_voltage_v, limit_v, rig.shunt_resistance_ohm, rig.sample_period_s, on_s
+        )
+    truth = getattr(rig, "wire_state", None)
+    if truth is not None:
+        policy = WithThermometer(policy, lambda: float(rig.wire_state.temperature_k))  # type: ignore[attr-defined]
+    described: dict[str, MetadataValue] = {"experiment": "drive", "on_s": on_s}
+    described |= {} if supply_v is None else {"supply_v": supply_v}
+    described |= {} if current_a is None else {"held_current_a": current_a}
+    return run_on_rig(rig, policy, duration_s, metadata=described, path=path, overwrite=overwrite, on_sample=on_sample)
+
+
+def refuse_impossible(
+    rig: Rig, on_s: float, duration_s: float, supply_v: float | None, current_a: float | None
+) -> None:
+    """Raise CallerError for a drive that cannot be."""
+    if supply_v is None and current_a is None:
+        raise CallerError("give a supply voltage or a current to hold: without either nothing is driven")
+    if current_a is not None and not current_a > 0.0:
+        raise CallerError(f"the current to hold is {current_a} A: give one above 0")
+    if supply_v is not None and not rig.sense_voltage_v < supply_v <= rig.maximum_voltage_v:
+        raise CallerError(
+            f"supply {supply_v} V must lie above the sense voltage of {rig.sense_voltage_v} V and not above the rig's "
+            f"maximum of {rig.maximum_voltage_v} V"
+        )
+    if not (on_s > 0.0 and duration_s >= on_s):
+        raise CallerError(f"switched on for {on_s} s within {duration_s} s: both above 0, and off before the end")

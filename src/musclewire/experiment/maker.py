@@ -1,0 +1,337 @@
+"""What a maker asks before wiring anything: what does this supply do to my wire, and which one would I need?
+
+A simulated drive under a dead weight or on a spring, its numbers, and the parts the same wire would want for a
+contraction in one second.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import CallerError
+from musclewire.experiment.drive import drive_wire
+from musclewire.experiment.run import OnSample
+from musclewire.identify.catalogue_check import PULL_STRESS_PA, UNCOUNTED_STRAIN
+from musclewire.identify.sizing import (
+    OVERHEATED_K,
+    OneSecond,
+    Shunt,
+    one_second_current,
+    relaxing_time_s,
+    settled_temperature_k,
+    suggested_shunt,
+)
+from musclewire.parameters.catalogue import CatalogueRow, catalogue_names, catalogue_row, class_of
+from musclewire.parameters.library import load_alloy, load_bench, load_wire
+from musclewire.parameters.schema import Wire
+from musclewire.rigs.configuration import RigConfiguration, open_rig, with_settings
+from musclewire.signals.recording import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["BENCH", "DriveAnswer", "DriveNumbers", "DriveQuestion", "ask", "drive_numbers", "drive_plan"]
+
+FloatArray = NDArray[np.float64]
+
+BENCH = "dead-weight"
+DEFAULT_LENGTH_M = 0.14
+# Dynalloy, Technical Characteristics of Flexinol Actuator Wires (F1140): melting point 1300 C.
+MELTING_K = 1573.15
+AMBIENT_K = 295.15
+# After switching off this much current goes on, to measure by: a share of the drive's, whose heat is 1/10000 of the
+# drive's, but never less than what resistance can be told from.
+SENSE_SHARE, LEAST_SENSE_A = 0.01, 1.5e-3
+# A current source finds this much more voltage than the cold wire asks for at first.
+SOURCE_HEADROOM = 1.5
+# Input ranges a card or a divider in front of it may have.
+RANGES_V = (10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 10000.0)
+# A run goes on for this multiple of the time the wire takes to relax, within limits.
+RELAXING_MULTIPLE, SHORTEST_COOLING_S, LONGEST_COOLING_S = 1.25, 1.0, 120.0
+
+
+@dataclass(frozen=True)
+class DriveQuestion:
+    """A wire, what pulls it and what drives it; what is None is chosen.
+
+    Without supply and current, a wire of the catalogue gets the catalogue's one-second current. ``load_n`` is the
+    weight, or the pretension of the spring; without it ``stress_pa`` sets it.
+    """
+
+    wire: str
+    supply_v: float | None = None
+    current_a: float | None = None
+    on_s: float = 1.0
+    duration_s: float | None = None
+    length_m: float = DEFAULT_LENGTH_M
+    load_n: float | None = None
+    stress_pa: float | None = None
+    spring_n_per_m: float = 0.0
+    shunt_ohm: float | None = None
+    ambient_k: float = AMBIENT_K
+    seed: int = 1
+
+
+@dataclass(frozen=True)
+class DrivePlan:
+    """A question with everything chosen, and the rig it needs."""
+
+    question: DriveQuestion
+    wire: Wire
+    row: CatalogueRow | None
+    current_a: float | None
+    supply_v: float | None
+    load_n: float
+    shunt_ohm: float
+    duration_s: float
+    configuration: RigConfiguration
+
+
+@dataclass(frozen=True)
+class DriveNumbers:
+    """What a recorded drive shows, from the instruments; only the temperature is the simulation's own knowledge."""
+
+    contraction: float
+    largest_contraction: float
+    contracted_s: float | None
+    cooling_s: float | None
+    current_mean_a: float
+    current_peak_a: float
+    voltage_peak_v: float
+    power_peak_w: float
+    power_end_w: float
+    energy_j: float
+    temperature_peak_k: float
+
+    @property
+    def melted(self) -> bool:
+        """Whether the wire got so hot that the simulation means nothing."""
+        return self.temperature_peak_k > MELTING_K
+
+
+@dataclass(frozen=True)
+class DriveAnswer:
+    """The drive as it went, and what the same wire wants for a contraction in one second."""
+
+    plan: DrivePlan
+    recording: Recording
+    numbers: DriveNumbers
+    settled_k: float
+    one_second: OneSecond
+    shunt: Shunt
+    warnings: tuple[str, ...]
+
+    @property
+    def supply_needed_v(self) -> float:
+        """Supply for the one-second current through the wire and the suggested shunt."""
+        return self.one_second.wire_voltage_v + self.one_second.current_a * self.shunt.resistance_ohm
+
+    def plot(self) -> Axes:
+        """Draw contraction, temperature, and current with voltage over time; return the axes of the contraction."""
+        from musclewire.experiment.maker_view import drive_axes
+
+        return drive_axes(self)
+
+
+def drive_plan(question: DriveQuestion) -> DrivePlan:
+    """Return the question with everything chosen. Raises CallerError where it makes no sense."""
+    wire = load_wire(question.wire)
+    row = catalogue_row(question.wire) if question.wire in catalogue_names() else None
+    refuse_nonsense(question)
+    stress = PULL_STRESS_PA if question.stress_pa is None else question.stress_pa
+    load = stress * section_m2(wire) if question.load_n is None else question.load_n
+    if load > wire.maximum_force_n.value:
+        raise CallerError(
+            f"a load of {load:.3g} N is above {wire.maximum_force_n.value:.3g} N, near what breaks {wire.name}"
+        )
+    current = question.current_a
+    if current is None and question.supply_v is None:
+        if row is None:
+            raise CallerError(f"{question.wire} is not in the catalogue: give --supply or --current, as '3 V'")
+        current = row.current_a
+    cold_ohm = wire.resistance_per_metre_ohm_per_m.value * question.length_m
+    expected = current if current is not None else (question.supply_v or 0.0) / cold_ohm
+    shunt = suggested_shunt(cold_ohm, expected).resistance_ohm if question.shunt_ohm is None else question.shunt_ohm
+    settings: dict[str, float | str] = {
+        "wire_length_m": question.length_m,
+        "pretension_n": load,
+        "spring_stiffness_n_per_m": question.spring_n_per_m,
+        "shunt_resistance_ohm": shunt,
+        "ambient_temperature_k": question.ambient_k,
+        **drive_settings(question.supply_v, expected, cold_ohm + shunt),
+    }
+    configuration = RigConfiguration(wire=question.wire, bench=BENCH, seed=question.seed, settings=settings)
+    duration = question.duration_s or chosen_duration_s(question, configuration, current)
+    return DrivePlan(question, wire, row, current, question.supply_v, load, shunt, duration, configuration)
+
+
+def drive_settings(supply_v: float | None, expected_a: float, circuit_ohm: float) -> dict[str, float]:
+    """Return the rig's voltages: highest, sense voltage and a range of the converter that holds the highest."""
+    highest = supply_v or SOURCE_HEADROOM * expected_a * circuit_ohm
+    sense = max(SENSE_SHARE * expected_a, LEAST_SENSE_A) * circuit_ohm
+    if sense >= highest:
+        raise CallerError(f"{highest:g} V is not above the {sense:.2g} V it takes to measure this wire: give more")
+    return {
+        "maximum_voltage_v": highest,
+        "sense_voltage_v": sense,
+        "acquisition_range_v": next((size for size in RANGES_V if size >= highest), highest),
+    }
+
+
+def section_m2(wire: Wire) -> float:
+    """Return a wire's section."""
+    return 0.25 * math.pi * wire.diameter_m.value**2
+
+
+def refuse_nonsense(question: DriveQuestion) -> None:
+    """Raise CallerError for numbers that cannot be."""
+    if question.load_n is not None and question.stress_pa is not None:
+        raise CallerError("give the load or the stress, not both: one follows from the other")
+    positive = {"length": question.length_m, "shunt": question.shunt_ohm, "supply": question.supply_v,
+                "current": question.current_a, "time until switching off": question.on_s}  # fmt: skip
+    for name, value in positive.items():
+        if value is not None and not 0.0 < value < math.inf:
+            raise CallerError(f"{name} is {value:g}: it must be above 0")
+    if question.duration_s is not None and question.duration_s < question.on_s:
+        raise CallerError(f"the run of {question.duration_s:g} s ends before switching off at {question.on_s:g} s")
+
+
+def chosen_duration_s(question: DriveQuestion, configuration: RigConfiguration, current_a: float | None) -> float:
+    """Return how long to run where nobody said: until the wire has relaxed and somewhat longer."""
+    wire, bench = with_settings(load_wire(question.wire), load_bench(BENCH), configuration.settings, "simulate")
+    drive = current_a if current_a is not None else question.supply_v or 0.0
+    relaxing = relaxing_time_s(
+        load_alloy(wire.alloy),
+        wire,
+        bench,
+        drive,
+        question.on_s,
+        regulated_current=current_a is not None,
+        longest_s=LONGEST_COOLING_S / RELAXING_MULTIPLE,
+    )
+    return math.ceil(question.on_s + max(RELAXING_MULTIPLE * relaxing, SHORTEST_COOLING_S))
+
+
+def ask(
+    question: DriveQuestion,
+    *,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    on_sample: OnSample | None = None,
+) -> DriveAnswer:
+    """Run the drive on the simulated rig and return what it shows, with the parts the wire would want.
+
+    Raises CallerError where the question makes no sense.
+    """
+    plan = drive_plan(question)
+    wire, bench = with_settings(plan.wire, load_bench(BENCH), plan.configuration.settings, "simulate")
+    best = one_second_current(load_alloy(wire.alloy), wire, bench)
+    if best.stroke <= UNCOUNTED_STRAIN:
+        raise CallerError(
+            f"{wire.name} at {question.ambient_k - 273.15:g} C under this load has only {100 * best.stroke:.2g} % of "
+            "contraction left: it is as good as contracted; a cooler place or a larger load stretches it"
+        )
+    with open_rig(plan.configuration) as rig:
+        recording = drive_wire(
+            rig,
+            on_s=question.on_s,
+            duration_s=plan.duration_s,
+            supply_v=plan.supply_v,
+            current_a=plan.current_a,
+            path=path,
+            overwrite=overwrite,
+            on_sample=on_sample,
+        )
+    numbers = drive_numbers(recording, question.on_s, best.stroke)
+    settled = settled_temperature_k(numbers.power_end_w / question.length_m, wire, question.ambient_k)
+    cold_ohm = wire.resistance_per_metre_ohm_per_m.value * question.length_m
+    return DriveAnswer(
+        plan,
+        recording,
+        numbers,
+        settled,
+        best,
+        suggested_shunt(cold_ohm, best.current_a),
+        tuple(warnings_for(plan, numbers, settled)),
+    )
+
+
+def drive_numbers(recording: Recording, on_s: float, stroke: float) -> DriveNumbers:
+    """Return the numbers of a recorded drive whose first sample was cold and which was then on for ``on_s``."""
+    period = float(recording.metadata["sample_period_s"] or 0.0)
+    length = float(recording.metadata["leg_length_m"] or 0.0)
+    time_s = recording["time_s"] - period
+    contraction = (recording["displacement_m"] - recording["displacement_m"][0]) / length
+    current = recording["shunt_voltage_v"] / float(recording.metadata["shunt_resistance_ohm"] or 1.0)
+    power = recording["wire_voltage_v"] * current
+    on = (time_s > 1e-9) & (time_s <= on_s + 1e-9)
+    end = int(np.flatnonzero(on)[-1])
+    return DriveNumbers(
+        contraction=float(contraction[end]),
+        largest_contraction=float(contraction.max()),
+        contracted_s=first_time(time_s, contraction >= 0.9 * stroke),
+        cooling_s=cooling_time(time_s[end:] - time_s[end], contraction[end:]),
+        current_mean_a=float(current[on].mean()),
+        current_peak_a=float(current[on].max()),
+        voltage_peak_v=float(recording["drive_voltage_v"].max()),
+        power_peak_w=float(power[on].max()),
+        power_end_w=float(power[end]),
+        energy_j=float(power[on].sum() * period),
+        temperature_peak_k=float(recording["wire_temperature_k"].max()),
+    )
+
+
+def first_time(time_s: FloatArray, reached: NDArray[np.bool_]) -> float | None:
+    """Return when something was first so, None where it never was."""
+    where = np.flatnonzero(reached)
+    return float(time_s[where[0]]) if where.size else None
+
+
+def cooling_time(since_off_s: FloatArray, contraction: FloatArray) -> float | None:
+    """Return the time until at most 0.5 % of strain is left to go; None if it was never more, or still is."""
+    if contraction[0] <= UNCOUNTED_STRAIN:
+        return None
+    return first_time(since_off_s, contraction <= UNCOUNTED_STRAIN)
+
+
+def warnings_for(plan: DrivePlan, numbers: DriveNumbers, settled_k: float) -> list[str]:
+    """Return what the maker should hear, most dangerous first."""
+    found = []
+    limit = OVERHEATED_K - 273.15
+    if numbers.melted:
+        found.append(f"the wire would have melted (NiTi: {MELTING_K - 273.15:.0f} C): these numbers mean nothing")
+    elif numbers.temperature_peak_k > OVERHEATED_K:
+        found.append(
+            f"overheated: {numbers.temperature_peak_k - 273.15:.0f} C, above a working limit of {limit:.0f} C (assumed)"
+        )
+    elif settled_k > OVERHEATED_K:
+        found.append(f"left on it would settle at {settled_k - 273.15:.0f} C, above {limit:.0f} C: switch it off")
+    if plan.current_a is not None and numbers.current_peak_a < 0.98 * plan.current_a:
+        found.append(f"the supply does not reach the current asked for: {1e3 * numbers.current_peak_a:.0f} mA at most")
+    stress = plan.load_n / section_m2(plan.wire)
+    if stress > 1.02 * PULL_STRESS_PA:
+        found.append(f"{stress / 1e6:.0f} MPa is more than the vendor's 172 MPa for many cycles")
+    return found
+
+
+def catalogue_side(plan: DrivePlan) -> dict[str, Any] | None:
+    """Return what the catalogue prints for this wire, each number with its standing; None for other wires."""
+    if plan.row is None:
+        return None
+    cooling = plan.row.cooling_cell(class_of(plan.question.wire))
+    cells = {
+        "resistance_ohm_per_m": (plan.row.resistance_ohm_per_m, 1.0),
+        "one_second_current_a": (plan.row.current_ma, 1e-3),
+        "pull_force_n": (plan.row.pull_force_g, 9.80665e-3),
+        "cooling_s": (cooling, 1.0),
+    }
+    return {
+        name: {"value": cell.value * to_si, "status": cell.status, "source": cell.source, "note": cell.note}
+        for name, (cell, to_si) in cells.items()
+    }

@@ -1,0 +1,94 @@
+"""The simulated wires beside the vendor's catalogue, size by size, with the bars they are held to.
+
+Held to a bar: 70 C wire, 0.05 to 0.31 mm, where the cell itself is corroborated. Contraction counts by the cell of the
+current, cooling by the cell of the cooling time. Everything else is shown and not judged.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from musclewire.identify.catalogue_check import CatalogueRun, run_catalogue_test
+from musclewire.parameters.catalogue import CLASSES, CatalogueCell, CatalogueRow, load_catalogue
+from musclewire.parameters.library import load_alloy, load_bench, load_wire
+
+__all__ = ["BARS", "Comparison", "Judged", "compare_catalogue"]
+
+JUDGED_CLASS = "lt"
+JUDGED_SIZES_MM = (0.05, 0.31)
+CONTRACTION_SHARE = (0.8, 1.0)
+COOLING_TOLERANCE = 0.35
+# Rounding of a contraction that is complete must not fail it.
+ROUNDING = 1e-3
+BARS = (
+    f"contraction {100 * CONTRACTION_SHARE[0]:.0f} to {100 * CONTRACTION_SHARE[1]:.0f} % of stroke, cooling within "
+    f"{100 * COOLING_TOLERANCE:.0f} %; judged: {CLASSES[JUDGED_CLASS]}, {JUDGED_SIZES_MM[0]} to {JUDGED_SIZES_MM[1]} "
+    "mm, corroborated cells"
+)
+
+
+class Judged(NamedTuple):
+    """One number of ours beside the catalogue's; ``ok`` is None where it is not judged."""
+
+    ours: float | None
+    low: float
+    high: float
+    cell: CatalogueCell
+    ok: bool | None
+
+
+class Comparison(NamedTuple):
+    """One wire of the catalogue: its run, and what was made of it."""
+
+    wire: str
+    row: CatalogueRow
+    wire_class: str
+    run: CatalogueRun
+    contraction: Judged
+    cooling: Judged
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing that is judged fails."""
+        return self.contraction.ok is not False and self.cooling.ok is not False
+
+
+def compare_catalogue() -> list[Comparison]:
+    """Return all wires of the catalogue through the vendor's test, thinnest first, LT before HT; deterministic."""
+    alloy, bench = load_alloy(load_catalogue().wire.alloy), load_bench("dead-weight")
+    compared = []
+    for row in load_catalogue().row:
+        for wire_class in CLASSES:
+            name = f"flexinol-{row.name}-{wire_class}"
+            run = run_catalogue_test(alloy, load_wire(name), bench, row.current_a)
+            compared.append(judged(name, row, wire_class, run))
+    return compared
+
+
+def judged(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> Comparison:
+    """Return a wire's run held to the bars."""
+    low, high = JUDGED_SIZES_MM
+    counts = wire_class == JUDGED_CLASS and low <= row.diameter_mm <= high
+    time = row.cooling_cell(wire_class)
+    return Comparison(
+        name,
+        row,
+        wire_class,
+        run,
+        within(run.contraction_share, *CONTRACTION_SHARE, row.current_ma, counts, ROUNDING),
+        within(
+            run.cooling_s,
+            time.value * (1.0 - COOLING_TOLERANCE),
+            time.value * (1.0 + COOLING_TOLERANCE),
+            time,
+            counts,
+            0.0,
+        ),
+    )
+
+
+def within(ours: float | None, low: float, high: float, cell: CatalogueCell, counts: bool, rounding: float) -> Judged:
+    """Return a number with its verdict: None where the cell is not corroborated or the wire does not count."""
+    if not (counts and cell.corroborated):
+        return Judged(ours, low, high, cell, None)
+    return Judged(ours, low, high, cell, ours is not None and low <= ours <= high + rounding)

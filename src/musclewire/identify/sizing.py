@@ -1,0 +1,176 @@
+"""What a maker asks of a wire before buying parts: the current that contracts it in time, the supply, the shunt.
+
+Answers come from fast simulated runs (``simulate.paths``) and from the heat balance; nothing here is measured.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import NumericsError
+from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.physics.heat import convection_coefficient_w_per_m2_k
+from musclewire.simulate.paths import DrivenPath, drive_path
+from musclewire.simulate.state import WireConstants, WireState
+from musclewire.simulate.wire import constants_from, resting_state
+
+__all__ = [
+    "OVERHEATED_K",
+    "OneSecond",
+    "Shunt",
+    "one_second_current",
+    "relaxing_time_s",
+    "full_stroke",
+    "given_off_w_per_m",
+    "settled_temperature_k",
+    "suggested_shunt",
+]
+
+FloatArray = NDArray[np.float64]
+
+# A working limit, assumed: the vendor warns of overheating and no number of his could be checked. 150 C is above the
+# end of the transformation of 90 C wire under 172 MPa, and far below what anneals NiTi.
+OVERHEATED_K = 423.15
+# A wire counts as contracted here, as a share of what heating it right through gives.
+CONTRACTED_SHARE = 0.9
+LARGEST_CURRENT_A_PER_M2 = 1e9
+BISECTIONS = 30
+STEP_S, COARSE_STEP_S = 2e-3, 5e-3
+# How much contraction a relaxed wire may have left.
+RELAXED_STRAIN = 0.0025
+# Where no wire's martensite is left; heating further would only expand the metal.
+HOT_K = 480.0
+HOTTEST_WALL_K = 3000.0
+# A shunt drops at most this share of the cold wire's voltage, and is rated for this multiple of its power.
+SHUNT_SHARE, RATING_FACTOR = 0.05, 3.0
+SHUNT_STEPS = (1.0, 2.2, 4.7)
+RATINGS_W = (0.125, 0.25, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 25.0, 50.0)
+
+
+class OneSecond(NamedTuple):
+    """What contracts a wire by 90 % of its stroke in one second, in the simulation, and the voltage that takes.
+
+    ``holding_current_a`` then keeps it there: it settles at the temperature reached after the second.
+    """
+
+    current_a: float
+    wire_voltage_v: float
+    stroke: float
+    temperature_k: float
+    holding_current_a: float
+
+
+class Shunt(NamedTuple):
+    """A shunt from the usual steps of values, its power at the current it was chosen for, and a rating to buy."""
+
+    resistance_ohm: float
+    power_w: float
+    rating_w: float
+
+
+def heat(constants: WireConstants, current_a: float, seconds: float) -> tuple[DrivenPath, WireState]:
+    """Return what a held current does to a cold wire at rest."""
+    samples = max(round(seconds / STEP_S), 1)
+    return drive_path(
+        constants,
+        np.full(samples, current_a),
+        dt_s=seconds / samples,
+        steps=1,
+        state=resting_state(constants),
+        regulated_current=True,
+    )
+
+
+def full_stroke(constants: WireConstants) -> float:
+    """Return the largest contraction of a wire on its bench, spring or weight, when heated right through."""
+    current = 1e7 * constants.area_m2
+    while current < LARGEST_CURRENT_A_PER_M2 * constants.area_m2:
+        path, state = heat(constants, current, 2.0)
+        if state.temperature_k > HOT_K:
+            return float(path.displacement_m.max() / constants.leg_length_m)
+        current *= 1.25
+    raise NumericsError("no current heats this wire right through: check diameter, resistance and convection")
+
+
+def one_second_current(
+    alloy: Alloy, wire: Wire, bench: Bench, *, seconds: float = 1.0, share: float = CONTRACTED_SHARE
+) -> OneSecond:
+    """Return the current that brings a cold wire to a share of its stroke after ``seconds`` on this bench.
+
+    Found by bisection; a source holds the current. Raises NumericsError where no current does it.
+    """
+    constants = constants_from(alloy, wire, bench)
+    stroke = full_stroke(constants)
+    low, high = 0.0, LARGEST_CURRENT_A_PER_M2 * constants.area_m2
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        path, _ = heat(constants, middle, seconds)
+        # A current far too large expands the hot metal again: what counts is that it has been there.
+        if path.displacement_m.max() >= share * stroke * constants.leg_length_m:
+            high = middle
+        else:
+            low = middle
+        if high - low < 1e-4 * high:
+            break
+    path, state = heat(constants, high, seconds)
+    power_w = constants.wire_length_m * given_off_w_per_m(state.temperature_k, wire, constants.ambient_temperature_k)
+    return OneSecond(
+        high,
+        float(path.wire_voltage_v.max()),
+        stroke,
+        state.temperature_k,
+        math.sqrt(power_w / state.resistance_ohm),
+    )
+
+
+def relaxing_time_s(
+    alloy: Alloy, wire: Wire, bench: Bench, drive: float, on_s: float, *, regulated_current: bool, longest_s: float
+) -> float:
+    """Return how long after ``on_s`` of a drive a wire takes until a quarter percent of strain is left.
+
+    ``drive`` is a current in amperes with ``regulated_current``, else a voltage. ``longest_s`` where it takes longer.
+    """
+    constants = constants_from(alloy, wire, bench)
+    samples = max(round(on_s / COARSE_STEP_S), 1)
+    on = np.full(samples, drive)
+    _, state = drive_path(constants, on, dt_s=on_s / samples, steps=1, regulated_current=regulated_current)
+    off = np.zeros(round(longest_s / COARSE_STEP_S))
+    path, _ = drive_path(constants, off, dt_s=COARSE_STEP_S, steps=1, state=state)
+    stretched = np.flatnonzero(path.displacement_m > RELAXED_STRAIN * constants.leg_length_m)
+    return COARSE_STEP_S * (int(stretched[-1]) + 1) if stretched.size else 0.0
+
+
+def given_off_w_per_m(wall_k: float, wire: Wire, ambient_temperature_k: float) -> float:
+    """Return the heat a metre of wire gives to still air: Churchill and Chu times the wire's convection factor."""
+    diameter = wire.diameter_m.value
+    coefficient = convection_coefficient_w_per_m2_k(wall_k, ambient_temperature_k, diameter)
+    return wire.convection_factor.value * coefficient * math.pi * diameter * (wall_k - ambient_temperature_k)
+
+
+def settled_temperature_k(power_w_per_m: float, wire: Wire, ambient_temperature_k: float) -> float:
+    """Return the temperature at which a wire gives off as much heat as it gets, if left on long enough.
+
+    Radiation, which a thin wire can neglect, is left out.
+    """
+    low, high = ambient_temperature_k, HOTTEST_WALL_K
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (
+            (middle, high) if given_off_w_per_m(middle, wire, ambient_temperature_k) < power_w_per_m else (low, middle)
+        )
+    return high
+
+
+def suggested_shunt(cold_resistance_ohm: float, current_a: float) -> Shunt:
+    """Return the largest usual shunt that drops at most a twentieth of the cold wire's voltage, and its rating."""
+    wanted = SHUNT_SHARE * cold_resistance_ohm
+    decade = 10.0 ** math.floor(math.log10(wanted))
+    resistance = max(step * decade for step in SHUNT_STEPS if step * decade <= wanted * (1.0 + 1e-9))
+    resistance = float(f"{resistance:.3g}")  # 0.22, not 0.22000000000000003
+    power = current_a**2 * resistance
+    rating = next((size for size in RATINGS_W if size >= RATING_FACTOR * power), RATINGS_W[-1])
+    return Shunt(resistance, power, rating)

@@ -1,0 +1,126 @@
+"""``musclewire simulate`` and ``musclewire catalogue``: what a maker types, and what comes back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from musclewire.parameters import names
+from musclewire.signals import read_recording
+
+
+def test_a_wire_of_the_catalogue_needs_nothing_else(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("simulate", "--wire", "flexinol-0.20-lt", "--json")
+    assert answer.code == 0
+    said = answer.json
+    assert said["current_a"] == 0.66
+    assert said["catalogue"]["one_second_current_a"]["status"] == "corroborated"
+    assert said["catalogue"]["cooling_s"]["value"] == 3.2
+    assert 0.0 < said["contraction_share_pct"] <= 100.1
+    assert said["current_mean_a"] == pytest.approx(0.66, rel=0.005)
+    assert said["suggested"]["shunt_rating_w"] > 3 * said["suggested"]["shunt_power_w"]
+
+
+def test_quantities_may_be_written_as_people_write_them(musclewire: Callable[..., Any]) -> None:
+    said = musclewire(
+        "simulate", "--wire", "flexinol-0.15-ht", "--supply", "3300 mV", "--length", "12 cm", "--load", "100 gf",
+        "--spring", "0.2 N/mm", "--ambient", "300 K", "--shunt", "220 mohm", "--off-after", "0.5", "--json",
+    ).json  # fmt: skip
+    assert said["supply_v"] == pytest.approx(3.3)
+    assert said["length_m"] == pytest.approx(0.12)
+    assert said["load_n"] == pytest.approx(0.980665)
+    assert said["spring_stiffness_n_per_m"] == pytest.approx(200.0)
+    assert said["shunt_resistance_ohm"] == pytest.approx(0.22)
+    assert said["ambient_temperature_degc"] == pytest.approx(26.85)
+    assert said["drive_voltage_peak_v"] == pytest.approx(3.3, abs=1e-3)
+
+
+def test_the_recording_and_the_figure_are_written(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    answer = musclewire("simulate", "-o", tmp_path / "drive.h5", "--plot", tmp_path / "drive.png")
+    assert answer.code == 0, answer.err
+    run = read_recording(tmp_path / "drive.h5")
+    assert run.metadata["wire"] == "flexinol-0.10-ht"
+    assert run.metadata["ended"] == "done"
+    assert "wire_temperature_k" in run
+    assert (tmp_path / "drive.png").read_bytes().startswith(b"\x89PNG")
+    again = musclewire("simulate", "-o", tmp_path / "drive.h5")
+    assert (again.code, "--force" in again.err) == (2, True)
+
+
+def test_the_same_seed_gives_the_same_answer(musclewire: Callable[..., Any]) -> None:
+    first, second = (musclewire("simulate", "--seed", "3", "--json").out for _ in range(2))
+    assert first == second
+
+
+def test_a_wire_that_gets_too_hot_is_warned_about(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("simulate", "--wire", "flexinol-0.10-lt", "--current", "450 mA", "--off-after", "3")
+    assert answer.code == 0
+    assert "warning: overheated" in answer.err
+    left_on = musclewire("simulate", "--wire", "flexinol-0.31-lt")
+    assert "left on it would settle" in left_on.err
+
+
+def test_a_molten_wire_is_no_result(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("simulate", "--supply", "100 V", "--json")
+    assert answer.code == 1
+    assert "melted" in answer.json["warnings"][0]
+
+
+def test_a_supply_too_small_for_the_current_says_so(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("simulate", "--current", "200 mA", "--supply", "2 V", "--json")
+    assert any("does not reach" in warning for warning in answer.json["warnings"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["--wire", "flexinol-0.1-lt"], "'flexinol-0.10-lt'"),
+        (["--supply", "5"], "unit"),
+        (["--current", "5 V"], "'0.5 A'"),
+        (["--load", "1 N", "--stress", "172 MPa"], "not both"),
+        (["--wire", "paper-100um"], "--supply or --current"),
+        (["--length", "0 mm"], "length"),
+        (["--off-after", "3", "--duration", "1"], "ends before"),
+        (["--supply", "10 mV"], "to measure"),
+        (["--load", "100 N"], "4.75"),
+        (["--stress", "-5 MPa"], "0 or more"),
+        (["--ambient", "400 degC"], "contracted"),
+        (["--plot", "drive.gif"], "figure"),
+        (["-o", "drive.csv"], ".h5"),
+    ],
+)
+def test_what_cannot_be_is_one_line_and_exit_code_2(
+    arguments: list[str], word: str, musclewire: Callable[..., Any]
+) -> None:
+    answer = musclewire("simulate", *arguments)
+    assert answer.code == 2
+    assert word in answer.err
+    assert len(answer.err.strip().splitlines()) == 1
+    assert answer.out == ""
+
+
+def test_the_list_has_every_wire(musclewire: Callable[..., Any]) -> None:
+    text = musclewire("simulate", "--list").out
+    assert [line.split()[0] for line in text.splitlines()] == names("wire")
+    assert [row["name"] for row in musclewire("simulate", "--list", "--json").json["wires"]] == names("wire")
+
+
+def test_the_catalogue_fails_where_a_judged_cell_fails(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("catalogue", "--json")
+    said = answer.json
+    failing = [row for row in said["rows"] if False in (row["contraction_ok"], row["cooling_ok"])]
+    assert answer.code == (1 if failing else 0)
+    assert said["ok"] is not bool(failing)
+    assert (len(said["rows"]), said["judged"]) == (24, 8)
+    assert all(row["contraction_ok"] is None and row["cooling_ok"] is None for row in said["rows"][1::2])
+
+
+def test_the_catalogue_table_shows_all_sizes(musclewire: Callable[..., Any]) -> None:
+    text = musclewire("catalogue").out
+    for size in ("0.025", "0.10", "0.51"):
+        assert any(line.split()[:1] == [size] for line in text.splitlines())
+    assert "200?" in text
+    assert "660 " in text

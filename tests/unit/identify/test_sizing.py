@@ -1,0 +1,65 @@
+"""What a maker needs: currents, supply and shunt, against hand calculation and the simulation they come from."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.identify.catalogue_check import dead_weight_bench, run_catalogue_test
+from musclewire.identify.sizing import one_second_current, relaxing_time_s, settled_temperature_k, suggested_shunt
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.physics.heat import convection_coefficient_w_per_m2_k
+
+ALLOY = load_alloy("flexinol")
+
+
+@pytest.mark.parametrize("name", ["flexinol-0.025-ht", "flexinol-0.10-lt", "flexinol-0.31-lt"])
+def test_the_one_second_current_gives_nine_tenths_of_the_stroke_in_a_second(name: str) -> None:
+    wire = load_wire(name)
+    bench = dead_weight_bench(load_bench("dead-weight"), wire.diameter_m.value)
+    best = one_second_current(ALLOY, wire, bench)
+    run = run_catalogue_test(ALLOY, wire, bench, best.current_a)
+    assert run.contraction_share == pytest.approx(0.9, abs=0.01)
+    assert run.stroke == pytest.approx(best.stroke, abs=2e-5)
+    assert run.temperature_k == pytest.approx(best.temperature_k, abs=0.5)
+    assert 0.0 < best.holding_current_a <= 1.001 * best.current_a
+
+
+def test_the_voltage_goes_with_the_length_and_the_current_does_not() -> None:
+    wire, bench = load_wire("flexinol-0.10-lt"), load_bench("dead-weight")
+    longer = bench.model_copy(update={"wire_length_m": bench.wire_length_m.model_copy(update={"value": 0.28})})
+    short, long = one_second_current(ALLOY, wire, bench), one_second_current(ALLOY, wire, longer)
+    assert long.current_a == pytest.approx(short.current_a, rel=1e-3)
+    assert long.wire_voltage_v == pytest.approx(2.0 * short.wire_voltage_v, rel=1e-3)
+
+
+@given(st.floats(305.0, 900.0))
+def test_a_wire_settles_where_it_gives_off_what_it_gets(wall_k: float) -> None:
+    wire = load_wire("flexinol-0.20-ht")
+    given_off = convection_coefficient_w_per_m2_k(wall_k, 295.15, wire.diameter_m.value) * wire.convection_factor.value
+    power = given_off * math.pi * wire.diameter_m.value * (wall_k - 295.15)
+    assert settled_temperature_k(power, wire, 295.15) == pytest.approx(wall_k, abs=1e-3)
+
+
+@given(st.floats(1e-2, 1e4), st.floats(1e-3, 10.0))
+def test_a_shunt_drops_at_most_a_twentieth_and_is_rated_for_three_times_its_power(
+    resistance_ohm: float, current_a: float
+) -> None:
+    shunt = suggested_shunt(resistance_ohm, current_a)
+    assert 0.02 * resistance_ohm <= shunt.resistance_ohm <= 0.05 * resistance_ohm * (1.0 + 1e-2)
+    assert shunt.power_w == pytest.approx(current_a**2 * shunt.resistance_ohm)
+    assert shunt.rating_w >= 3.0 * shunt.power_w or shunt.rating_w == 50.0
+
+
+def test_a_hotter_start_takes_longer_to_relax() -> None:
+    wire = load_wire("flexinol-0.10-lt")
+    bench = dead_weight_bench(load_bench("dead-weight"), wire.diameter_m.value)
+
+    def relaxing(current_a: float) -> float:
+        return relaxing_time_s(ALLOY, wire, bench, current_a, 1.0, regulated_current=True, longest_s=60.0)
+
+    assert relaxing(0.01) == 0.0
+    assert 0.2 < relaxing(0.22) < relaxing(0.3) < 60.0
