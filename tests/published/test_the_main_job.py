@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from html.parser import HTMLParser
 from typing import Any
 
 import pytest
+from page_parts import Outside
 
 from musclewire.controllers import FuzzyPidSettings, staircase
 from musclewire.experiment.closed_loop import control
@@ -103,22 +103,6 @@ def test_the_model_the_demo_leaves_is_the_one_it_used(demo: dict[str, Any]) -> N
     assert model.resistance_min_ohm == demo["resistance_min_ohm"]
     low, high = model.quantity_min, model.quantity_max
     assert low < 0.015 < 0.030 < high
-
-
-class Outside(HTMLParser):
-    """Collects whatever a page would fetch from elsewhere."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.fetched: list[str] = []
-        self.tags: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        for name, value in attrs:
-            inside = name in {"href", "xlink:href"} and tag != "link" and (value or "").startswith("#")
-            if name in {"src", "srcset", "action", "data", "href", "xlink:href"} and not inside:
-                self.fetched.append(f"{tag} {name}={value}")
 
 
 def test_the_report_stands_alone(demo: dict[str, Any]) -> None:

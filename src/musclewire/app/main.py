@@ -14,6 +14,7 @@ import typer
 
 from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
+from musclewire.app.paper_commands import add_paper_commands
 from musclewire.app.rig_commands import add_rig_commands
 from musclewire.app.stopping import STOPPED, ignore_signals, listen_for_signals
 from musclewire.app.wire_commands import add_wire_commands
@@ -55,6 +56,7 @@ def options(
 add_rig_commands(app)
 add_model_commands(app)
 add_wire_commands(app)
+add_paper_commands(app)
 
 
 def main() -> None:

@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     from musclewire.experiment.metrics import StepMetrics
     from musclewire.parameters.schema import Parameter
 
-__all__ = ["write_report"]
+__all__ = ["report_style", "table_rows", "template", "write_report"]
 
 
 def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
     """Write the report of a demo, whole or not at all."""
     figures = report_figures(result)
-    template = Template((files("musclewire.app.report") / "report.html").read_text("utf-8"))
     metadata = result.run.metadata
-    page = template.substitute(
+    page = template("report.html").substitute(
         figures,
+        style=report_style(),
         cards=cards(result, wall_s),
         steps=steps_table(result),
         sweep_rows=sweep_table(result),
@@ -52,6 +52,16 @@ def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
         part.write_text(page, "utf-8")
 
     write_whole(path, write)
+
+
+def template(name: str) -> Template:
+    """Return one of the page templates that stand beside this file."""
+    return Template((files("musclewire.app.report") / name).read_text("utf-8"))
+
+
+def report_style() -> str:
+    """Return the style sheet that all pages share."""
+    return (files("musclewire.app.report") / "style.css").read_text("utf-8")
 
 
 def cards(result: DemoResult, wall_s: float) -> str:

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Check", "Compare", "Kind", "Row", "holds", "judged", "selected", "subject_of"]
 
-# printed: a measured number; words: a sentence turned into a number; equation: how far our run is from obeying it;
-# input: a number of the paper that we took over; literature: published elsewhere.
+# printed: a measured number; words: a sentence, or several numbers, turned into one; equation: how far our run is from
+# obeying it; input: a number of the paper that we took over; literature: published elsewhere.
 Kind = Literal["printed", "words", "equation", "input", "literature"]
 Compare = Literal["within", "at most", "at least"]
 # Room for rounding in the comparison itself.

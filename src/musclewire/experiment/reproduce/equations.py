@@ -111,24 +111,24 @@ def inverse_difference_pct(runs: Runs) -> float:
 def gain_checks() -> list[Check]:
     """Return whether each gain kept to its printed range over the staircase, and whether it can reach both ends."""
     printed = read_published("lan_fan_2010")["controller"]
+    sides: tuple[tuple[str, int, Compare], ...] = (("least", 0, "at least"), ("largest", 1, "at most"))
     inside = "Eq. 6 keeps a gain in its printed range, exactly; over the whole staircase with its approach"
     reach = (
         "the gain over all errors and changes of error, the same rule base; 5 % of the printed range: the "
         "logarithmic output sets of Zhao et al. end at 0.02 and 0.98, not at 0 and 1"
     )
-    found = []
-    for gain in RATIO_OF:
-        low, high = printed[gain]
-        room = REACH_SHARE * (high - low)
-        sides: tuple[tuple[str, float, Compare], ...] = (("least", low, "at least"), ("largest", high, "at most"))
-        for end, value, side in sides:
-            found += [
-                Check(f"eq6.{gain}[{end}]", value, UNITS[gain], 0.0, inside, "printed",
-                    partial(gain_end, gain=gain, end=end), side),
-                Check(f"eq6.{gain}_reach[{end}]", value, UNITS[gain], room, reach, "printed",
-                    partial(gain_reach, gain=gain, end=end, low=low, high=high)),
-            ]  # fmt: skip
-    return found
+    return [
+        Check(f"eq6.{gain}[{end}]", printed[gain][place], UNITS[gain], 0.0, inside, "printed",
+            partial(gain_end, gain=gain, end=end), side)
+        for gain in RATIO_OF
+        for end, place, side in sides
+    ] + [
+        Check(f"eq6.{gain}_reach[{end}]", printed[gain][place], UNITS[gain],
+            REACH_SHARE * (printed[gain][1] - printed[gain][0]), reach, "printed",
+            partial(gain_reach, gain=gain, end=end, low=printed[gain][0], high=printed[gain][1]))
+        for gain in RATIO_OF
+        for end, place, _ in sides
+    ]  # fmt: skip
 
 
 def gain_end(runs: Runs, *, gain: str, end: str) -> float:

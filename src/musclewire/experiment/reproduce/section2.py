@@ -73,15 +73,16 @@ def minor_loop_checks(setup: dict[str, Any]) -> list[Check]:
         for volts in amplitudes
     ]  # fmt: skip
     pairs = [(amplitudes[1], amplitudes[0]), (amplitudes[2], amplitudes[0]), (amplitudes[2], amplitudes[1])]
-    for small, large in pairs:
-        label = f"[{small:.2f}V,{large:.2f}V]"
-        found += [
-            Check(f"fig3a.stroke_ratio{label}", 1.0, "1", 0.0, ordered, "words",
-                partial(stroke_ratio, small=small, large=large), "at most"),
-            Check(f"fig3a.outside_pct{label}", 0.0, "% strain", OUTSIDE_TOLERANCE_PCT, inside, "words",
-                partial(outside_pct, small=small, large=large), "at most"),
-        ]  # fmt: skip
-    return found
+    found += [
+        Check(f"fig3a.stroke_ratio[{small:.2f}V,{large:.2f}V]", 1.0, "1", 0.0, ordered, "words",
+            partial(stroke_ratio, small=small, large=large), "at most")
+        for small, large in pairs
+    ]  # fmt: skip
+    return found + [
+        Check(f"fig3a.outside_pct[{small:.2f}V,{large:.2f}V]", 0.0, "% strain", OUTSIDE_TOLERANCE_PCT, inside, "words",
+            partial(outside_pct, small=small, large=large), "at most")
+        for small, large in pairs
+    ]  # fmt: skip
 
 
 def amplitude_of(runs: Runs, *, volts: float) -> float:

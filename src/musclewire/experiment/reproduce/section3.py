@@ -14,7 +14,7 @@ from musclewire.experiment.reproduce.runs import Runs
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.library import read_published
 
-__all__ = ["checks", "step_mae_pct"]
+__all__ = ["STRAIN_TOLERANCE_PCT", "checks", "strain_at_pct"]
 
 RESISTANCE_TOLERANCE_OHM = 0.02
 STRAIN_TOLERANCE_PCT, STRAIN_RMS_PCT = 0.05, 0.02
@@ -90,7 +90,7 @@ def strain_checks(table: dict[str, Any]) -> list[Check]:
     found.append(
         Check("table2.strain_rms_pct", 0.0, "% strain", STRAIN_RMS_PCT,
             "rms of the twelve differences; 0.02 %: single ones may be off by more, all together may not",
-            "printed", strain_rms_pct, "at most")
+            "words", strain_rms_pct, "at most")
     )  # fmt: skip
     return found
 

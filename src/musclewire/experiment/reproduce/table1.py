@@ -35,33 +35,26 @@ def checks() -> list[Check]:
 
 
 def table_checks(table: dict[str, Any]) -> list[Check]:
-    """Return the rows of Table 1, wire by wire."""
-    found = []
-    for index, diameter in enumerate(table["diameter_um"]):
-        wire, label = wire_name(diameter), f"{diameter}um"
-        linear = table["resistance_per_metre_ohm_per_m"][index]
-        found += [
-            Check(
-                f"table1.diameter_um[{label}]", diameter, "um", 0.0, SAME, "input",
-                partial(wire_number, name="diameter_m", wire=wire, factor=1e6),
-            ),
-            Check(
-                f"table1.resistance_per_metre_ohm_per_m[{label}]", linear, "ohm/m", RESISTANCE_TOLERANCE * linear,
-                "the cold simulated wire, each leg under the nominal force, by Eq. 1; 5 %: spools of the vendor's own "
-                "size table differ by more than that in resistance times section, and nominal force is a light pull, "
-                "under which a wire is not quite the stretched one that is sold",
-                "printed", partial(cold_resistance, wire=wire),
-            ),
-            Check(
-                f"table1.maximum_force_n[{label}]", table["maximum_force_n"][index], "N", 0.0, SAME, "input",
-                partial(wire_number, name="maximum_force_n", wire=wire),
-            ),
-            Check(
-                f"table1.nominal_force_n[{label}]", table["nominal_force_n"][index], "N", 0.0, SAME, "input",
-                partial(wire_number, name="nominal_force_n", wire=wire),
-            ),
-        ]  # fmt: skip
-    return found
+    """Return the rows of Table 1, property by property."""
+    diameters = table["diameter_um"]
+    taken = (("diameter_um", "um", "diameter_m", 1e6), ("maximum_force_n", "N", "maximum_force_n", 1.0),
+             ("nominal_force_n", "N", "nominal_force_n", 1.0))  # fmt: skip
+    found = [
+        Check(f"table1.{name}[{diameter}um]", printed, unit, 0.0, SAME, "input",
+            partial(wire_number, name=key, wire=wire_name(diameter), factor=factor))
+        for name, unit, key, factor in taken
+        for diameter, printed in zip(diameters, table[name], strict=True)
+    ]  # fmt: skip
+    return found + [
+        Check(
+            f"table1.resistance_per_metre_ohm_per_m[{diameter}um]", printed, "ohm/m", RESISTANCE_TOLERANCE * printed,
+            "the cold simulated wire, each leg under the nominal force, by Eq. 1; 5 %: spools of the vendor's own size "
+            "table differ by more than that in resistance times section, and nominal force is a light pull, under "
+            "which a wire is not quite the stretched one that is sold",
+            "printed", partial(cold_resistance, wire=wire_name(diameter)),
+        )
+        for diameter, printed in zip(diameters, table["resistance_per_metre_ohm_per_m"], strict=True)
+    ]  # fmt: skip
 
 
 def wire_number(_runs: Runs, *, name: str, wire: str, factor: float = 1.0) -> float:
@@ -110,21 +103,18 @@ def ratio_checks(paper: dict[str, Any]) -> list[Check]:
     """Return the force ratio of every printed pretension: F_p over the maximal force of Table 1."""
     table = paper["table1"]
     why = (
-        "the load cell of the simulated rig before heating, over the wire's maximal force; 2 %: the load cell's noise "
+        "the printed pretension over the printed maximal force, beside the load cell's reading before heating over the "
+        "wire's maximal force; 2 %: the load cell's noise "
         "and what the cold wire gives in the first samples"
     )
-    return [
-        Check(
-            f"table1.force_ratio[{diameter}um,{force:.2f}N]",
-            force / table["maximum_force_n"][table["diameter_um"].index(diameter)],
-            "1",
-            0.02 * force / table["maximum_force_n"][table["diameter_um"].index(diameter)],
-            why,
-            "printed",
-            partial(force_ratio, wire=wire_name(diameter), pretension_n=force),
-        )
-        for diameter, force in printed_settings(paper)
-    ]
+    found = []
+    for diameter, force in printed_settings(paper):
+        ratio = round(force / table["maximum_force_n"][table["diameter_um"].index(diameter)], 4)
+        found.append(
+            Check(f"table1.force_ratio[{diameter}um,{force:.2f}N]", ratio, "1", 0.02 * ratio, why, "printed",
+                partial(force_ratio, wire=wire_name(diameter), pretension_n=force))
+        )  # fmt: skip
+    return found
 
 
 def force_ratio(runs: Runs, *, wire: str, pretension_n: float) -> float:

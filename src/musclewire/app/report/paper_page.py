@@ -1,0 +1,209 @@
+"""The page of ``musclewire reproduce``: our figures beside the rows they belong to, in one HTML file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from html import escape
+from importlib.metadata import version
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from musclewire.app.report.page import report_style, template
+from musclewire.app.report.paper_figures import FIGURES, drawn
+from musclewire.app.report.row_text import limit_text, ours_text, paper_text, verdict
+from musclewire.signals.whole_files import write_whole
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from musclewire.experiment.reproduce import Reproduction, Row
+
+__all__ = ["TITLES", "write_paper_page"]
+
+# Title and text of each subject, in the order of the page.
+TITLES: dict[str, tuple[str, str]] = {
+    "table1": ("Table 1: the wires", "Forces and diameters were taken over; resistance per metre is simulated."),
+    "setup": ("Section 2.1: the setup", "What the main loop was run with, read back from its recording."),
+    "eq1": ("Eq. 1: resistance from two voltages", ""),
+    "eq2": ("Eq. 2: the gap", ""),
+    "eq3": ("Eq. 3: normalised resistance", ""),
+    "eq4": ("Eq. 4: polynomials of both branches", ""),
+    "eq5": ("Eq. 5: their average", ""),
+    "eq6": (
+        "Eq. 6: gains within their ranges",
+        "Least and largest gain of the steps, and what the rules can reach.",
+    ),
+    "eq7": ("Eq. 7: the mean absolute error", ""),
+    "fig3a": ("Fig. 3(a): strain against voltage", "The major loop, and two of smaller amplitude inside it."),
+    "fig3b": ("Fig. 3(b): strain against resistance", "The same loops, and how the strain divides at B."),
+    "fig4": (
+        "Fig. 4: pretension closes the strain loop (125 um)",
+        'The paper adds that "the strain gap of the largest pretension force is almost zero", and prints 2.702 % for '
+        "it: the printed number counts here.",
+    ),
+    "fig5": ("Fig. 5: the force loop closes and opens again (125 um)", ""),
+    "fig6a": ("Fig. 6(a): strain gap against force ratio", "Three diameters at equal shares of their maximal force."),
+    "fig6b": ("Fig. 6(b): force gap against force ratio", ""),
+    "fig7": (
+        "Fig. 7: strain hardly minds the spring (100 um, 1.70 N)",
+        "The paper prints none of its three stiffnesses; half, one and two times its spring are our choice.",
+    ),
+    "fig8": ("Fig. 8: force does", ""),
+    "fig9": ("Fig. 9: the loop, its polynomials and their average (100 um, 1.9 N)", ""),
+    "table2": (
+        "Table 2: strains, required resistances, errors",
+        'The text calls it Table 3. Of the errors it says "less than 2 %" but for one; its own table prints 2.000 '
+        "for a second.",
+    ),
+    "fig11": ("Fig. 11: the staircase", "Moved by resistance alone; the displacement sensor only judges."),
+    "fig12": ("Fig. 12: the trace of the staircase", ""),
+    "isobars": (
+        "Not in the paper: Flexinol isobars",
+        "The same alloy under constant stress, beside measured loops published elsewhere (Texas A&amp;M).",
+    ),
+}
+
+
+def write_paper_page(
+    result: Reproduction, path: Path, selection: str, on_figure: Callable[[str], None] = lambda _: None
+) -> None:
+    """Write the page, whole or not at all; ``on_figure`` hears of each subject before it is drawn."""
+    subjects = [
+        (subject, list(rows))
+        for subject, rows in groupby(result.rows, key=lambda row: row.subject)
+    ]  # fmt: skip
+    sections = []
+    for with_figure, together in groupby(subjects, key=lambda pair: pair[0] in FIGURES):
+        parts = []
+        for subject, rows in together:
+            on_figure(subject)
+            parts.append(section(subject, rows, drawn(subject, result.runs)))
+        # Those without a figure are short and stand in two columns.
+        sections.append("".join(parts) if with_figure else f'<div class="small">{"".join(parts)}</div>')
+    page = template("paper.html").substitute(
+        style=report_style(),
+        cards=cards(result),
+        links="".join(link(subject, rows) for subject, rows in subjects),
+        failing_title=failing_title(result),
+        failing=failing_part(result),
+        sections="".join(sections),
+        version=escape(version("musclewire")),
+        seed=result.seed,
+        selection=escape(selection),
+    )
+
+    def write(part: Path) -> None:
+        part.write_text(page, "utf-8")
+
+    write_whole(path, write)
+
+
+def cards(result: Reproduction) -> str:
+    """Return the counts of the page."""
+    measured = [row for row in result.rows if row.kind != "input"]
+    holding = len(result.rows) - len(result.failing)
+    known = len(result.failing) - len(result.new_failures)
+    shown = (
+        ("Rows that hold", f"{holding} of {len(result.rows)}", f"{len(result.rows) - len(measured)} of them inputs"),
+        ("Failing, known", str(known), "on the committed list"),
+        ("Failing, new", str(len(result.new_failures)), "not on the list"),
+        ("Repaired", str(len(result.repaired)), "on the list, and hold"),
+        ("Computed in", f"{result.wall_s:.1f} s", "before drawing"),
+    )
+    return "".join(
+        f'<div class="card"><div class="name">{name}</div><div class="value">{value}</div>'
+        f'<div class="beside">{beside}</div></div>'
+        for name, value, beside in shown
+    )
+
+
+def short_title(subject: str) -> str:
+    """Return what stands before the colon of a title."""
+    if subject == "isobars":
+        return "Isobars"
+    return TITLES[subject][0].partition(":")[0]
+
+
+def link(subject: str, rows: Sequence[Row]) -> str:
+    """Return the link to a section, marked where a row of it fails."""
+    mark = "" if all(row.ok for row in rows) else ' class="failing"'
+    return f'<a href="#{subject}"{mark}>{short_title(subject)}</a>'
+
+
+def section(subject: str, rows: Sequence[Row], figure: str) -> str:
+    """Return a section: figure and rows side by side, rows alone where there is no figure."""
+    title, text = TITLES[subject]
+    paragraph = f"<p>{text}</p>" if text else ""
+    drawing = f'<div class="figure">{figure}</div>' if figure else ""
+    return (
+        f'<section id="{subject}"><h2>{title}</h2>{paragraph}<div class="side">{drawing}'
+        f'<div class="scroll"><table class="rows">{HEADER}<tbody>{body(rows)}</tbody></table></div></div></section>'
+    )
+
+
+HEADER = (
+    '<thead><tr><th>row</th><th class="number">paper</th><th class="number">ours</th><th class="number">allowed</th>'
+    "<th></th></tr></thead>"
+)
+
+
+def body(rows: Sequence[Row]) -> str:
+    """Return table rows; neighbours with the same reason share one line of it."""
+    parts = []
+    for _, group in groupby(rows, key=lambda row: (row.why, row.kind)):
+        together = list(group)
+        parts += [table_row(row) for row in together]
+        parts.append(
+            f'<tr class="why"><td colspan="5"><span class="kind">{together[0].kind}</span> · '
+            f"{escape(together[0].why)}</td></tr>"
+        )
+    return "".join(parts)
+
+
+def table_row(row: Row) -> str:
+    """Return a row, with its problem and the reason of a known failure beneath it."""
+    cells = f'<td class="name" title="{escape(row.name)}">{breakable(row.name.partition(".")[2])}</td>{numbers(row)}'
+    more = [text for text in (row.problem, row.known_reason) if text]
+    below = f'<tr class="why more"><td colspan="5">{escape("; ".join(more))}</td></tr>' if more else ""
+    return f"<tr{row_class(row)}>{cells}</tr>{below}"
+
+
+def breakable(name: str) -> str:
+    """Return a row's name that may be broken before a bracket and after an underscore."""
+    return escape(name).replace("[", "<wbr>[").replace("_", "_<wbr>")
+
+
+def numbers(row: Row) -> str:
+    """Return the cells after a row's name."""
+    unit = "" if row.unit == "1" else f" {escape(row.unit)}"
+    return (
+        f'<td class="number paper">{paper_text(row)}</td><td class="number">{ours_text(row)}</td>'
+        f'<td class="number">{limit_text(row)}<span class="unit">{unit}</span></td>'
+        f'<td class="{"holds" if row.ok else "fails"}">{verdict(row)}</td>'
+    )
+
+
+def row_class(row: Row) -> str:
+    """Return the class attribute of a failing row, nothing for one that holds."""
+    return "" if row.ok else " class='failing'"
+
+
+def failing_title(result: Reproduction) -> str:
+    """Return the heading of the summary."""
+    count = len(result.failing)
+    return "Every row holds" if count == 0 else f"{count} row{'' if count == 1 else 's'} of {len(result.rows)} fail"
+
+
+def failing_part(result: Reproduction) -> str:
+    """Return the failing rows, and those that hold although the list says otherwise."""
+    rows = [*result.failing, *result.repaired]
+    if not rows:
+        return "<p>Nothing on this page is outside its tolerance.</p>"
+    lines = "".join(
+        f"<tr{row_class(row)}>"
+        f'<td class="name"><a href="#{row.subject}">{breakable(row.name)}</a></td>{numbers(row)}'
+        f"<td>{escape(row.known_reason or row.problem or '')}</td></tr>"
+        for row in rows
+    )
+    header = HEADER.replace("<th></th></tr>", "<th></th><th>reason</th></tr>")
+    return f'<div class="scroll"><table class="rows">{header}<tbody>{lines}</tbody></table></div>'

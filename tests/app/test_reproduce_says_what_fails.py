@@ -1,0 +1,137 @@
+"""`musclewire reproduce` with checks of our own making: what it prints, writes and ends with."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from musclewire.app.main import run
+from musclewire.errors import RecordingError
+from musclewire.experiment import reproduce as reproduce_room
+from musclewire.experiment.reproduce import Check, Runs, reproduction
+
+KEYS = {
+    *("name", "paper", "ours", "unit", "tolerance", "compare", "ok", "known_failure", "known_reason", "why", "kind"),
+    "problem",
+}
+
+
+def no_loop(_: Runs) -> float:
+    raise RecordingError("no complete cycle")
+
+
+def check(name: str, measure: Callable[[Runs], float]) -> Check:
+    return Check(name, 2.0, "ohm", 0.5, "because half is enough", "printed", measure)
+
+
+GOOD, REPAIRED = check("eq1.good", lambda _: 2.1), check("eq1.repaired", lambda _: 2.0)
+KNOWN, NEW = check("eq2.known", lambda _: 9.0), check("eq2.new[125um,1.70N]", no_loop)
+
+
+@pytest.fixture
+def checks(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    def use(*chosen: Check) -> None:
+        for room in (reproduce_room, reproduction):
+            monkeypatch.setattr(room, "all_checks", lambda: list(chosen))
+        known = {"eq2.known": "too <soft> by far", "eq1.repaired": "was too hard"}
+        monkeypatch.setattr(reproduction, "known_failures", lambda: known)
+
+    return use
+
+
+def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    code = run(["reproduce", *arguments])
+    said = capsys.readouterr()
+    return code, said.out, said.err
+
+
+def test_rows_that_hold_end_with_zero(
+    checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    checks(GOOD)
+    code, out, _ = answer(capsys, "--out", str(tmp_path / "new" / "folder"))
+    assert code == 0
+    assert "1 of 1 rows hold" in out
+    assert (tmp_path / "new" / "folder" / "reproduce.html").is_file()
+
+
+@pytest.mark.parametrize("failing", [KNOWN, NEW])
+def test_any_failing_row_ends_with_one_known_or_not(
+    failing: Check, checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    checks(GOOD, failing)
+    assert answer(capsys, "--out", str(tmp_path))[0] == 1
+
+
+def test_the_text_tells_known_new_and_repaired_apart(
+    checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    checks(GOOD, REPAIRED, KNOWN, NEW)
+    _, out, _ = answer(capsys, "--out", str(tmp_path))
+    assert "2 of 4 rows hold" in out
+    known, new, repaired = (
+        out.index(text) for text in ("known failures:", "new failures, not on", "repaired: on the committed list")
+    )
+    assert known < out.rindex("eq2.known: too <soft> by far") < new
+    assert new < out.rindex("eq2.new[125um,1.70N]: no complete cycle") < repaired < out.rindex("eq1.repaired")
+
+
+def test_the_json_is_one_document_and_lies_beside_the_page(
+    checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    checks(GOOD, REPAIRED, KNOWN, NEW)
+    code, out, err = answer(capsys, "--json", "--out", str(tmp_path))
+    document: dict[str, Any] = json.loads(out)
+    assert (code, err) == (1, "")
+    assert document == json.loads((tmp_path / "reproduce.json").read_text("utf-8"))
+    assert document["failing"] == ["eq2.known", "eq2.new[125um,1.70N]"]
+    assert document["new_failures"] == ["eq2.new[125um,1.70N]"]
+    assert document["repaired"] == ["eq1.repaired"]
+    assert all(set(row) == KEYS for row in document["rows"])
+    good, _, known, new = document["rows"]
+    assert (good["paper"], good["ours"], good["ok"], good["known_failure"]) == (2.0, 2.1, True, False)
+    assert (known["ok"], known["known_failure"], known["known_reason"]) == (False, True, "too <soft> by far")
+    assert (new["ours"], new["problem"]) == (None, "no complete cycle")
+
+
+def test_the_page_shows_every_row_with_its_verdict_and_reason(
+    checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    checks(GOOD, REPAIRED, KNOWN, NEW)
+    answer(capsys, "--out", str(tmp_path))
+    page = (tmp_path / "reproduce.html").read_text("utf-8")
+    assert "2 rows of 4 fail" in page
+    for text in ("fails, known", "fails, new", "holds, listed as failing", "too &lt;soft&gt; by far", "no complete"):
+        assert text in page
+    assert page.count("because half is enough") == 2  # once for each section, not once for each row
+
+
+def test_only_keeps_what_begins_so(
+    checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    checks(GOOD, KNOWN)
+    code, out, _ = answer(capsys, "--only", "eq1", "--json", "--out", str(tmp_path))
+    assert code == 0
+    assert [row["name"] for row in json.loads(out)["rows"]] == ["eq1.good"]
+
+
+def test_an_unknown_name_is_one_line_exit_code_two_and_nothing_written(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    code, out, err = answer(capsys, "--only", "fig44", "--out", str(tmp_path / "out"))
+    assert code == 2
+    assert out == ""
+    assert err == "musclewire: no row or figure begins with 'fig44'; did you mean 'fig4'?\n"
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_cannot_be_is_refused_before_any_work(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("x")
+    code, _, err = answer(capsys, "--out", str(tmp_path / "file" / "under"))
+    assert code == 2
+    assert "cannot make the folder" in err
+    assert err.count("\n") == 1
