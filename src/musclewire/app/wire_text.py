@@ -203,7 +203,7 @@ def comparison_text(compared: Sequence[Comparison]) -> str:
             f"{low.row.name:>5} {current:>7} | {judged_text(low.contraction, 100.0, 1):>11} "
             f"{judged_text(low.cooling, 1.0, 2):>14}  {marked(low.cooling.cell.value, low.cooling.cell):>8} | "
             f"{judged_text(high.contraction, 100.0, 1):>11} {judged_text(high.cooling, 1.0, 2):>10}  "
-            f"{marked(high.cooling.cell.value, high.cooling.cell):>8}"
+            f"{marked(high.cooling.cell.value, high.cooling.cell):>8}".rstrip()
         )
     document = comparison_json(compared)
     lines += [
