@@ -52,8 +52,12 @@ def reproduce(
         old.unlink(missing_ok=True)  # an interrupted run must not leave an old answer
     with stops_between_samples(), rows_shown(quiet=json) as on_row:
         result = run_reproduce(only, seed=seed, on_row=on_row, on_sample=stop_if_asked)
-        on_row("drawing", len(chosen), len(chosen))
-        write_paper_page(result, page, "all rows" if only is None else f"rows that begin with {only}")
+
+        def on_figure(subject: str) -> None:
+            stop_if_asked()
+            on_row(f"drawing.{subject}", len(chosen), len(chosen))
+
+        write_paper_page(result, page, "all rows" if only is None else f"rows that begin with {only}", on_figure)
     document = as_document(result, page, time.perf_counter() - started)
     write_document(document, data)
     if json:

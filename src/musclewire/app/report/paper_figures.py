@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -40,14 +41,14 @@ WHITE_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8
 
 
 def drawn(subject: str, runs: Runs) -> str:
-    """Return a subject's figure as SVG, empty where it has none or where its loops cannot be used."""
+    """Return a subject's figure as SVG; empty where it has none, the reason where its loops cannot be used."""
     if subject not in FIGURES:
         return ""
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]  # matplotlib lists every key as a literal
         try:
             return svg(FIGURES[subject](runs), subject)
-        except MusclewireError:
-            return ""  # the rows of this subject fail with the reason
+        except MusclewireError as error:
+            return f'<p class="note">Cannot be drawn: {escape(str(error))}</p>'
 
 
 def one_panel() -> tuple[Figure, Axes]:

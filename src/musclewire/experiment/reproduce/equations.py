@@ -27,7 +27,7 @@ def checks() -> list[Check]:
     return [
         deviation("eq1.resistance_rms_error_ohm", "ohm", 0.01, resistance_error_ohm,
             "rms from B to C of Eq. 1 against the simulated wire's own resistance; 0.01 ohm: half of what R_min and "
-            "R_max may be off, and several times what the converter's noise leaves"),
+            "R_max may be off; what is left is the converter's noise, and that a reading is a mean over its sample"),
         deviation("eq2.gap_difference_pct", "%", 0.1, gap_difference_pct,
             "the gap by NumPy alone, samples sorted by resistance, against ours; 0.1 points: ours smooths first, and "
             "the noise that stays in the plain way widens its gap a little"),

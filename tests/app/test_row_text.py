@@ -1,0 +1,68 @@
+"""The numbers of a row as people read them, on the page and in the terminal."""
+
+from __future__ import annotations
+
+import pytest
+
+from musclewire.app.report.paper_figures import FIGURES, drawn
+from musclewire.app.report.paper_page import TITLES
+from musclewire.app.report.row_text import limit_text, ours_text, paper_text
+from musclewire.errors import RecordingError
+from musclewire.experiment.reproduce import Check, Row, Runs, all_checks, judged
+from musclewire.experiment.reproduce.checks import Compare, Kind, subject_of
+
+
+def row(ours: float, paper: float, tolerance: float, compare: Compare = "within", kind: Kind = "printed") -> Row:
+    check = Check("fig0.x", paper, "ohm", tolerance, "because", kind, lambda _: ours, compare)
+    return judged(check, Runs(), {})
+
+
+@pytest.mark.parametrize(
+    ("ours", "paper", "tolerance", "text"),
+    [
+        (15.148649, 15.1526, 0.02, "15.1486"),  # the paper's digits
+        (8.50308, 8.196, 0.5, "8.503"),
+        (0.2392, 1.0, 1.0, "0.24"),
+        (121.56, 126.0, 6.3, "121.6"),
+        (5.9e-15, 0.0, 1e-6, "6e-15"),  # small, and not zero
+        (0.0, 0.0, 1e-6, "0.000000"),
+        (588.6, 588.6, 0.0, "588.6"),
+    ],
+)
+def test_our_number_has_the_digits_that_tolerance_and_paper_ask_for(
+    ours: float, paper: float, tolerance: float, text: str
+) -> None:
+    assert ours_text(row(ours, paper, tolerance)) == text
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "compare", "kind", "paper", "limit"),
+    [
+        (0.5, "within", "printed", "2", "± 0.5"),
+        (0.5, "within", "words", "–", "2 ± 0.5"),
+        (0.0, "within", "input", "2", "the same"),
+        (0.0, "within", "words", "–", "= 2"),
+        (0.5, "at most", "printed", "2", "≤ 2.5"),
+        (0.5, "at least", "equation", "–", "≥ 1.5"),
+    ],
+)
+def test_what_is_allowed_is_said_so_that_it_can_be_checked_by_eye(
+    tolerance: float, compare: Compare, kind: Kind, paper: str, limit: str
+) -> None:
+    shown = row(2.0, 2.0, tolerance, compare, kind)
+    assert (paper_text(shown), limit_text(shown)) == (paper, limit)
+
+
+def test_every_subject_has_a_title_and_every_figure_its_rows() -> None:
+    subjects = {subject_of(check.name) for check in all_checks()}
+    assert set(TITLES) == subjects
+    assert set(FIGURES) <= subjects
+
+
+def test_a_figure_whose_loops_cannot_be_used_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_loop(_: Runs) -> None:
+        raise RecordingError("no <complete> cycle")
+
+    monkeypatch.setitem(FIGURES, "fig4", no_loop)
+    assert "no &lt;complete&gt; cycle" in drawn("fig4", Runs())
+    assert drawn("eq1", Runs()) == ""
