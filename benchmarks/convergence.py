@@ -66,7 +66,7 @@ class Course(NamedTuple):
 COURSES = (
     Course("slow loop", "round", slow_sine_v()),
     Course("fast step", "round", fast_step_v()),
-    # All its grains turn to R-phase within half a kelvin.
+    # The R-phase temperatures of its grains spread by half a kelvin only.
     Course("sudden start", "narrow", fast_step_v()),
 )
 
