@@ -1,0 +1,71 @@
+"""A search moves a vector; here is which wire it stands for."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.parameters.priors import Prior, PriorSet
+from musclewire.parameters.schema import Alloy, Bench, Wire
+
+__all__ = ["Candidates", "WireValues"]
+
+FloatArray = NDArray[np.float64]
+
+
+class WireValues(NamedTuple):
+    """The bare numbers of a wire on a bench, by name, in SI."""
+
+    alloy: dict[str, float]
+    wire: dict[str, float]
+    bench: dict[str, float]
+
+
+class Candidates:
+    """Parameters to find, as vectors of standard normal coordinates: 0 is the prior's mean, 1 its deviation.
+
+    One coordinate a parameter, in the order of ``names``; everything else keeps the value of the wire, alloy and bench
+    given.
+    """
+
+    def __init__(self, priors: PriorSet, alloy: Alloy, wire: Wire, bench: Bench, only: list[str] | None = None) -> None:
+        """Take the priors, or those of them in ``only``."""
+        chosen = {name: prior for name, prior in priors.parameters.items() if only is None or name in only}
+        self.names: tuple[str, ...] = tuple(chosen)
+        self.priors: tuple[Prior, ...] = tuple(chosen.values())
+        self._base = WireValues(alloy.values(), wire.values(), bench.values())
+        self._mean = np.array([prior.mean for prior in self.priors])
+        self._std = np.array([prior.std for prior in self.priors])
+        self.low: FloatArray = (np.array([prior.low for prior in self.priors]) - self._mean) / self._std
+        self.high: FloatArray = (np.array([prior.high for prior in self.priors]) - self._mean) / self._std
+
+    def __len__(self) -> int:
+        """Return how many parameters are to be found."""
+        return len(self.names)
+
+    def numbers(self, coordinates: FloatArray) -> FloatArray:
+        """Return parameters in SI from coordinates, both (n_parameters,)."""
+        return np.asarray(self._mean + self._std * coordinates)
+
+    def coordinates(self, numbers: FloatArray) -> FloatArray:
+        """Return coordinates from parameters in SI, both (n_parameters,)."""
+        return np.asarray((numbers - self._mean) / self._std)
+
+    def wire_values(self, coordinates: FloatArray) -> WireValues:
+        """Return the wire that a vector stands for."""
+        values = WireValues(dict(self._base.alloy), dict(self._base.wire), dict(self._base.bench))
+        for name, prior, number in zip(self.names, self.priors, self.numbers(coordinates), strict=True):
+            getattr(values, prior.group)[name] = float(number)
+        return values
+
+    def draw(self, random: np.random.Generator) -> FloatArray:
+        """Return coordinates drawn from the prior, cut off at the bounds, (n_parameters,)."""
+        found = np.empty(len(self))
+        for index in range(len(self)):
+            while True:
+                found[index] = random.standard_normal()
+                if self.low[index] < found[index] < self.high[index]:
+                    break
+        return found

@@ -1,0 +1,112 @@
+"""Isobaric strain-temperature loops as an observation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import RecordingError
+from musclewire.identify.isobars import Isobar
+from musclewire.identify.physical.candidates import WireValues
+from musclewire.identify.physical.observations import Channel, with_model_error
+from musclewire.sensing.smoothing import noise_level
+from musclewire.signals.recording import Recording
+from musclewire.simulate.paths import isobaric_path
+from musclewire.simulate.wire import constants_of
+
+__all__ = ["IsobaricObservation", "isobars_in", "observe_isobars"]
+
+FloatArray = NDArray[np.float64]
+
+# What a model of this kind is not expected to get right in the strain of an isobar, and over how many stretches of it.
+MODEL_ERROR = 2e-4
+STRETCHES = 10
+# Stress that wanders by less than this share is one isobar.
+SAME_STRESS = 0.03
+LEAST_POINTS, LEAST_STROKE = 20, 1e-3
+
+
+class IsobaricObservation:
+    """One wire under several constant stresses, one after the other, with one extensometer.
+
+    The extensometer's zero is not the model's; it is taken out once for all isobars, so that strain between
+    stresses counts.
+    """
+
+    def __init__(self, title: str, isobars: Sequence[Isobar], model_error: float = MODEL_ERROR) -> None:
+        """Take loops whose strains are positive in elongation."""
+        self._title = title
+        self._isobars = list(isobars)
+        self._channels = [
+            Channel(
+                f"strain at {isobar.stress_pa / 1e6:.4g} MPa",
+                "1",
+                "temperature_k",
+                isobar.temperature_k,
+                isobar.strain,
+                with_model_error(noise_level(isobar.strain), model_error, isobar.strain.size, STRETCHES),
+            )
+            for isobar in isobars
+        ]
+
+    @property
+    def title(self) -> str:
+        """What this is, in a few words."""
+        return self._title
+
+    @property
+    def isobars(self) -> Sequence[Isobar]:
+        """The loops as measured."""
+        return self._isobars
+
+    @property
+    def channels(self) -> Sequence[Channel]:
+        """One channel a stress."""
+        return self._channels
+
+    def refined(self) -> IsobaricObservation:
+        """Return the observation itself: an isobar has no time step."""
+        return self
+
+    def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
+        """Return the strain of this wire along each isobar's temperatures, on the extensometer's zero."""
+        constants = constants_of(values.alloy, values.wire, values.bench)
+        strains = [isobaric_path(constants, item.stress_pa, item.temperature_k).strain for item in self._isobars]
+        zero = float(np.mean(np.concatenate([item.strain for item in self._isobars]) - np.concatenate(strains)))
+        return {channel.name: strain + zero for channel, strain in zip(self._channels, strains, strict=True)}
+
+
+def isobars_in(recording: Recording, title: str) -> list[Isobar]:
+    """Return the isobars of a recording with temperature, strain and stress, strain positive in elongation.
+
+    Raises RecordingError where stress is not constant over a loop, or nothing transforms.
+    """
+    temperature_k, stress_pa = recording["wire_temperature_k"], recording["stress_pa"]
+    strain = recording["reference_strain"]
+    if np.corrcoef(temperature_k, strain)[0, 1] > 0.0:
+        strain = -strain  # contraction positive, as our own recordings have it
+    found = []
+    starts = [0, *(np.flatnonzero(np.abs(np.diff(stress_pa)) > SAME_STRESS * np.abs(stress_pa[1:]) + 1e5) + 1)]
+    for start, stop in zip(starts, [*starts[1:], len(recording)], strict=True):
+        part = slice(int(start), int(stop))
+        if stop - start < LEAST_POINTS:
+            raise RecordingError(
+                f"{title}: stress changes at row {int(stop) + 1} after {int(stop - start)} rows: an isobar needs at "
+                f"least {LEAST_POINTS} points at one stress, over heating and cooling"
+            )
+        found.append(Isobar(float(np.median(stress_pa[part])), temperature_k[part], strain[part]))
+    return found
+
+
+def observe_isobars(isobars: Sequence[Isobar], title: str) -> IsobaricObservation:
+    """Return isobars as one observation. Raises RecordingError where none of them shows a transformation."""
+    strokes = [float(np.ptp(item.strain)) for item in isobars]
+    if max(strokes) < LEAST_STROKE:
+        raise RecordingError(
+            f"{title}: strain changes by {100.0 * max(strokes):.3g} % at most: nothing transforms between "
+            f"{min(item.temperature_k.min() for item in isobars) - 273.15:.0f} C and "
+            f"{max(item.temperature_k.max() for item in isobars) - 273.15:.0f} C, so nothing can be identified"
+        )
+    return IsobaricObservation(title, sorted(isobars, key=lambda item: item.stress_pa))

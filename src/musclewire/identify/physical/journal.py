@@ -1,0 +1,65 @@
+"""The journal of a search: where each descent ended, so that an interrupted search goes on where it stopped."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from musclewire.errors import CallerError
+
+__all__ = ["Journal"]
+
+
+class Journal:
+    """One line of numbers a descent in a text file, behind a first line that says which search it belongs to."""
+
+    def __init__(self, path: Path, fingerprint: str) -> None:
+        """Open a journal, or begin one. A file that belongs to another search is refused with CallerError."""
+        self._path = path
+        self._remembered: list[list[float]] = []
+        self._position = 0
+        if path.exists():
+            self._remembered = read_journal(path, fingerprint)
+        lines = [json.dumps({"search": fingerprint}), *(json.dumps(numbers) for numbers in self._remembered)]
+        path.write_text("\n".join(lines) + "\n", "utf-8")
+
+    @property
+    def remembered(self) -> int:
+        """How many descents an earlier run left."""
+        return len(self._remembered)
+
+    def next(self) -> list[float] | None:
+        """Return the numbers of the next descent, None where the earlier run got no further."""
+        if self._position >= len(self._remembered):
+            return None
+        self._position += 1
+        return self._remembered[self._position - 1]
+
+    def write(self, numbers: list[float]) -> None:
+        """Add a descent; it is on the disk when this returns."""
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps([float(number) for number in numbers]) + "\n")
+
+    def remove(self) -> None:
+        """Delete the journal of a search that is done."""
+        self._path.unlink(missing_ok=True)
+
+
+def read_journal(path: Path, fingerprint: str) -> list[list[float]]:
+    """Return the lines of a journal; a last line cut off in writing is dropped."""
+    lines = path.read_text("utf-8").splitlines()
+    try:
+        belongs = json.loads(lines[0])["search"] == fingerprint
+    except (IndexError, KeyError, TypeError, json.JSONDecodeError):
+        raise CallerError(f"{path} is not the journal of a search: give another output, or move it away") from None
+    if not belongs:
+        raise CallerError(
+            f"{path} belongs to a search with other recordings or settings: finish that one, or delete the file"
+        )
+    found: list[list[float]] = []
+    for line in lines[1:]:
+        try:
+            found.append([float(number) for number in json.loads(line)])
+        except json.JSONDecodeError:
+            break
+    return found

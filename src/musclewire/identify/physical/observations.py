@@ -1,0 +1,95 @@
+"""What was observed of a wire, and how a candidate's simulation differs from it.
+
+An observation simulates a candidate through its own history and compares channel by channel, each in its own unit
+over its own uncertainty: the noise that the channel shows, and beside it what a model of this kind is not expected to
+get right. Noise is white; a model's error is not. It is counted once for a stretch of neighbouring points, as if they
+were one: else the sheer number of points would make intervals narrow that are not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.identify.physical.candidates import WireValues
+
+__all__ = ["Channel", "Comparison", "Observation", "binned", "compare", "residuals_of", "with_model_error"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One measured column, (n,), with its standard uncertainty, (n,), both in ``unit``, and the axis it runs over."""
+
+    name: str
+    unit: str
+    axis_name: str
+    axis: FloatArray
+    measured: FloatArray
+    uncertainty: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A channel beside what a candidate gives for it, (n,)."""
+
+    channel: Channel
+    predicted: FloatArray
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the difference, in the channel's unit."""
+        return float(np.sqrt(np.mean((self.predicted - self.channel.measured) ** 2)))
+
+
+class Observation(Protocol):
+    """Something measured on a wire, with a way to simulate it."""
+
+    @property
+    def title(self) -> str:
+        """What this is, in a few words, for people."""
+        ...
+
+    @property
+    def channels(self) -> Sequence[Channel]:
+        """The channels that are compared."""
+        ...
+
+    def refined(self) -> Observation:
+        """Return the same observation, simulated with all digits."""
+        ...
+
+    def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
+        """Return each channel as this wire would have given it."""
+        ...
+
+
+def compare(observation: Observation, values: WireValues) -> list[Comparison]:
+    """Return every channel of an observation beside a candidate's."""
+    predicted = observation.simulate(values)
+    return [Comparison(channel, predicted[channel.name]) for channel in observation.channels]
+
+
+def residuals_of(observation: Observation, values: WireValues) -> FloatArray:
+    """Return (predicted - measured) / uncertainty of all channels in a row, (n,)."""
+    parts = [
+        (item.predicted - item.channel.measured) / item.channel.uncertainty for item in compare(observation, values)
+    ]
+    return np.concatenate(parts)
+
+
+def binned(values: FloatArray, size: int) -> FloatArray:
+    """Return means over groups of ``size`` rows, (n // size,); what is left over at the end is dropped."""
+    count = values.shape[0] // size
+    return np.asarray(values[: count * size].reshape(count, size).mean(axis=1))
+
+
+def with_model_error(noise: FloatArray | float, error: float, points: int, stretches: int) -> FloatArray:
+    """Return the uncertainty of each of ``points`` points, (n,), with a model's error that is one for a stretch."""
+    together = max(points / stretches, 1.0)
+    return np.asarray(np.sqrt(np.square(noise) + error**2 * together) * np.ones(points))

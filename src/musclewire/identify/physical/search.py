@@ -1,0 +1,268 @@
+"""A global search, then a local one, for the vector that explains what was observed.
+
+Global: from many starts, a least-squares descent in which the observations count for little at first and for more and
+more on the way (graduated least squares, a homotopy in the noise). With blunt data the valley is wide and smooth; it
+narrows around where the descent already is. Starts are the prior's mean, draws from the prior, then jumps from the best
+so far. Local: once more from the best, simulated with all digits; the derivative at the end gives the uncertainty.
+Each descent is SciPy's trust-region reflective least squares with bounds (Branch, Coleman and Li 1999,
+doi 10.1137/S1064827595289108). Derivatives are simulated on threads: the simulator lets go of the interpreter.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import NumericsError
+from musclewire.identify.physical.journal import Journal
+
+__all__ = ["Found", "OnProgress", "Problem", "Settings", "jacobian", "search", "threads"]
+
+FloatArray = NDArray[np.float64]
+OnProgress = Callable[[str, int, int, float], None]
+
+# A candidate that cannot be simulated is as far off as this, in every residual.
+IMPOSSIBLE = 1e4
+# Steps of a derivative, in prior standard deviations: below, the edges of grain classes show; above, curvature does.
+SEARCH_STEP, FINAL_STEP = 0.01, 0.02
+# How many times too large the observations' uncertainty is taken, descent by descent.
+FROM_A_START = (100.0, 30.0, 10.0, 3.0, 1.0)
+FROM_A_JUMP = (10.0, 3.0, 1.0)
+# Spread of starts and jumps, in prior standard deviations.
+START_SPREAD, JUMP_SPREAD = 0.8, 0.5
+
+
+class Problem(Protocol):
+    """A vector's residuals, (n_observed + n,): the observations' in standard deviations, then the prior's."""
+
+    @property
+    def low(self) -> FloatArray:
+        """Lower bounds, (n,)."""
+        ...
+
+    @property
+    def high(self) -> FloatArray:
+        """Upper bounds, (n,)."""
+        ...
+
+    def residuals(self, coordinates: FloatArray) -> FloatArray:
+        """Return residuals; may raise NumericsError or return numbers that are not finite for impossible vectors."""
+        ...
+
+    def refined(self) -> Problem:
+        """Return the same problem with all the digits a simulation has, for the end of a search."""
+        ...
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How hard to search; the defaults suit a wire with some thirty unknowns."""
+
+    seed: int = 1
+    starts: int = 3
+    jumps: int = 2
+    evaluations_each: int = 12
+    evaluations_last: int = 12
+    threads: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Where a search ended: vector (n,), residuals (m,), their derivative (m, n), and what it cost to get there.
+
+    ``costs`` are the sums of squares at which the descents ended, in their order: where several agree, the minimum is
+    the only one in sight.
+    """
+
+    coordinates: FloatArray
+    residuals: FloatArray
+    jacobian: FloatArray
+    costs: tuple[float, ...]
+    simulations: int
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares of the residuals."""
+        return float(self.residuals @ self.residuals)
+
+
+class Workshop:
+    """A problem with threads to simulate it on, and a count of simulations."""
+
+    def __init__(self, problem: Problem, each: Callable[..., list[FloatArray | None]]) -> None:
+        """Take a problem and a map over vectors."""
+        self.problem = problem
+        self.simulations = 0
+        self._each = each
+
+    def residuals(self, coordinates: FloatArray) -> FloatArray | None:
+        """Return residuals at a vector, None where its wire is impossible."""
+        self.simulations += 1
+        return residuals_or_none(self.problem, coordinates)
+
+    def several(self, vectors: Sequence[FloatArray]) -> list[FloatArray | None]:
+        """Return residuals at several vectors, at a time."""
+        self.simulations += len(vectors)
+        return self._each(lambda vector: residuals_or_none(self.problem, vector), vectors)
+
+    def inside(self, coordinates: FloatArray) -> FloatArray:
+        """Return a vector moved off the bounds, where a descent may begin."""
+        margin = 1e-4 * (self.problem.high - self.problem.low)
+        return np.clip(coordinates, self.problem.low + margin, self.problem.high - margin)
+
+
+def residuals_or_none(problem: Problem, coordinates: FloatArray) -> FloatArray | None:
+    """Return residuals, None where they cannot be simulated (numbers that ran away)."""
+    try:
+        residuals = problem.residuals(coordinates)
+    except NumericsError:
+        return None
+    return residuals if np.all(np.isfinite(residuals)) else None
+
+
+@contextmanager
+def threads(count: int | None) -> Iterator[Callable[..., list[FloatArray | None]]]:
+    """Yield a map over vectors that runs on all cores, in order."""
+    with ThreadPoolExecutor(count or os.cpu_count() or 1) as pool:
+        yield lambda function, vectors: list(pool.map(function, vectors))
+
+
+def search(
+    problem: Problem,
+    settings: Settings,
+    *,
+    journal: Journal | None = None,
+    on_progress: OnProgress | None = None,
+) -> Found:
+    """Return the best vector found, repeatable for one seed whatever the number of threads.
+
+    With a ``journal`` an interrupted search goes on after the last descent that it finished. Raises NumericsError
+    where no vector can be simulated.
+    """
+    report = on_progress or (lambda *_: None)
+    with threads(settings.threads) as each:
+        workshop = Workshop(problem, each)
+        ends = descents(workshop, settings, journal, report)
+        if not np.isfinite(min(cost for cost, _ in ends)):
+            raise NumericsError("no candidate could be simulated: check the recording's bench, drive and units")
+        rough = min(ends, key=lambda end: end[0])[1]
+        fine = Workshop(problem.refined(), each)
+        _, best = descend(fine, rough, 1.0, settings.evaluations_last, SEARCH_STEP)
+        residuals = fine.residuals(best)
+        if residuals is None:
+            raise NumericsError("the best candidate cannot be simulated: report this with the recording")
+        report("local search", 1, 1, float(residuals @ residuals))
+        slope = jacobian(fine, best, residuals, FINAL_STEP, central=True)
+    return Found(best, residuals, slope, tuple(cost for cost, _ in ends), workshop.simulations + fine.simulations)
+
+
+def descents(
+    workshop: Workshop, settings: Settings, journal: Journal | None, report: OnProgress
+) -> list[tuple[float, FloatArray]]:
+    """Return the ends of all graduated descents, (cost, vector), in their order."""
+    size = workshop.problem.low.size
+    ends: list[tuple[float, FloatArray]] = []
+    for number in range(settings.starts + settings.jumps):
+        # Each start has its own stream, so that what a journal remembers does not shift the rest.
+        random = np.random.default_rng([settings.seed, number])
+        remembered = journal.next() if journal is not None else None
+        if remembered is not None:
+            ends.append((remembered[0], np.array(remembered[1:])))
+        else:
+            ends.append(one_descent(workshop, ends, number, settings, random, size))
+            if journal is not None:
+                journal.write([ends[-1][0], *ends[-1][1]])
+        report("global search", number + 1, settings.starts + settings.jumps, min(cost for cost, _ in ends))
+    return ends
+
+
+def one_descent(
+    workshop: Workshop,
+    ends: Sequence[tuple[float, FloatArray]],
+    number: int,
+    settings: Settings,
+    random: np.random.Generator,
+    size: int,
+) -> tuple[float, FloatArray]:
+    """Descend from the prior's mean, from a draw, or from a jump off the best end so far."""
+    jump = random.standard_normal(size)
+    if number < settings.starts:
+        vector = START_SPREAD * jump if number else np.zeros(size)
+        blunt: tuple[float, ...] = FROM_A_START
+    else:
+        vector, blunt = min(ends, key=lambda end: end[0])[1] + JUMP_SPREAD * jump, FROM_A_JUMP
+    cost = np.inf
+    for bluntness in blunt:
+        cost, vector = descend(workshop, vector, bluntness, settings.evaluations_each, SEARCH_STEP)
+        if not np.isfinite(cost):
+            break
+    return cost, vector
+
+
+def descend(
+    workshop: Workshop, start: FloatArray, bluntness: float, evaluations: int, step: float
+) -> tuple[float, FloatArray]:
+    """Return cost and vector of the least-squares minimum next to ``start``, with observations made blunt.
+
+    The cost is that of the blunt problem; it is the problem's own for a bluntness of 1. Infinite where the start cannot
+    be simulated.
+    """
+    from scipy.optimize import least_squares
+
+    first = workshop.residuals(workshop.inside(start))
+    if first is None:
+        return np.inf, start
+    weight = np.ones(first.size)
+    weight[: first.size - start.size] /= bluntness
+
+    def residuals(vector: FloatArray) -> FloatArray:
+        found = workshop.residuals(vector)
+        return np.full(first.size, IMPOSSIBLE) if found is None else weight * found
+
+    def slope(vector: FloatArray) -> FloatArray:
+        here = workshop.residuals(vector)
+        if here is None:
+            return np.zeros((first.size, vector.size))
+        return np.asarray(weight[:, None] * jacobian(workshop, vector, here, step, central=False))
+
+    fit = least_squares(
+        residuals,
+        workshop.inside(start),
+        jac=slope,
+        bounds=(workshop.problem.low, workshop.problem.high),
+        ftol=1e-3 if bluntness > 1.0 else 1e-5,
+        xtol=1e-4,
+        max_nfev=evaluations,
+    )
+    return 2.0 * float(fit.cost), np.asarray(fit.x)
+
+
+def jacobian(
+    workshop: Workshop, coordinates: FloatArray, here: FloatArray, step: float, *, central: bool
+) -> FloatArray:
+    """Return the derivative of residuals by coordinates, (m, n), by differences within the bounds.
+
+    ``here`` are the residuals at ``coordinates``. Beside a wire that cannot be, no slope is known and none is claimed.
+    """
+    low, high = workshop.problem.low, workshop.problem.high
+    vectors = []
+    for index in range(coordinates.size):
+        for sign in (-1.0, 1.0) if central else (1.0 if coordinates[index] + step < high[index] else -1.0,):
+            vector = coordinates.copy()
+            vector[index] = min(max(vector[index] + sign * step, low[index]), high[index])
+            vectors.append(vector)
+    found = workshop.several(vectors)
+    columns = []
+    for index in range(coordinates.size):
+        before, after = (found[2 * index], found[2 * index + 1]) if central else (here, found[index])
+        width = (vectors[2 * index + 1] - vectors[2 * index] if central else vectors[index] - coordinates)[index]
+        usable = before is not None and after is not None and width != 0.0
+        columns.append((after - before) / width if usable else np.zeros_like(here))  # type: ignore[operator]
+    return np.stack(columns, axis=1)
