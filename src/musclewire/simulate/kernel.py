@@ -125,8 +125,9 @@ def heated(
     seen_drives: FloatArray,
 ) -> tuple[WireNumbers, float]:
     """Return the wire after heat has flowed for one step and its grains have followed, and the rise they saw [K]."""
-    excess_k = state.temperature_k - constants.ambient_temperature_k
-    loss_w = convection_w_per_m2_k(constants, state.temperature_k) * constants.surface_m2 * excess_k
+    middle_k = state.temperature_k + 0.5 * dt_s * state.temperature_rate_k_per_s
+    excess_k = middle_k - constants.ambient_temperature_k
+    loss_w = convection_w_per_m2_k(constants, middle_k) * constants.surface_m2 * excess_k
     heat_j = (power_w - loss_w) * dt_s
     taken = heat_taken_up(state, constants, freshness, heat_j, grain_martensite, grain_r_phase, seen_drives)
     after = WireNumbers(
@@ -144,12 +145,16 @@ def heated(
         state.resistance_ohm,
         taken.capacity_j_per_k,
         state.stress_slope_pa_per_k,
+        (taken.temperature_k - state.temperature_k) / dt_s,
+        state.resistance_rate_ohm_per_s,
     )
     return after, taken.rise_k
 
 
 @compiled_inline
-def balanced(state: WireNumbers, constants: WireConstants, freshness: Freshness, rise_k: float) -> WireNumbers:
+def balanced(
+    state: WireNumbers, constants: WireConstants, freshness: Freshness, rise_k: float, dt_s: float
+) -> WireNumbers:
     """Return the wire in balance with its load, with the resistance it then has."""
     martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
     residual = freshness.residual_strain
@@ -164,6 +169,7 @@ def balanced(state: WireNumbers, constants: WireConstants, freshness: Freshness,
     if abs(rise_k) > NO_RISE_K:
         slope = (stress_pa - state.stress_pa) / rise_k
         slope = min(max(slope, -STEEPEST_STRESS_PA_PER_K), STEEPEST_STRESS_PA_PER_K)
+    resistance_ohm = resistance_of(constants, stress_pa, martensite, r_phase, temperature_k, freshness.fresh)
     return WireNumbers(
         state.time_s,
         temperature_k,
@@ -176,9 +182,11 @@ def balanced(state: WireNumbers, constants: WireConstants, freshness: Freshness,
         state.cycles,
         martensite,
         r_phase,
-        resistance_of(constants, stress_pa, martensite, r_phase, temperature_k, freshness.fresh),
+        resistance_ohm,
         state.capacity_j_per_k,
         slope,
+        state.temperature_rate_k_per_s,
+        (resistance_ohm - state.resistance_ohm) / dt_s,
     )
 
 
@@ -218,15 +226,19 @@ def advance_plain(
     displacement_sum = 0.0
     force_sum = 0.0
     for _ in range(steps):
+        # Resistance half a step ahead, as it will be on the mean over the step.
+        resistance_ohm = state.resistance_ohm + 0.5 * dt_s * state.resistance_rate_ohm_per_s
         # The buffer amplifier drives wire, shunt and leads in series.
-        current = drive_voltage_v / (state.resistance_ohm + constants.series_resistance_ohm)
-        power_w = current * current * state.resistance_ohm
-        wire_voltage_sum += current * state.resistance_ohm
+        current = drive_voltage_v / (resistance_ohm + constants.series_resistance_ohm)
+        power_w = current * current * resistance_ohm
+        wire_voltage_sum += current * resistance_ohm
         shunt_voltage_sum += current * constants.shunt_resistance_ohm
         state, rise_k = heated(state, constants, freshness, power_w, dt_s, grain_martensite, grain_r_phase, seen_drives)
-        state = balanced(state, constants, freshness, rise_k)
-        displacement_sum += state.contraction * constants.leg_length_m
-        force_sum += state.stress_pa * constants.legs * constants.area_m2
+        contraction, stress_pa = state.contraction, state.stress_pa
+        state = balanced(state, constants, freshness, rise_k, dt_s)
+        # The mean over a step, as for the voltages: else strain would lag resistance by a step.
+        displacement_sum += 0.5 * (contraction + state.contraction) * constants.leg_length_m
+        force_sum += 0.5 * (stress_pa + state.stress_pa) * constants.legs * constants.area_m2
     means = (wire_voltage_sum / steps, shunt_voltage_sum / steps, displacement_sum / steps, force_sum / steps)
     time_s = state.time_s + steps * dt_s
     return plain(state, time_s, state.martensite_fraction, state.r_phase_fraction), means
@@ -254,4 +266,6 @@ def plain(state: WireNumbers, time_s: float, martensite_fraction: float, r_phase
         state.resistance_ohm,
         state.capacity_j_per_k,
         state.stress_slope_pa_per_k,
+        state.temperature_rate_k_per_s,
+        state.resistance_rate_ohm_per_s,
     )

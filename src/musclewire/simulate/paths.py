@@ -25,6 +25,7 @@ SHOWN = tuple(
     WireState._fields.index(name)
     for name in ("temperature_k", "stress_pa", "martensite_fraction", "r_phase_fraction", "resistance_ohm")
 )
+RESISTANCE_RATE = WireState._fields.index("resistance_rate_ohm_per_s")
 
 
 class DrivenPath(NamedTuple):
@@ -69,7 +70,8 @@ def driven_plain(
     series = WireConstants(*constant_values).series_resistance_ohm
     shown = np.empty((drive.shape[0], 9))
     for sample in range(drive.shape[0]):
-        voltage = drive[sample] * (numbers[SHOWN[4]] + series) if regulated_current else drive[sample]
+        resistance = numbers[SHOWN[4]] + 0.5 * dt_s * numbers[RESISTANCE_RATE]  # as the kernel takes it for a step
+        voltage = drive[sample] * (resistance + series) if regulated_current else drive[sample]
         numbers, means = advance_plain(
             numbers,
             grain_martensite,

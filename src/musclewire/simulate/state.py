@@ -87,6 +87,8 @@ class WireNumbers(NamedTuple):
     resistance_ohm: float
     capacity_j_per_k: float
     stress_slope_pa_per_k: float
+    temperature_rate_k_per_s: float
+    resistance_rate_ohm_per_s: float
 
 
 class WireState(NamedTuple):
@@ -109,6 +111,8 @@ class WireState(NamedTuple):
     resistance_ohm: float
     capacity_j_per_k: float
     stress_slope_pa_per_k: float
+    temperature_rate_k_per_s: float
+    resistance_rate_ohm_per_s: float
     grain_martensite: FloatArray
     grain_r_phase: FloatArray
     seen_drives: FloatArray

@@ -140,6 +140,8 @@ def resting_state(constants: WireConstants) -> WireState:
         resistance_ohm=resistance_of(constants, stress, martensite, r_phase, temperature, 1.0),
         capacity_j_per_k=constants.heat_capacity_j_per_k,
         stress_slope_pa_per_k=0.0,
+        temperature_rate_k_per_s=0.0,
+        resistance_rate_ohm_per_s=0.0,
         grain_martensite=grain_martensite,
         grain_r_phase=grain_r_phase,
         seen_drives=seen_drives,

@@ -80,7 +80,8 @@ def test_electrical_energy_less_convection_is_the_heat_that_temperature_and_phas
     path, end = drive_path(wire, SWINGS_V, dt_s=DT_S, steps=1)
     joule_j = np.cumsum(path.wire_voltage_v * path.shunt_voltage_v / bench().values()["shunt_resistance_ohm"]) * DT_S
     air_k = bench().values()["ambient_temperature_k"]
-    wall_k = np.concatenate(([start.temperature_k], path.temperature_k[:-1]))
+    ends_k = np.concatenate(([start.temperature_k, start.temperature_k], path.temperature_k[:-1]))
+    wall_k = 1.5 * ends_k[1:] - 0.5 * ends_k[:-1]  # half a step ahead, as the last step went
     h = wire_100um().values()["convection_factor"] * np.array(
         [convection_coefficient_w_per_m2_k(t, air_k, 100e-6) for t in wall_k]
     )

@@ -26,7 +26,7 @@ def test_a_driven_path_is_the_wire_sample_by_sample_to_the_bit() -> None:
         assert path.wire_voltage_v[sample] == means.wire_voltage_v
         assert path.temperature_k[sample] == state.temperature_k
         assert path.resistance_ohm[sample] == state.resistance_ohm
-    assert end[:14] == state[:14]
+    assert end[:16] == state[:16]
 
 
 def test_a_path_cut_in_two_is_the_path_in_one() -> None:
