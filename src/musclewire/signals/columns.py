@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import importlib.resources
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
@@ -23,6 +23,8 @@ __all__ = [
     "key_of_header",
     "columns_called",
     "BRANCH_TABLE",
+    "ISOBAR_TABLE",
+    "needs_no_clock",
 ]
 
 ColumnKind = Literal["time", "electrical", "reference", "control", "table"]
@@ -70,8 +72,15 @@ _ALL = (
 
 COLUMNS: Mapping[str, Column] = MappingProxyType({column.name: column for column in _ALL})
 
-# A printed loop has no clock: these three columns stand in for one.
+# Two kinds of table have no clock, and these columns stand in for one: a printed loop, and what a test machine writes
+# while it heats and cools a wire under constant stress, where only the order of the rows counts.
 BRANCH_TABLE = ("resistance_ohm", "strain_heating", "strain_cooling")
+ISOBAR_TABLE = ("wire_temperature_k", "reference_strain", "stress_pa")
+
+
+def needs_no_clock(names: Collection[str]) -> bool:
+    """Tell whether columns of these names make a table without ``time_s``."""
+    return any(set(table) <= set(names) for table in (BRANCH_TABLE, ISOBAR_TABLE))
 
 
 def known_column(name: str) -> Column:

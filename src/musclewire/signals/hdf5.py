@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, RecordingError, nearest_hint
-from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, known_column
+from musclewire.signals.columns import COLUMNS, known_column, needs_no_clock
 from musclewire.signals.metadata import RESERVED, MetadataValue, checked_metadata
 from musclewire.signals.recording import Recording
 from musclewire.signals.whole_files import write_whole
@@ -171,7 +171,7 @@ def _checked_names(columns: Sequence[str]) -> tuple[str, ...]:
     repeated = sorted({name for name in names if names.count(name) > 1})
     if repeated:
         raise CallerError(f"column '{repeated[0]}' is given twice; name each column once")
-    if "time_s" not in names and not all(name in names for name in BRANCH_TABLE):
+    if "time_s" not in names and not needs_no_clock(names):
         raise CallerError("a recording needs the column time_s; add it to columns")
     return names
 

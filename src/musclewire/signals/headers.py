@@ -18,7 +18,7 @@ from musclewire.signals.columns import (
 )
 from musclewire.signals.units import Conversion, conversion_to_si, measures
 
-__all__ = ["Taken", "Ignored", "split_header", "understand_headers"]
+__all__ = ["Taken", "Ignored", "numbered_headers", "split_header", "understand_headers"]
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,14 @@ _SLASH = re.compile(r"\s*(?P<name>.+?)\s*/\s*(?P<unit>.+?)\s*")
 _LAST_WORD = re.compile(r"\s*(?P<name>.+)[ _](?P<unit>[^ _]*[^\W\d_%][^ _]*|%)\s*")
 
 
+_NUMBER = re.compile(r"\s*#(?P<number>\d+)\s*(?::(?P<unit>.*))?")
+
+
+def numbered_headers(count: int) -> tuple[str, ...]:
+    """Return what stands in for headers where a file has none: "#1", "#2", ..."""
+    return tuple(f"#{number}" for number in range(1, count + 1))
+
+
 def split_header(header: str) -> tuple[str, str | None]:
     """Split "Name [unit]", "Name (unit)" or "Name / unit" into name and unit; None for no unit."""
     match = _BRACKETS.fullmatch(header) or _SLASH.fullmatch(header)
@@ -67,7 +75,8 @@ def understand_headers(
 ) -> tuple[tuple[Taken, ...], tuple[Ignored, ...]]:
     """Decide what every header is taken as.
 
-    ``mapping`` is NAME -> "HEADER" or "HEADER:UNIT" and comes before everything else.
+    ``mapping`` is NAME -> "HEADER" or "HEADER:UNIT" and comes before everything else; ``#2`` as HEADER is the second
+    column, unless a header is called so.
 
     Raises
     ------
@@ -114,6 +123,9 @@ def _find(name: str, wanted: str, headers: Sequence[str], path: str) -> tuple[in
             if indices and spelling(text):
                 same = ", ".join(f"'{headers[i]}'" for i in indices)
                 raise RecordingError(f"{path}: {name}={wanted} fits {same}; write the whole header, with its unit")
+    counted = _NUMBER.fullmatch(wanted)
+    if counted and 0 < int(counted["number"]) <= len(headers):
+        return int(counted["number"]) - 1, counted["unit"].strip() if counted["unit"] else None
     hint = nearest_hint(header if colon else wanted, headers)
     raise RecordingError(f"{path}: no column '{header if colon else wanted}', mapped to {name}{hint}")
 

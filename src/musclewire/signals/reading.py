@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals.columns import BRANCH_TABLE, COLUMNS
-from musclewire.signals.headers import Ignored, Taken, understand_headers
+from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, needs_no_clock
+from musclewire.signals.headers import Ignored, Taken, numbered_headers, understand_headers
 from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.recording import Recording
 from musclewire.signals.tables import Table
@@ -67,7 +67,8 @@ def read_recording(
     ----------
     path: the file
     columns: NAME -> "HEADER" or "HEADER:UNIT" for headers that are not recognised by themselves, such as
-        ``{"wire_voltage_v": "Vw:mV"}``; HEADER may itself carry a unit
+        ``{"wire_voltage_v": "Vw:mV"}``; HEADER may itself carry a unit, and ``#2`` is the second column whatever it is
+        called, also in a file without headers
     metadata: added to what the file says, and preferred to it
 
     Raises
@@ -78,7 +79,7 @@ def read_recording(
     """
     path = Path(path)
     table = _table(path)
-    taken, _ = understand_headers(table.headers, columns, str(path))
+    taken, _ = _understood(table, columns, path)
     _check_has_clock(taken, table, path)
     if table.row_count < 2:
         raise RecordingError(f"{path}: has {table.row_count} rows; a recording needs 2 or more")
@@ -95,8 +96,19 @@ def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> Un
     """
     path = Path(path)
     table = _table(path)
-    taken, ignored = understand_headers(table.headers, columns, str(path))
+    taken, ignored = _understood(table, columns, path)
     return Understanding(str(path), table.layout, table.row_count, taken, ignored, table.metadata)
+
+
+def _understood(
+    table: Table, columns: Mapping[str, str] | None, path: Path
+) -> tuple[tuple[Taken, ...], tuple[Ignored, ...]]:
+    if not columns and table.headers == numbered_headers(len(table.headers)):
+        raise RecordingError(
+            f"{path}: has no headers; name the columns in the first line, such as 'time [s],wire_voltage_v', "
+            "or map them by number: time_s=#1:s"
+        )
+    return understand_headers(table.headers, columns, str(path))
 
 
 @dataclass(frozen=True)
@@ -157,12 +169,13 @@ def _reader_for(path: Path) -> Callable[[Path], Table]:
 
 def _check_has_clock(taken: tuple[Taken, ...], table: Table, path: Path) -> None:
     found = {item.column for item in taken}
-    if "time_s" in found or found.issuperset(BRANCH_TABLE):
+    if "time_s" in found or needs_no_clock(found):
         return
     headers = ", ".join(f"'{header}'" for header in table.headers)
     raise RecordingError(
         f"{path}: no column is the time (there are {headers}): "
-        "name one 'time [s]' or map it: time_s=HEADER:s; a printed loop needs " + ", ".join(BRANCH_TABLE)
+        f"name one 'time [s]' or map it: time_s=HEADER:s; without a clock a printed loop needs "
+        f"{', '.join(BRANCH_TABLE)}, isobars need {', '.join(ISOBAR_TABLE)}"
     )
 
 

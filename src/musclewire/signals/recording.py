@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from musclewire.errors import CallerError, MissingExtraError, RecordingError
-from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, known_column
+from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, known_column, needs_no_clock
 from musclewire.signals.metadata import MetadataValue, checked_metadata
 from musclewire.signals.whole_files import write_whole
 
@@ -34,13 +34,13 @@ class Recording:
     columns: name -> values of shape (n_times,); the names and their units are those of ``COLUMNS``
     metadata: wire, wire_length_m, shunt_resistance_ohm, pretension_n, rig, software_version, ..., ended
 
-    A recording has a clock, ``time_s``; the one exception is a printed loop (``is_branch_table``), whose rows
-    are resistances.
+    A recording has a clock, ``time_s``, with two exceptions: a printed loop (``is_branch_table``), whose rows are
+    resistances, and isobars (``is_isobar_table``), whose rows are temperatures in the order they were passed.
 
     Raises
     ------
     CallerError: an unknown column name, or a metadata key or value no file could keep
-    RecordingError: columns of unequal length, or neither a clock nor a table of two branches
+    RecordingError: columns of unequal length, or neither a clock nor a table that needs none
     """
 
     columns: Mapping[str, FloatArray]
@@ -107,6 +107,11 @@ class Recording:
         """True for a printed loop: both branches against resistance, and no clock."""
         return "time_s" not in self and all(name in self for name in BRANCH_TABLE)
 
+    @property
+    def is_isobar_table(self) -> bool:
+        """True for strain against temperature under stress, row after row, and no clock."""
+        return "time_s" not in self and all(name in self for name in ISOBAR_TABLE)
+
     def with_columns(self, columns: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> Recording:
         """Return a recording in which these columns, each (n_times,), are added or replaced."""
         added = {**(columns or {}), **more}
@@ -149,7 +154,10 @@ class Recording:
 
     def _summary(self) -> str:
         parts = [f"{len(self)} rows"]
-        parts += ["branch table"] if self.is_branch_table else [f"{self.duration_s:.6g} s"]
+        if "time_s" in self:
+            parts.append(f"{self.duration_s:.6g} s")
+        else:
+            parts.append("branch table" if self.is_branch_table else "isobar table")
         if "ended" in self.metadata:
             parts.append(f"ended '{self.metadata['ended']}'")
         return ", ".join(parts)
@@ -185,8 +193,10 @@ def _check_equal_lengths(columns: Mapping[str, FloatArray]) -> None:
 
 
 def _check_rows_are_ordered(columns: Mapping[str, FloatArray]) -> None:
-    if "time_s" not in columns and not all(name in columns for name in BRANCH_TABLE):
-        needs = f"needs time_s, or {', '.join(BRANCH_TABLE)} for a printed loop"
+    if "time_s" not in columns and not needs_no_clock(columns):
+        needs = (
+            f"needs time_s, or {', '.join(BRANCH_TABLE)} for a printed loop, or {', '.join(ISOBAR_TABLE)} for isobars"
+        )
         raise RecordingError(f"a recording {needs}; got {', '.join(columns) or 'no columns'}")
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.errors import RecordingError
+from musclewire.signals.headers import numbered_headers
 from musclewire.signals.metadata import MetadataValue, entry_from_text, value_to_text
 from musclewire.signals.recording import Recording
 
@@ -75,10 +76,10 @@ class TextTable:
 
 
 def read_text_table(path: Path) -> TextTable:
-    """Read a .csv, .tsv or .txt file with one line of headers.
+    """Read a .csv, .tsv or .txt file with one line of headers, or none: then they are "#1", "#2", ...
 
     The separator is found by trying; leading ``# key = value`` lines become metadata. RecordingError when the
-    file is no text, is empty, has no headers, or has a row with more cells than headers.
+    file is no text, is empty, or has a row with more cells than headers.
     """
     comments, lines = _comments_and_lines(_text(path), path)
     separator = _separator(lines, path)
@@ -206,15 +207,13 @@ def _spaced_headers(line: str, width: int, path: Path) -> list[str]:
 
 
 def _commented_headers(comments: Sequence[str], separator: str, cells: Sequence[str], path: Path) -> list[str]:
-    """Take the last comment as headers, as numpy.savetxt writes them; RecordingError when there are none."""
+    """Take the last comment as headers, as numpy.savetxt writes them; numbers where it holds none."""
     last = comments[-1] if comments else ""
     if last and "=" not in last:
         headers = _split(last, separator) if separator != " " else _spaced_headers(last, len(cells), path)
         if len(headers) == len(cells) and not _are_numbers(headers):
             return headers
-    raise RecordingError(
-        f"{path}: has no headers; name the columns in the first line, such as 'time [s],wire_voltage_v'"
-    )
+    return list(numbered_headers(len(cells)))
 
 
 def _without_trailing_blanks(rows: list[list[str]], width: int) -> list[list[str]]:

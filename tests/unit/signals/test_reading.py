@@ -120,3 +120,48 @@ def test_a_bad_name_in_the_mapping_or_the_metadata_is_the_callers_error(foreign)
         read_recording(foreign, columns={"displacement": "pos:mm"})
     with pytest.raises(CallerError, match="metadata key 'Wire'"):
         read_recording(foreign, columns=mapping, metadata={"Wire": "x"})
+
+
+MACHINE = "30.6\t1.59\t100\n31.1\t1.58\t100\n32.0\t1.57\t100\n"
+BY_NUMBER = {"wire_temperature_k": "#1:degC", "reference_strain": "#2:%", "stress_pa": "#3:MPa"}
+
+
+def test_isobars_of_a_test_machine_are_read_without_header_and_without_clock(tmp_path):
+    path = tmp_path / "machine.txt"
+    path.write_text(MACHINE)
+    recording = read_recording(path, BY_NUMBER)
+    assert recording.is_isobar_table
+    assert recording["wire_temperature_k"] == pytest.approx([303.75, 304.25, 305.15])
+    assert recording["reference_strain"] == pytest.approx([0.0159, 0.0158, 0.0157])
+    assert recording["stress_pa"] == pytest.approx([1e8, 1e8, 1e8])
+    assert "isobar table" in repr(recording)
+
+
+def test_every_cell_of_a_file_without_headers_is_data(tmp_path):
+    path = tmp_path / "machine.txt"
+    path.write_text(MACHINE.replace("\t", "\t ").replace("\n", "\t\n"))
+    assert len(read_recording(path, BY_NUMBER)) == 3
+
+
+def test_a_column_may_be_mapped_by_its_number_beside_headers(tmp_path):
+    path = tmp_path / "machine.csv"
+    path.write_text("T [degC],first,second\n30,1.5,100\n31,1.6,100\n")
+    recording = read_recording(path, {"reference_strain": "#2:%", "stress_pa": "#3:MPa"})
+    assert recording["reference_strain"] == pytest.approx([0.015, 0.016])
+
+
+@pytest.mark.parametrize(
+    ("mapping", "words"),
+    [
+        ({}, "has no headers; name the columns"),
+        ({"wire_temperature_k": "#1:degC"}, "no column is the time"),
+        ({**BY_NUMBER, "stress_pa": "#4:MPa"}, "no column '#4', mapped to stress_pa"),
+        ({**BY_NUMBER, "stress_pa": "#0:MPa"}, "no column '#0', mapped to stress_pa"),
+        ({**BY_NUMBER, "stress_pa": "#3"}, "has no unit"),
+        ({**BY_NUMBER, "stress_pa": "#2:MPa", "reference_strain": "#2:%"}, "the mapping uses one header twice"),
+    ],
+)
+def test_what_is_wrong_with_a_mapping_by_number_is_said(tmp_path, mapping, words):
+    path = tmp_path / "machine.txt"
+    path.write_text(MACHINE)
+    assert words in refusal(path, columns=mapping)

@@ -112,3 +112,12 @@ def test_importing_the_room_loads_no_heavy_library():
     code = "import sys, musclewire.signals; print({'h5py', 'pint', 'pandas', 'pyarrow'} & set(sys.modules))"
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert answer.stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".csv", ".parquet"])
+def test_isobars_without_a_clock_read_back_the_same(suffix, tmp_path):
+    isobars = Recording(
+        {"wire_temperature_k": [300.0, 350.1, 301.0], "reference_strain": [0.0, 0.03, 1e-4], "stress_pa": [1e8] * 3}
+    )
+    isobars.save(tmp_path / f"isobars{suffix}")
+    assert read_recording(tmp_path / f"isobars{suffix}") == isobars
