@@ -42,7 +42,7 @@ MOST_BINS = 400
 # displacement, share of the resistance, share of the largest contraction force, kelvins.
 MODEL_ERROR = {"strain": 1e-4, "resistance": 3e-4, "force": 3e-3, "temperature": 0.5}
 # Larger steps are as right on the whole, but the edges they leave in the residuals mislead a descent.
-LARGEST_STEP_S, REFINED_STEP_S = 0.005, 0.001
+LARGEST_STEP_S, REFINED_STEP_S = 0.005, 0.002
 # A recording has about this many stretches over which a model is wrong in one way.
 STRETCHES = 20
 # A clock whose steps differ by more than this share of their median is laid on an even one.
