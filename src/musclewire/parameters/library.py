@@ -1,4 +1,4 @@
-"""The parameter files that come with musclewire, by name."""
+"""The parameter files that come with musclewire, by name, and the user's own wires, by file."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import Any
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.catalogue import catalogue_names, catalogue_wire, load_catalogue, same_size_hint
-from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire
 from musclewire.parameters.validation import validated
+from musclewire.parameters.wire_file import is_wire_file, read_wire_file
 
-__all__ = ["load_alloy", "load_bench", "load_wire", "names", "published_text", "read_published"]
+__all__ = ["bench_known_with", "load_alloy", "load_bench", "load_wire", "names", "published_text", "read_published"]
 
 FOLDERS = {"wire": "wires", "alloy": "alloys", "bench": "benches"}
 
@@ -33,18 +34,36 @@ def read_named(kind: str, name: str) -> dict[str, Any]:
     return tomllib.loads(text)
 
 
-@cache
 def load_alloy(name: str) -> Alloy:
-    """Return a named alloy. Raises CallerError for an unknown name."""
+    """Return a named alloy, or that of a wire file. Raises CallerError for an unknown name or a wrong file."""
+    return read_wire_file(name).alloy if is_wire_file(name) else named_alloy(name)
+
+
+def load_wire(name: str) -> Wire:
+    """Return a wire: a named one, one of the catalogue, or that of a wire file (.toml), read afresh.
+
+    Raises CallerError for an unknown name or a wrong file.
+    """
+    return read_wire_file(name).wire if is_wire_file(name) else named_wire(name)
+
+
+def bench_known_with(wire: str) -> dict[str, Parameter]:
+    """Return what a wire file knows of the bench it was found on; nothing for the wires that come along."""
+    return dict(read_wire_file(wire).bench) if is_wire_file(wire) else {}
+
+
+@cache
+def named_alloy(name: str) -> Alloy:
+    """Return an alloy that comes with musclewire."""
     return validated(Alloy, read_named("alloy", name), f"alloy {name}")
 
 
 @cache
-def load_wire(name: str) -> Wire:
-    """Return a named wire, of a file or of the catalogue. Raises CallerError for an unknown name."""
+def named_wire(name: str) -> Wire:
+    """Return a wire that comes with musclewire, or of the catalogue."""
     if name in catalogue_names():
         rules = load_catalogue().wire
-        return catalogue_wire(name, load_wire(rules.high_temperature_shift_wire), load_wire(rules.reference_wire))
+        return catalogue_wire(name, named_wire(rules.high_temperature_shift_wire), named_wire(rules.reference_wire))
     return validated(Wire, read_named("wire", name), f"wire {name}")
 
 

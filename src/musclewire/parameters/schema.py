@@ -9,8 +9,9 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic.fields import FieldInfo
 
-__all__ = ["Alloy", "Kind", "Parameter", "ParameterGroup", "Bench", "Wire"]
+__all__ = ["Alloy", "Kind", "Parameter", "ParameterGroup", "Bench", "Wire", "checked"]
 
 Kind = Literal["measured", "datasheet", "fitted", "derived", "assumed"]
 
@@ -35,6 +36,17 @@ def parameter(unit: str, description: str, allowed: Range = "positive") -> Any:
     return Field(description=description, json_schema_extra={"unit": unit, "allowed": allowed})
 
 
+def checked(key: str, item: Parameter, field: FieldInfo) -> None:
+    """Raise ValueError where a parameter has another unit or range than its field declares."""
+    declared = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+    if item.unit != declared["unit"]:
+        raise ValueError(f"{key} has the unit '{item.unit}', it must be given in '{declared['unit']}'")
+    if declared["allowed"] == "positive" and item.value <= 0.0:
+        raise ValueError(f"{key} is {item.value:g} {item.unit}, it must be above 0")
+    if declared["allowed"] == "not negative" and item.value < 0.0:
+        raise ValueError(f"{key} is {item.value:g} {item.unit}, it must be 0 or more")
+
+
 class ParameterGroup(BaseModel):
     """A named set of parameters read from one TOML file; every field but the texts is a Parameter."""
 
@@ -46,14 +58,7 @@ class ParameterGroup(BaseModel):
     @model_validator(mode="after")
     def _units_and_ranges_are_as_declared(self) -> ParameterGroup:
         for key, item in self.items():
-            extra = type(self).model_fields[key].json_schema_extra
-            declared = extra if isinstance(extra, dict) else {}
-            if item.unit != declared["unit"]:
-                raise ValueError(f"{key} has the unit '{item.unit}', it must be given in '{declared['unit']}'")
-            if declared["allowed"] == "positive" and item.value <= 0.0:
-                raise ValueError(f"{key} is {item.value:g} {item.unit}, it must be above 0")
-            if declared["allowed"] == "not negative" and item.value < 0.0:
-                raise ValueError(f"{key} is {item.value:g} {item.unit}, it must be 0 or more")
+            checked(key, item, type(self).model_fields[key])
         return self
 
     def values(self) -> dict[str, float]:

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
+from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
 from musclewire.parameters.schema import Bench, Parameter, ParameterGroup, Wire
 from musclewire.parameters.validation import validated
+from musclewire.parameters.wire_file import is_wire_file
 from musclewire.signals.units import parse_quantity
 
 if TYPE_CHECKING:
@@ -25,7 +26,10 @@ Group = TypeVar("Group", bound=ParameterGroup)
 
 
 class RigConfiguration(BaseModel):
-    """A rig file: a wire and a bench that come with musclewire, and ``settings`` that change numbers of both."""
+    """A rig file: a wire, by name or wire file, a bench by name, and ``settings`` that change numbers of both.
+
+    Where no bench is named, the paper's is taken with what the wire file knows of its own.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -46,7 +50,10 @@ def read_rig_file(path: str | Path) -> RigConfiguration:
         raise CallerError(f"there is no rig file {file}; use the word 'simulated' for the simulated rig") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise CallerError(f"rig file {file} cannot be read: {error}") from None
-    return validated(RigConfiguration, data, f"rig file {file}")
+    configuration = validated(RigConfiguration, data, f"rig file {file}")
+    if is_wire_file(configuration.wire):  # beside the rig file, wherever the command was started
+        return configuration.model_copy(update={"wire": str(file.parent / configuration.wire)})
+    return configuration
 
 
 def with_settings(wire: Wire, bench: Bench, settings: Mapping[str, float | str], where: str) -> tuple[Wire, Bench]:
@@ -83,9 +90,9 @@ def open_rig(
 ) -> SimulatedRig:
     """Open a rig: ``"simulated"`` for the paper's bench, or the path of a TOML rig file.
 
-    ``wire`` and ``bench`` name others than the rig's; ``settings`` change numbers of both by name, in SI or as text
-    with a unit, as in ``open_rig("simulated", pretension_n=1.7)``. Raises CallerError for unknown names and
-    impossible numbers.
+    ``wire`` and ``bench`` name others than the rig's; ``wire`` may be a wire file, as ``musclewire calibrate`` writes
+    it. ``settings`` change numbers of both by name, in SI or as text with a unit, as in ``open_rig("simulated",
+    pretension_n=1.7)``. Raises CallerError for unknown names and impossible numbers.
     """
     from musclewire.rigs.simulated import SimulatedRig
 
@@ -95,8 +102,11 @@ def open_rig(
         configuration, where = RigConfiguration(), "simulated"
     else:
         configuration, where = read_rig_file(rig), f"rig file {rig}"
-    named = load_wire(wire or configuration.wire)
+    name = wire or configuration.wire
+    named = load_wire(name)
     around = load_bench(bench or configuration.bench)
+    if bench is None and "bench" not in configuration.model_fields_set:
+        around = changed_group(around, bench_known_with(name), f"wire file {name}")
     chosen, around = with_settings(named, around, {**configuration.settings, **settings}, where)
     return SimulatedRig(
         load_alloy(chosen.alloy),

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from musclewire.errors import CallerError
+from musclewire.parameters import Parameter, load_alloy, load_bench, load_wire
+from musclewire.parameters.wire_file import wire_file_text
 from musclewire.rigs.configuration import RigConfiguration, open_rig, read_rig_file
 
 
@@ -144,3 +146,31 @@ def test_bytes_that_are_no_text_are_no_rig_file(tmp_path: Path) -> None:
 )
 def test_numbers_that_cannot_belong_to_a_bench_are_the_callers_error(setting: str, value: float) -> None:
     refusal("simulated", **{setting: value})
+
+
+def wire_file(folder: Path, friction_n: float) -> Path:
+    wire = load_wire("paper-125um")
+    friction = Parameter(value=friction_n, unit="N", kind="fitted", source="a loop")
+    path = folder / "mine.toml"
+    path.write_text(
+        wire_file_text("mine", "found", wire, load_alloy(wire.alloy), {"guide_friction_n": friction}), "utf-8"
+    )
+    return path
+
+
+def test_a_wire_file_is_a_wire_and_says_what_is_known_of_its_bench(tmp_path: Path) -> None:
+    path = wire_file(tmp_path, 0.0123)
+    for rig in (open_rig("simulated", wire=str(path)), open_rig("simulated", wire=str(path), pretension_n=1.0)):
+        assert rig.metadata()["wire"] == "mine"
+        assert rig.metadata()["wire_diameter_m"] == 125e-6
+        assert rig._bench["guide_friction_n"] == 0.0123
+    named = open_rig("simulated", wire=str(path), bench="dead-weight")
+    assert named._bench["guide_friction_n"] == load_bench("dead-weight").guide_friction_n.value
+    assert open_rig("simulated", wire=str(path), guide_friction_n=0.05)._bench["guide_friction_n"] == 0.05
+
+
+def test_a_rig_file_finds_its_wire_file_beside_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    wire_file(tmp_path, 0.0123)
+    (tmp_path / "rig.toml").write_text('wire = "mine.toml"\n', "utf-8")
+    monkeypatch.chdir("/")
+    assert open_rig(tmp_path / "rig.toml").metadata()["wire"] == "mine"

@@ -1,0 +1,93 @@
+"""A wire file stands for one wire: what was written is read back to the last bit, and a mistake in it is one line."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.errors import CallerError
+from musclewire.parameters import Parameter, load_alloy, load_bench, load_wire
+from musclewire.parameters.library import bench_known_with
+from musclewire.parameters.wire_file import quoted, read_wire_file, wire_file_text
+
+FRICTION = Parameter(value=0.0123, unit="N", kind="fitted", source="a loop", note="0.01 to 0.02")
+
+
+def text(name: str = "paper-125um") -> str:
+    wire = load_wire(name)
+    return wire_file_text("mine", "as found", wire, load_alloy(wire.alloy), {"guide_friction_n": FRICTION})
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "mine.toml"
+    path.write_text(text(), "utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", ["paper-125um", "flexinol-0.10-lt"])
+def test_wire_alloy_and_bench_read_back_as_they_were(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(text(name), "utf-8")
+    wire, found = load_wire(name), load_wire(str(path))
+    assert found.items() == wire.items()
+    assert load_alloy(found.alloy).items() == load_alloy(wire.alloy).items()
+    assert (found.name, found.description) == ("mine", "as found")
+    assert bench_known_with(str(path)) == {"guide_friction_n": FRICTION}
+
+
+@given(st.text(st.characters(exclude_categories=["Cs"])))
+def test_any_text_survives_toml(given_text: str) -> None:
+    assert tomllib.loads(f"x = {quoted(given_text)}") == {"x": given_text}
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_any_number_survives_toml_to_the_bit(value: float) -> None:
+    assert tomllib.loads(f"x = {value!r}") == {"x": value}
+
+
+def test_a_wire_file_that_changes_is_read_afresh(file: Path) -> None:
+    before = load_wire(str(file)).diameter_m.value
+    file.write_text(text("paper-200um"), "utf-8")
+    assert load_wire(str(file)).diameter_m.value != before
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("[wire.diameter_m]", "[wire.diametre_m]", "unknown key 'wire.diametre_m'; did you mean 'diameter_m'?"),
+        ("[alloy.grain_skew]", "[alloy.grain_skow]", "unknown key 'alloy.grain_skow'; did you mean 'grain_skew'?"),
+        ("[bench.guide_friction_n]", "[bench.guide_frictoin_n]", "did you mean 'guide_friction_n'?"),
+        ('name = "mine"', 'nome = "mine"', "unknown key 'nome'; did you mean 'name'?"),
+        ('format = "musclewire-wire"', "", "'format' is missing"),
+        ("version = 1", "version = 2", "version"),
+        ("value = 0.0123", "value = -0.1", "bench.guide_friction_n is -0.1 N, it must be 0 or more"),
+        ("value = 0.0123", "value = nan", "bench.guide_friction_n.value"),
+        ('unit = "N"\nkind = "fitted"', 'unit = "mN"\nkind = "fitted"', "it must be given in 'N'"),
+        ("value = 0.000125", "value = 0.0", "it must be above 0"),
+        ("version = 1", "version", "cannot be read"),
+    ],
+)
+def test_a_mistake_is_one_line_that_names_the_file_and_the_key(file: Path, old: str, new: str, words: str) -> None:
+    whole = text()
+    assert old in whole
+    file.write_text(whole.replace(old, new), "utf-8")
+    with pytest.raises(CallerError) as caught:
+        read_wire_file(file)
+    message = str(caught.value)
+    assert message.startswith(f"wire file {file}")
+    assert words in message
+    assert "\n" not in message
+
+
+def test_a_file_that_is_not_there_is_said(tmp_path: Path) -> None:
+    with pytest.raises(CallerError, match="there is no wire file"):
+        load_wire(str(tmp_path / "none.toml"))
+
+
+def test_the_bench_that_ships_has_a_number_for_whatever_a_wire_file_may_know() -> None:
+    assert "guide_friction_n" in dict(load_bench("paper").items())
