@@ -1,0 +1,88 @@
+"""What is published for the parameters of a wire, and whether a value lies inside it."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from musclewire.errors import nearest_hint
+from musclewire.parameters.library import read_published
+from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire
+from musclewire.parameters.validation import validated
+
+__all__ = ["PublishedRange", "PublishedRanges", "outside", "published_ranges"]
+
+# Values are stored with few digits: what agrees this closely lies on the edge, not beyond it.
+ROUNDING = 1e-6
+
+
+class PublishedRange(BaseModel):
+    """From low to high over all sources found, in SI; equal where there is one figure only.
+
+    ``standing`` says how far to trust it: figures read in a source, computed from such, or from recollection.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    low: float = Field(allow_inf_nan=False)
+    high: float = Field(allow_inf_nan=False)
+    unit: str
+    standing: Literal["looked up", "derived", "recollection"]
+    source: str = Field(min_length=3)
+
+    @model_validator(mode="after")
+    def _low_is_not_above_high(self) -> PublishedRange:
+        if self.low > self.high:
+            raise ValueError(f"low {self.low:g} is above high {self.high:g}")
+        return self
+
+    @property
+    def is_one_figure(self) -> bool:
+        """Whether only one figure was found, which is no range to lie in."""
+        return self.low == self.high
+
+    def beyond(self, value: float) -> float:
+        """Return how far a value lies above (positive) or below (negative) the range, 0 inside; same unit."""
+        slack = ROUNDING * max(abs(self.low), abs(self.high))
+        if value > self.high + slack:
+            return value - self.high
+        return min(value - self.low, 0.0) if value < self.low - slack else 0.0
+
+
+class PublishedRanges(BaseModel):
+    """Ranges by parameter name, and of quantities that follow from several parameters."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    parameters: dict[str, PublishedRange]
+    derived: dict[str, PublishedRange]
+
+    @model_validator(mode="after")
+    def _names_and_units_are_those_of_a_wire(self) -> PublishedRanges:
+        fields = Alloy.model_fields | Wire.model_fields | Bench.model_fields
+        for name, found in self.parameters.items():
+            if name not in fields:
+                raise ValueError(f"'{name}' is no parameter{nearest_hint(name, fields)}")
+            extra = fields[name].json_schema_extra
+            unit = extra["unit"] if isinstance(extra, dict) else ""
+            if unit != found.unit:
+                raise ValueError(f"{name} has the unit '{found.unit}', it must be given in '{unit}'")
+        return self
+
+
+@cache
+def published_ranges() -> PublishedRanges:
+    """Return the ranges that come with musclewire (data/published/ranges.toml)."""
+    return validated(PublishedRanges, read_published("ranges"), "published ranges")
+
+
+def outside(group: Alloy | Wire | Bench) -> dict[str, Parameter]:
+    """Return those parameters of a file that lie outside what is published for them; one figure is no range."""
+    ranges = published_ranges().parameters
+    return {
+        name: item
+        for name, item in group.items()
+        if name in ranges and not ranges[name].is_one_figure and ranges[name].beyond(item.value) != 0.0
+    }
