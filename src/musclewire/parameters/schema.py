@@ -125,6 +125,9 @@ class Wire(ParameterGroup):
     resistance_per_metre_ohm_per_m: Parameter = parameter("ohm/m", "as sold, martensite, room temperature")
     resistivity_factor: Parameter = parameter("1", "this spool's resistivity over the alloy's")
     temperature_shift_k: Parameter = parameter("K", "this spool's transformation temperatures over the alloy's", "any")
+    r_phase_shift_k: Parameter = parameter(
+        "K", "this spool's R-phase temperature over the alloy's, on top of temperature_shift_k", "any"
+    )
     maximum_force_n: Parameter = parameter("N", "largest force allowed, one leg pair as the paper's Table 1 has it")
     nominal_force_n: Parameter = parameter("N", "force that stretches the cold wire")
     convection_factor: Parameter = parameter("1", "measured or fitted convection over Churchill and Chu's")

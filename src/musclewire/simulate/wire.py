@@ -65,6 +65,7 @@ def constants_of(
         same[f"{name}_resistivity_ohm_m"] *= spool["resistivity_factor"]
     for name in ("martensite", "r_phase"):
         same[f"{name}_temperature_k"] += spool["temperature_shift_k"]
+    same["r_phase_temperature_k"] += spool["r_phase_shift_k"]
     constants = WireConstants(
         **same,
         wire_length_m=length,

@@ -99,7 +99,7 @@ class PlainWire:
         p, r = self.p, self.p["r_phase_entropy_ratio"]
         spread_m = p["martensite_spread_k"] + p["martensite_spread_per_pa"] * stress_pa
         middle_m = p["martensite_temperature_k"] + p["temperature_shift_k"]
-        middle_r = p["r_phase_temperature_k"] + p["temperature_shift_k"]
+        middle_r = p["r_phase_temperature_k"] + p["temperature_shift_k"] + p["r_phase_shift_k"]
         f_m = middle_m + stress_pa / p["martensite_stress_rate_pa_per_k"] - temperature_k + spread_m * self.edges
         f_r = r * (
             middle_r
