@@ -1,0 +1,1 @@
+"""What the search for the paper's wires compares: simulated loops, measured numbers, bounds."""

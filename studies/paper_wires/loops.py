@@ -1,0 +1,94 @@
+"""One noise-free slow loop: its points A, B, C, branches and gaps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from musclewire.simulate.paths import DrivenPath
+from paper_wires.unknowns import FloatArray
+
+Curve = tuple[FloatArray, FloatArray]
+POINTS = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """Branches from B to C as (resistance [ohm] rising, strain), force likewise, and what the whole loop reached."""
+
+    heating: Curve
+    cooling: Curve
+    force_heating: Curve
+    force_cooling: Curve
+    stroke: float
+    segment_ab_pct: float
+    least_martensite: float
+
+    @property
+    def least_ohm(self) -> float:
+        """R_min: the heating branch's end C."""
+        return float(self.heating[0][0])
+
+    @property
+    def largest_ohm(self) -> float:
+        """R_max: the heating branch's start B."""
+        return float(self.heating[0][-1])
+
+    @property
+    def strain_gap_pct(self) -> float:
+        """Eq. 2."""
+        return gap_pct(self.heating, self.cooling)
+
+    @property
+    def force_gap_pct(self) -> float:
+        """Eq. 2, of the contraction force."""
+        return gap_pct(self.force_heating, self.force_cooling)
+
+    def polynomial_misfit_pct(self, branch: str) -> float:
+        """Return what a sixth-order polynomial leaves of a branch, rms in percent strain (Eq. 4)."""
+        ohm, strain = getattr(self, branch)
+        rows = np.linspace(0, ohm.size - 1, 150).astype(int)
+        normalised = ((ohm - ohm[0]) / (ohm[-1] - ohm[0]))[rows]
+        return 100.0 * float(np.std(strain[rows] - np.polyval(np.polyfit(normalised, strain[rows], 6), normalised)))
+
+    def distance_pct(self, other: Loop, branch: str) -> float:
+        """Return the largest distance of two loops' branches where they overlap, in percent of the larger stroke."""
+        ours, theirs = getattr(self, branch), getattr(other, branch)
+        ohm = np.linspace(max(ours[0][0], theirs[0][0]), min(ours[0][-1], theirs[0][-1]), 150)
+        apart = np.abs(np.interp(ohm, *ours) - np.interp(ohm, *theirs)).max()
+        return 100.0 * float(apart) / max(self.stroke, other.stroke)
+
+
+def analysed(path: DrivenPath, pretension_n: float, leg_length_m: float) -> Loop:
+    """Return the loop of a path that went once from cold to hot and back."""
+    ohm, strain = path.resistance_ohm, path.displacement_m / leg_length_m
+    force = path.force_n - pretension_n
+    hottest = int(np.argmax(path.temperature_k))
+    b = int(np.argmax(ohm[: hottest + 1]))
+    c = b + int(np.argmin(ohm[b : hottest + 1]))
+    c_cooling = hottest + int(np.argmin(ohm[hottest:]))
+    b_cooling = c_cooling + int(np.argmax(ohm[c_cooling:]))
+    up, down = slice(b, c + 1), slice(c_cooling, b_cooling + 1)
+    return Loop(
+        heating=rising(ohm[up][::-1], strain[up][::-1]),
+        cooling=rising(ohm[down], strain[down]),
+        force_heating=rising(ohm[up][::-1], force[up][::-1]),
+        force_cooling=rising(ohm[down], force[down]),
+        stroke=float(strain.max()),
+        segment_ab_pct=100.0 * float(strain[b] / strain.max()),
+        least_martensite=float(path.martensite_fraction.min()),
+    )
+
+
+def rising(ohm: FloatArray, values: FloatArray) -> Curve:
+    """Return a curve whose resistance never falls."""
+    return np.maximum.accumulate(ohm + 1e-12 * np.arange(ohm.size)), values
+
+
+def gap_pct(heating: Curve, cooling: Curve) -> float:
+    """Return the mean distance of two branches at equal resistance, in percent of the largest value (Eq. 2)."""
+    low, high = max(heating[0][0], cooling[0][0]), min(heating[0][-1], cooling[0][-1])
+    ohm = low + (high - low) * (np.arange(POINTS) + 0.5) / POINTS
+    apart = np.abs(np.interp(ohm, *heating) - np.interp(ohm, *cooling))
+    return 100.0 * float(np.mean(apart)) / max(float(heating[1].max()), float(cooling[1].max()))
