@@ -1,25 +1,67 @@
-"""Draw the pictures of README.md from a run of the main job: python docs/images/draw.py"""
+"""Draw every picture and write every number of the documentation again: python docs/images/draw.py
+
+After a change of the shipped parameters or of the physics, run it once and commit what changed:
+
+- README.md's pictures, from a run of the main job (``python docs/images/draw.py physics`` leaves these out),
+- the pictures of docs/explanation/physics.md and the numbers in it,
+- docs/reference/parameters.md.
+"""
 
 from __future__ import annotations
 
+import re
+import sys
 import tempfile
 from pathlib import Path
 
 import matplotlib as mpl
+import parameter_page
+import physics_numbers
+import physics_pictures
+import physics_runs
 
 from musclewire.app.report.figures import STYLE, loops_figure, staircase_figure
 from musclewire.experiment.demo import run_demo
 
 HERE = Path(__file__).parent
+PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"
+PARAMETER_PAGE = HERE.parent / "reference" / "parameters.md"
+BLOCK = re.compile(r"(<!-- written by docs/images/draw\.py: (\w+) -->\n).*?(<!-- end -->)", re.S)
+DPI = 110
 
 
-def main() -> None:
+def draw_readme_pictures() -> None:
     """Run the demo and write both pictures beside this file."""
     with tempfile.TemporaryDirectory() as folder:
         result = run_demo(Path(folder))
     with mpl.rc_context(STYLE):
-        staircase_figure(result.run).savefig(HERE / "staircase.png", dpi=110)
-        loops_figure(result.loops, result.gaps).savefig(HERE / "loops.png", dpi=110)
+        staircase_figure(result.run).savefig(HERE / "staircase.png", dpi=DPI)
+        loops_figure(result.loops, result.gaps).savefig(HERE / "loops.png", dpi=DPI)
+
+
+def draw_physics_pictures(loops: tuple[physics_runs.LoopTruth, ...]) -> None:
+    """Write the pictures of the page on physics beside this file."""
+    with mpl.rc_context(STYLE):
+        physics_pictures.pretension_figure(loops).savefig(HERE / "phases_over_strain.png", dpi=DPI)
+        physics_pictures.isobar_figure().savefig(HERE / "isobars.png", dpi=DPI)
+        physics_pictures.grains_figure().savefig(HERE / "grains.png", dpi=DPI)
+        physics_pictures.diagram_figure(loops).savefig(HERE / "phase_diagram.png", dpi=DPI)
+
+
+def with_blocks(text: str, blocks: dict[str, str]) -> str:
+    """Return a page with what stands between its markers written again."""
+    return BLOCK.sub(lambda found: f"{found[1]}\n{blocks[found[2]]}\n\n{found[3]}", text)
+
+
+def main() -> None:
+    """Draw and write all, or without the demo's pictures if asked for ``physics`` only."""
+    if sys.argv[1:] != ["physics"]:
+        draw_readme_pictures()
+    loops = physics_runs.loops_of_the_sweep()
+    draw_physics_pictures(loops)
+    PARAMETER_PAGE.write_text(parameter_page.page(), encoding="utf-8")
+    page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_numbers.blocks(loops))
+    PHYSICS_PAGE.write_text(page, encoding="utf-8")
 
 
 if __name__ == "__main__":

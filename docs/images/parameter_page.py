@@ -1,0 +1,314 @@
+"""docs/reference/parameters.md from the parameter files: every number beside what is published."""
+
+from __future__ import annotations
+
+import textwrap
+from collections import defaultdict
+
+import numpy as np
+from scipy.special import ndtri
+
+from musclewire.parameters import Alloy, Bench, Parameter, Wire, load_alloy, load_bench, load_wire
+from musclewire.parameters.priors import load_priors
+from musclewire.parameters.published_ranges import PublishedRange, outside, published_ranges
+from musclewire.simulate.grains import signed_power
+
+ALLOY, WIRES, BENCH = "flexinol", ("paper-100um", "paper-125um", "paper-200um", "isobar-sample"), "paper"
+EXAMPLE_STRESS_PA = 100e6
+ZERO_DEGC_K = 273.15
+# How SI is shown: factor and unit. Temperatures go to degrees Celsius, strains to percent.
+SHOWN = {
+    "Pa": (1e-9, "GPa"),
+    "Pa/K": (1e-6, "MPa/K"),
+    "K/Pa": (1e9, "K/GPa"),
+    "1/K": (1e6, "ppm/K"),
+    "ohm m": (1e6, "µohm m"),
+    "J/kg": (1e-3, "kJ/kg"),
+}
+HEAD = """# Parameters of the simulated wire, one by one
+
+Written by `python docs/images/draw.py` from the TOML files under `src/musclewire/parameters/data`; a test holds this
+page to them. Do not edit it by hand. See also [how the values were found](../explanation/parameters.md), [the equations
+they stand in](../explanation/physics.md) and [symbols](symbols.md).
+
+The files hold SI; here prefixes, percent and degrees Celsius are used. "Published" reaches from the lowest to the
+highest figure found for NiTi actuator wire. One figure is no range to lie in: then the ratio of ours to it is said.
+"""
+
+
+def page() -> str:
+    """Return the whole page."""
+    alloy, bench = load_alloy(ALLOY), load_bench(BENCH)
+    wires = [load_wire(name) for name in WIRES]
+    parts = [
+        HEAD,
+        f"## Alloy `{ALLOY}`\n\n{alloy.description}.\n\n{alloy_table(alloy)}",
+        f"## Outside what is published\n\n{outside_text(alloy)}",
+        f"## What follows from them\n\n{paragraphs(DERIVED_TEXT)}\n\n{derived_table(alloy)}",
+        f"## Wires\n\n{paragraphs(WIRES_TEXT)}\n\n{wires_table(wires)}",
+        f"## Bench `{BENCH}`\n\n{bench.description}.\n\n{bench_table(bench)}",
+        f"## Where the values come from\n\n{sources_table([alloy, *wires])}",
+        f"## Where the published figures come from\n\n{published_table()}",
+        f"## Before anything is measured\n\n{paragraphs(PRIORS_TEXT)}\n\n{priors_table()}",
+    ]
+    return "\n".join(part.rstrip("\n") + "\n" for part in parts)
+
+
+def paragraphs(text: str) -> str:
+    """Return paragraphs with their lines filled again: numbers in them change."""
+    return "\n\n".join(textwrap.fill(each, 118, break_on_hyphens=False) for each in text.split("\n\n"))
+
+
+def table(header: list[str], rows: list[list[str]]) -> str:
+    """Return a Markdown table."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def scaled(name: str, unit: str) -> tuple[float, float, str]:
+    """Return factor, offset and unit in which a parameter is shown."""
+    if name == "strain_stress_scale_pa":
+        return 1e-6, 0.0, "MPa"
+    if name in ("martensite_temperature_k", "r_phase_temperature_k", "ambient_temperature_k"):
+        return 1.0, -ZERO_DEGC_K, "°C"
+    if name in ("diameter_m", "guide_presliding_m", "displacement_noise_m"):
+        return 1e6, 0.0, "µm"
+    if unit == "1" and "strain" in name:
+        return 100.0, 0.0, "%"
+    factor, shown = SHOWN.get(unit, (1.0, unit))
+    return factor, 0.0, "" if shown == "1" else shown
+
+
+def figure(value: float) -> str:
+    """Return a number with four digits."""
+    return f"{value:.4g}"
+
+
+def shown(value: float, name: str, unit: str) -> str:
+    """Return a value with the unit of this page."""
+    factor, offset, words = scaled(name, unit)
+    return f"{figure(factor * value + offset)} {words}".strip()
+
+
+def shown_range(found: PublishedRange, name: str) -> str:
+    """Return a published range, or its one figure."""
+    if found.is_one_figure:
+        return shown(found.low, name, found.unit)
+    factor, offset, words = scaled(name, found.unit)
+    return f"{figure(factor * found.low + offset)} to {figure(factor * found.high + offset)} {words}".strip()
+
+
+def verdict(value: float, name: str, found: PublishedRange | None) -> str:
+    """Return whether a value lies inside what is published, and how far outside else."""
+    if found is None:
+        return "nothing found"
+    if found.is_one_figure:
+        return (
+            "the one figure" if found.beyond(value) == 0.0 else f"one figure; ours is {value / found.low:.2g} times it"
+        )
+    beyond = found.beyond(value)
+    if beyond == 0.0:
+        return "yes"
+    factor, _, words = scaled(name, found.unit)
+    words = "K" if words == "°C" else words
+    return f"**no**, {figure(factor * abs(beyond))} {words} {'above' if beyond > 0.0 else 'below'}".replace("  ", " ")
+
+
+def meaning(group: type[Alloy] | type[Wire] | type[Bench], name: str) -> str:
+    """Return what the schema says of a parameter."""
+    return str(group.model_fields[name].description)
+
+
+def alloy_table(alloy: Alloy) -> str:
+    """Return every parameter of the alloy with kind, published range and verdict."""
+    ranges = published_ranges().parameters
+    rows = []
+    for name, item in alloy.items():
+        found = ranges.get(name)
+        standing = "" if found is None or found.standing == "looked up" else f" ({found.standing})"
+        rows.append(
+            [
+                f"`{name}`",
+                meaning(Alloy, name),
+                shown(item.value, name, item.unit),
+                item.kind,
+                "" if found is None else shown_range(found, name) + standing,
+                verdict(item.value, name, found),
+            ]
+        )
+    return table(["parameter", "symbol, meaning", "value", "kind", "published", "inside"], rows)
+
+
+def outside_text(alloy: Alloy) -> str:
+    """Return what left its published range, each with the reason its file gives."""
+    beyond = outside(alloy)
+    if not beyond:
+        return "Nothing: every parameter for which a range was found lies inside it."
+    rows = [
+        [
+            f"`{name}`",
+            shown(item.value, name, item.unit),
+            shown_range(published_ranges().parameters[name], name),
+            item.note or "**no reason given**",
+        ]
+        for name, item in beyond.items()
+    ]
+    return table(["parameter", "value", "published", "what its file says of it"], rows)
+
+
+DERIVED_TEXT = f"""No file holds these; they follow from the alloy's parameters and can be held against measurements.
+Stress dependent ones are given at {EXAMPLE_STRESS_PA * 1e-6:.0f} MPa, temperatures without a wire's own shift. What
+lies outside here does so for the same reasons as the parameters behind it.
+
+Two rows compare what thermodynamics ties together: a Clausius-Clapeyron slope C, a strain H and a temperature T ask for
+the heat C H T / density. The model does not impose this. The distance from the heat that it uses shows how far its
+parameters are from those of one consistent free energy."""
+
+
+def derived(alloy: Alloy) -> list[tuple[str, str, float, str, str]]:
+    """Return name, meaning, value, unit and remark of what follows from the alloy's parameters."""
+    a, stress = alloy.values(), EXAMPLE_STRESS_PA
+    strain = a["strain_saturated"] - (a["strain_saturated"] - a["strain_at_no_stress"]) * float(
+        np.exp(-stress / a["strain_stress_scale_pa"])
+    )
+    barrier = a["martensite_barrier_k"] + a["martensite_barrier_per_pa"] * stress
+    spread = a["martensite_spread_k"] + a["martensite_spread_per_pa"] * stress
+    tails = signed_power(ndtri(np.array([0.1, 0.9])), a["grain_skew"], a["grain_tail"])
+    of_slope = a["martensite_stress_rate_pa_per_k"] * strain * a["martensite_temperature_k"] / a["density_kg_per_m3"]
+    of_r = a["r_phase_stress_rate_pa_per_k"] * a["r_phase_strain"] * a["r_phase_temperature_k"] / a["density_kg_per_m3"]
+    latent_r = a["r_phase_entropy_ratio"] * a["latent_heat_j_per_kg"]
+    return [
+        ("martensite_hysteresis_k", "2 h_M: between the branches of the middle grain", 2.0 * barrier, "K", ""),
+        ("martensite_width_k", "10 to 90 % of the grains on one branch", spread * float(np.ptp(tails)), "K", ""),
+        (
+            "clausius_clapeyron_latent_heat_j_per_kg",
+            "C_M H T_M0 / density",
+            of_slope,
+            "J/kg",
+            f"the model uses {shown(a['latent_heat_j_per_kg'], '', 'J/kg')}",
+        ),
+        (
+            "r_phase_clausius_clapeyron_heat_j_per_kg",
+            "C_R H_R T_R0 / density",
+            of_r,
+            "J/kg",
+            f"the model uses r times the latent heat, {shown(latent_r, '', 'J/kg')}",
+        ),
+        (
+            "transformation_entropy_j_per_kg_k",
+            "latent heat / T_M0",
+            a["latent_heat_j_per_kg"] / a["martensite_temperature_k"],
+            "J/(kg K)",
+            "",
+        ),
+        (
+            "r_phase_hysteresis_k",
+            "2 h_R / r: between the branches of the R-phase",
+            2.0 * a["r_phase_barrier_k"] / max(a["r_phase_entropy_ratio"], 1e-9),
+            "K",
+            "",
+        ),
+        (
+            "r_to_m_barrier_acting_k",
+            "what h_RM acts as: at most h_M + h_R",
+            min(a["r_to_m_barrier_k"], barrier + a["r_phase_barrier_k"]),
+            "K",
+            f"the file has {shown(a['r_to_m_barrier_k'], '', 'K')}",
+        ),
+    ]
+
+
+def derived_table(alloy: Alloy) -> str:
+    """Return what follows from the parameters beside what is published for it."""
+    ranges = published_ranges().derived
+    rows = []
+    for name, words, value, unit, remark in derived(alloy):
+        found = ranges.get(name)
+        published = "" if found is None else shown_range(found, name)
+        rows.append([words, shown(value, name, unit), published, verdict(value, name, found), remark])
+    return table(["quantity", "value", "published", "inside", "remark"], rows)
+
+
+WIRES_TEXT = """What belongs to one spool; everything else is the alloy's. The isobar sample is the wire behind the
+published isobars, whose diameter and class are not stated."""
+
+
+def wires_table(wires: list[Wire]) -> str:
+    """Return the wires beside each other; a value's kind stands behind it."""
+    rows = []
+    for name, _ in wires[0].items():
+        items: list[Parameter] = [getattr(wire, name) for wire in wires]
+        found = published_ranges().parameters.get(name)
+        cells = [f"{shown(item.value, name, item.unit)}, {item.kind}" for item in items]
+        rows.append([f"`{name}`", *cells, "" if found is None else shown_range(found, name)])
+    return table(["parameter", *(f"`{wire.name}`" for wire in wires), "published"], rows)
+
+
+def bench_table(bench: Bench) -> str:
+    """Return the bench's parameters with kind and source."""
+    rows = [
+        [f"`{name}`", meaning(Bench, name), shown(item.value, name, item.unit), item.kind, with_note(item)]
+        for name, item in bench.items()
+    ]
+    return table(["parameter", "meaning", "value", "kind", "source"], rows)
+
+
+def with_note(item: Parameter) -> str:
+    """Return the source of a value, and its note."""
+    return f"{item.source}; {item.note}" if item.note else item.source
+
+
+def sources_table(groups: list[Alloy | Wire]) -> str:
+    """Return every source with the parameters that have it, and notes."""
+    by_source: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for group in groups:
+        for name, item in group.items():
+            words = f"`{name}`"
+            if words not in by_source[item.kind, item.source]:
+                by_source[item.kind, item.source].append(words)
+    rows = [[kind, source, ", ".join(names)] for (kind, source), names in by_source.items()]
+    notes = [
+        [f"`{name}`", item.note] for name, item in groups[0].items() if item.note and name not in outside(groups[0])
+    ]
+    text = table(["kind", "source", "parameters"], rows)
+    return f"{text}\n\nNotes of the alloy's file:\n\n{table(['parameter', 'note'], notes)}" if notes else text
+
+
+def published_table() -> str:
+    """Return where every published range comes from and how far to trust it."""
+    rows = [
+        [f"`{name}`", shown_range(found, name), found.standing, found.source]
+        for name, found in published_ranges().parameters.items()
+    ]
+    for name, found in published_ranges().derived.items():
+        words = name.removesuffix(unit_suffix(found)).replace("_", " ")
+        rows.append([words, shown_range(found, name), found.standing, found.source])
+    return table(["quantity", "published", "standing", "source"], rows)
+
+
+def unit_suffix(found: PublishedRange) -> str:
+    """Return how a name with that unit ends."""
+    return {"K": "_k", "J/kg": "_j_per_kg", "J/(kg K)": "_j_per_kg_k"}[found.unit]
+
+
+PRIORS_TEXT = """What `parameters.priors:load_priors` believes of a wire before anything is measured: a normal
+distribution cut off at bounds, and the experiment that tells the parameter best. The bounds are wider than the
+published ranges on purpose: they are where a search stops."""
+
+
+def priors_table() -> str:
+    """Return the shipped priors."""
+    rows = []
+    for name, prior in load_priors().parameters.items():
+        factor, offset, words = scaled(name, prior.unit)
+        wide = "K" if words == "°C" else words
+        rows.append(
+            [
+                f"`{name}`",
+                f"{figure(factor * prior.mean + offset)} {words}".strip(),
+                f"{figure(factor * prior.std)} {wide}".strip(),
+                f"{figure(factor * prior.low + offset)} to {figure(factor * prior.high + offset)} {words}".strip(),
+                prior.measure,
+            ]
+        )
+    return table(["parameter", "mean", "deviation", "bounds", "experiment"], rows)

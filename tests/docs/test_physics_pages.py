@@ -1,0 +1,90 @@
+"""docs/explanation/physics.md and docs/reference/parameters.md say what the code and the parameter files say."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import sys
+from collections.abc import Iterator
+from types import ModuleType
+
+import pytest
+from doc_pages import ROOT, code_words, resolve, tables_of
+
+from musclewire.parameters import load_alloy, load_bench, load_wire
+
+FOLDER = ROOT / "docs" / "images"
+PHYSICS = ROOT / "docs" / "explanation" / "physics.md"
+PARAMETERS = ROOT / "docs" / "reference" / "parameters.md"
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
+AGAIN = "run python docs/images/draw.py and commit what it changes"
+
+
+@pytest.fixture(scope="module")
+def draw() -> Iterator[ModuleType]:
+    sys.path.insert(0, str(FOLDER))
+    try:
+        yield importlib.import_module("draw")
+    finally:
+        sys.path.remove(str(FOLDER))
+
+
+def last_digit(number: str) -> float:
+    return 10.0 ** -len(number.partition(".")[2])
+
+
+def test_the_page_of_parameters_is_what_its_script_writes(draw: ModuleType) -> None:
+    assert PARAMETERS.read_text("utf-8") == draw.parameter_page.page(), AGAIN
+
+
+def test_every_parameter_of_the_alloy_the_wires_and_the_bench_is_on_the_page() -> None:
+    listed = {word for table in tables_of(PARAMETERS.read_text("utf-8")) for row in table
+              for word in code_words(row.get("parameter", ""))}  # fmt: skip
+    groups = (load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
+    assert {name for group in groups for name, _ in group.items()} <= listed
+
+
+def test_the_simulated_numbers_on_the_page_are_those_of_the_shipped_wire(draw: ModuleType) -> None:
+    text = PHYSICS.read_text("utf-8")
+    fresh = draw.with_blocks(text, draw.physics_numbers.blocks(draw.physics_runs.loops_of_the_sweep()))
+    text, fresh = " ".join(text.split()), " ".join(fresh.split())
+    assert NUMBER.sub("#", fresh) == NUMBER.sub("#", text), AGAIN
+    # Another machine may round the last bit otherwise: a unit of the last digit printed is no other result.
+    for ours, printed in zip(NUMBER.findall(fresh), NUMBER.findall(text), strict=True):
+        assert float(ours) == pytest.approx(float(printed), abs=1.01 * last_digit(printed)), AGAIN
+
+
+def test_the_parts_of_a_difference_add_up_to_it(draw: ModuleType) -> None:
+    runs = draw.physics_runs
+    loop = runs.slow_loop(runs.constants_of_wire("paper-125um"), "paper-125um")
+    parts = runs.parts_of_the_difference(loop)
+    assert parts.hotter + parts.r_phase + parts.rest == pytest.approx(parts.whole, abs=1e-12)
+    # Without R-phase there is no part of it, and shape and martensite leave little beside the temperature.
+    parts = runs.parts_of_the_difference(runs.without_r_phase(loop))
+    assert abs(parts.r_phase).max() == 0.0
+    assert abs(parts.rest).max() < 0.5 * abs(parts.hotter).max()
+
+
+def test_every_equation_of_the_page_leads_to_code() -> None:
+    text = PHYSICS.read_text("utf-8")
+    names = re.findall(r"`([\w.]+:[\w.]+)`", text)
+    assert len(names) > 20
+    for name in names:
+        assert resolve(name) is not None
+    rows = [row for table in tables_of(text) for row in table if "Equation" in row]
+    assert all(code_words(row["Code"]) and row["Source"] for row in rows)
+
+
+def test_every_source_of_an_equation_stands_at_its_function_too() -> None:
+    source = "".join(path.read_text("utf-8") for path in sorted((ROOT / "src/musclewire").rglob("*.py")))
+    elsewhere = (ROOT / "docs/explanation/numerics.md").read_text("utf-8") + "".join(
+        path.read_text("utf-8") for path in sorted((ROOT / "src/musclewire/parameters/data").rglob("*.toml"))
+    )
+    for doi in re.findall(r"doi (10\.\S+?)(?=[\s,|)]*(?:\s|$))", PHYSICS.read_text("utf-8")):
+        assert doi in source + elsewhere, doi
+
+
+@pytest.mark.parametrize("name", ["phases_over_strain", "phase_diagram", "grains", "isobars"])
+def test_every_picture_is_on_the_page(name: str) -> None:
+    assert f"](../images/{name}.png)" in PHYSICS.read_text("utf-8")
+    assert (FOLDER / f"{name}.png").read_bytes().startswith(b"\x89PNG")
