@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from musclewire.identify.loop_gaps import LoopGaps
 from musclewire.identify.recordings import required_quantity, resistance_reading
+from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, TARGET, svg
 from musclewire.parameters.library import read_published
 from musclewire.signals.recording import Recording
 
@@ -25,6 +24,12 @@ if TYPE_CHECKING:
     from musclewire.sensing.model import SensingModel
 
 __all__ = [
+    "AVERAGE",
+    "COOLING",
+    "HEATING",
+    "PAPER",
+    "STYLE",
+    "TARGET",
     "fit_figure",
     "loops_figure",
     "report_figures",
@@ -34,34 +39,7 @@ __all__ = [
     "trace_figure",
 ]
 
-HEATING, COOLING, AVERAGE, PAPER, TARGET = "#c8553d", "#1f6f8b", "#2b2b2b", "#8a5fbf", "#9aa0a6"
 MINOR_SHADES = ("#5c6670", "#aab2ba")
-STYLE: dict[str, Any] = {
-    "font.family": "sans-serif",
-    "font.size": 9.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": "#555555",
-    "axes.labelcolor": "#222222",
-    "axes.grid": True,
-    "grid.color": "#e6e8eb",
-    "grid.linewidth": 0.8,
-    "xtick.color": "#555555",
-    "ytick.color": "#555555",
-    "legend.frameon": False,
-    "lines.linewidth": 1.6,
-    "svg.fonttype": "path",
-}
-
-
-def svg(figure: Figure, name: str) -> str:
-    """Return a figure as an <svg> element; ``name`` keeps its ids apart from other figures in one page."""
-    text = io.StringIO()
-    with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
-        FigureCanvasSVG(figure)
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    whole = text.getvalue()
-    return whole[whole.index("<svg") :]
 
 
 def report_figures(result: DemoResult) -> Mapping[str, str]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.metadata import version
-from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING
 
 from musclewire.app.report.figures import report_figures
+from musclewire.pages import page_template, style_sheet
 from musclewire.parameters.library import load_alloy, load_bench, load_wire, read_published
 from musclewire.signals.whole_files import write_whole
 
@@ -56,12 +56,12 @@ def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
 
 def template(name: str) -> Template:
     """Return one of the page templates that stand beside this file."""
-    return Template((files("musclewire.app.report") / name).read_text("utf-8"))
+    return page_template("musclewire.app.report", name)
 
 
 def report_style() -> str:
     """Return the style sheet that all pages share."""
-    return (files("musclewire.app.report") / "style.css").read_text("utf-8")
+    return style_sheet()
 
 
 def cards(result: DemoResult, wall_s: float) -> str:

@@ -6,31 +6,40 @@ import hashlib
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from musclewire.compiled import kernel_source_hash
 from musclewire.errors import CallerError
+from musclewire.identify.physical.bench import checked_settings
 from musclewire.identify.physical.candidates import Candidates, WireValues
-from musclewire.identify.physical.driven import observe_drive
-from musclewire.identify.physical.isobaric import isobars_in, observe_isobars
 from musclewire.identify.physical.journal import Journal
 from musclewire.identify.physical.observations import Comparison, Observation, compare, residuals_of
-from musclewire.identify.physical.search import Found, OnProgress, Settings, search
+from musclewire.identify.physical.search import Found, OnProgress, OnStep, Settings, search
+from musclewire.identify.physical.sources import Start, observations_of, start_of, told_by
 from musclewire.identify.physical.uncertainty import Estimate, covariance, estimates, excess_variance
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
+from musclewire.parameters.library import bench_known_with, load_alloy, load_wire
 from musclewire.parameters.priors import PriorSet, load_priors
 from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire
 from musclewire.signals.recording import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from musclewire.identify.physical.advice import Advice
 
 __all__ = ["Calibration", "Fit", "calibrate", "observations_of"]
 
 FloatArray = NDArray[np.float64]
 Group = TypeVar("Group", Alloy, Wire, Bench)
 
-ISOBAR_COLUMNS = ("wire_temperature_k", "reference_strain", "stress_pa")
+# A channel that is further off than this many of its stated uncertainties is not followed by the model.
+FOLLOWED_WITHIN = 3.0
+CORRELATED = 0.9
 
 
 class Fit:
@@ -65,6 +74,20 @@ class Fit:
         return np.concatenate([self.observed_residuals(coordinates), coordinates])
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What a calibration was asked for: names of the recordings, the wire to start from, priors, effort.
+
+    ``notes`` say how the recordings were understood and what had to be assumed.
+    """
+
+    sources: tuple[str, ...]
+    wire: str
+    priors: PriorSet
+    settings: Settings
+    notes: tuple[str, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Calibration:
     """What a calibration found: every parameter with its uncertainty, and how well the observations are met."""
@@ -78,8 +101,7 @@ class Calibration:
     found: Found
     excess_variance: float
     wall_s: float
-    settings: Settings
-    sources: tuple[str, ...]
+    asked: Asked
 
     @property
     def values(self) -> WireValues:
@@ -104,7 +126,77 @@ class Calibration:
 
     def comparisons(self) -> list[tuple[str, Comparison]]:
         """Return every channel of every observation beside the wire found, with the observation's title."""
+        return list(self._compared)
+
+    @cached_property
+    def _compared(self) -> list[tuple[str, Comparison]]:
         return [(item.title, pair) for item in self.fit.observations for pair in compare(item, self.values)]
+
+    @property
+    def not_followed(self) -> list[tuple[str, Comparison]]:
+        """Channels that the wire found is further off than three times their stated uncertainty (rms)."""
+        return [(title, pair) for title, pair in self.comparisons() if pair.normalised_rms > FOLLOWED_WITHIN]
+
+    @property
+    def holds(self) -> bool:
+        """Whether the model follows every channel to within three times its stated uncertainty (rms)."""
+        return not self.not_followed
+
+    @property
+    def not_searched(self) -> list[str]:
+        """Parameters with a prior that these recordings cannot touch; they keep the starting wire's value."""
+        return [name for name in self.asked.priors.parameters if name not in self.fit.candidates.names]
+
+    @property
+    def correlated(self) -> list[tuple[str, str, float]]:
+        """Pairs of parameters that the recordings tell together rather than apart (|r| > 0.9), strongest first."""
+        names = self.fit.candidates.names
+        rows, columns = np.nonzero(np.triu(np.abs(self.correlation) > CORRELATED, 1))
+        pairs = [
+            (names[row], names[column], float(self.correlation[row, column]))
+            for row, column in zip(rows, columns, strict=True)
+        ]
+        return sorted(pairs, key=lambda pair: -abs(pair[2]))
+
+    @cached_property
+    def advice(self) -> tuple[Advice, ...]:
+        """What to measure next: experiments with the parameters each would tell, the most telling first."""
+        from musclewire.identify.physical.advice import advise
+
+        return advise(self)
+
+    def save(self, path: str | Path, name: str | None = None) -> None:
+        """Write the wire found as a wire file (.toml), whole or not at all; ``name`` is the file's without one.
+
+        Raises CallerError for another suffix or a folder that cannot be written to.
+        """
+        from musclewire.identify.physical.saving import save_wire
+
+        save_wire(self, Path(path), name)
+
+    def report(self, path: str | Path) -> None:
+        """Write the report page (.html), whole or not at all. Raises CallerError as :meth:`save`."""
+        from musclewire.identify.physical.report import write_report
+
+        write_report(self, Path(path))
+
+    def plot(self) -> Axes:
+        """Draw what was measured beside what was fitted, residuals below; return the axes of the first channel."""
+        from musclewire.identify.physical.pictures import channel_axes
+
+        return channel_axes(self)
+
+    def __str__(self) -> str:
+        """Say what was found, and how well, in lines for a person."""
+        from musclewire.identify.physical.words import summary
+
+        return summary(self)
+
+    def _repr_html_(self) -> str:
+        """Show the table of parameters in a notebook."""
+        from musclewire.identify.physical.words import notebook_table
+
+        return notebook_table(self)
 
     def as_dict(self) -> dict[str, object]:
         """Return plain values for JSON, as INTERFACE has them."""
@@ -112,33 +204,26 @@ class Calibration:
             "parameters": {item.name: item.as_dict() for item in self.estimates},
             "not_identifiable": [item.name for item in self.not_identifiable],
             "rmse": self.rmse,
+            "holds": self.holds,
             "channels": [
-                {"recording": title, "channel": pair.channel.name, "unit": pair.channel.unit, "rms": pair.rms}
+                {
+                    "recording": title,
+                    "channel": pair.channel.name,
+                    "unit": pair.channel.unit,
+                    "rms": pair.rms,
+                    "rms_in_uncertainties": pair.normalised_rms,
+                }
                 for title, pair in self.comparisons()
             ],
+            "correlated": [{"parameters": [one, other], "r": r} for one, other, r in self.correlated],
+            "not_searched": self.not_searched,
+            "notes": list(self.asked.notes),
             "excess_variance": self.excess_variance,
             "simulations": self.found.simulations,
             "descent_costs": list(self.found.costs),
             "wall_s": self.wall_s,
-            "seed": self.settings.seed,
+            "seed": self.asked.settings.seed,
         }
-
-
-def observations_of(recordings: Mapping[str, Recording], bench: Mapping[str, float] | None = None) -> list[Observation]:
-    """Return recordings, by name, as observations; all isobars among them become one, with one zero of strain.
-
-    Raises RecordingError for one that cannot constrain anything.
-    """
-    found: list[Observation] = []
-    isobars = []
-    for name, recording in recordings.items():
-        if set(ISOBAR_COLUMNS) <= set(recording.names):
-            isobars += isobars_in(recording, name)
-        else:
-            found.append(observe_drive(recording, bench or {}, name))
-    if isobars:
-        found.append(observe_isobars(isobars, "isobars"))
-    return found
 
 
 def calibrate(
@@ -150,18 +235,21 @@ def calibrate(
     settings: Settings | None = None,
     journal_path: Path | None = None,
     on_progress: OnProgress | None = None,
+    on_step: OnStep | None = None,
 ) -> Calibration:
     """Find the physical parameters of a wire from recordings of it, with uncertainty.
 
     Parameters
     ----------
-    recordings: one or more, of any mix: driven by a voltage (loops, steps, cooling), or isobars (wire_temperature_k,
-        reference_strain, stress_pa)
-    wire: the wire to start from; gives what is not searched for (diameter, density, limits)
+    recordings: one or more, of any mix: driven by a voltage from cold (loops, steps), isobars (wire_temperature_k,
+        reference_strain, stress_pa), or cooling without voltages (time_s with wire_temperature_k, strain or force)
+    wire: the wire to start from, by name or wire file; gives what is not searched for (diameter, density, limits)
     priors: what is known before, by name or TOML file; bounds and priors from the literature by default
-    bench: numbers of the bench that the recordings do not state, by name in SI
+    bench: numbers of the bench that the recordings do not state, by name in SI; diameter_m and start_temperature_k too
     settings: seed and effort of the search
     journal_path: where an interrupted search leaves off and goes on; removed when done
+    on_progress: called after each descent with stage, number, total and the best cost so far
+    on_step: called several times a second; what it raises ends the search
 
     Raises
     ------
@@ -172,28 +260,23 @@ def calibrate(
     started = time.monotonic()
     chosen = settings or Settings()
     named = named_recordings(recordings)
-    observations = observations_of(named, bench)
-    start_wire = load_wire(wire)
-    start = (load_alloy(start_wire.alloy), start_wire, load_bench("paper"))
+    given = {key: item.value for key, item in bench_known_with(wire).items()} | checked_settings(bench or {})
+    start, notes = start_of(named, wire, given)
+    observations, more_notes = observations_of(named, given | {"diameter_m": start.wire.diameter_m.value})
     prior_set = priors if isinstance(priors, PriorSet) else load_priors(priors)
     fit = Fit(Candidates(prior_set, *start, only=told_by(prior_set, observations)), observations)
     journal = None
     if journal_path is not None:
-        journal = Journal(journal_path, fingerprint(named, prior_set, chosen, wire, bench))
-    found = search(fit, chosen, journal=journal, on_progress=on_progress)
+        journal = Journal(journal_path, fingerprint(named, prior_set, chosen, wire, given))
+    found = search(fit, chosen, journal=journal, on_progress=on_progress, on_step=on_step)
+    asked = Asked(tuple(named), wire, prior_set, chosen, (*notes, *more_notes))
+    calibration = summed_up(fit, found, start, asked, started)
     if journal is not None:
         journal.remove()
-    return summed_up(fit, found, start, tuple(named), chosen, started)
+    return calibration
 
 
-def summed_up(
-    fit: Fit,
-    found: Found,
-    start: tuple[Alloy, Wire, Bench],
-    sources: tuple[str, ...],
-    settings: Settings,
-    started: float,
-) -> Calibration:
+def summed_up(fit: Fit, found: Found, start: Start, asked: Asked, started: float) -> Calibration:
     """Return a calibration from where a search ended."""
     unknowns = len(fit.candidates)
     observed, derivative = found.residuals[:-unknowns], found.jacobian[:-unknowns]
@@ -201,19 +284,18 @@ def summed_up(
     spread = covariance(derivative, excess)
     deviation = np.sqrt(np.diag(spread))
     items = tuple(estimates(fit.candidates, found.coordinates, deviation))
-    source = f"fitted by musclewire calibrate to {', '.join(sources)}"
+    source = f"fitted by musclewire calibrate to {', '.join(asked.sources)}"
     return Calibration(
-        alloy=with_estimates(start[0], items, source),
-        wire=with_estimates(start[1], items, source),
-        bench=with_estimates(start[2], items, source),
+        alloy=with_estimates(start.alloy, items, source),
+        wire=with_estimates(start.wire, items, source),
+        bench=with_estimates(start.bench, items, source),
         estimates=items,
         correlation=np.asarray(spread / np.outer(deviation, deviation)),
         fit=fit.refined(),
         found=found,
         excess_variance=excess,
         wall_s=time.monotonic() - started,
-        settings=settings,
-        sources=sources,
+        asked=asked,
     )
 
 
@@ -235,16 +317,6 @@ def with_estimates(group: Group, items: Sequence[Estimate], source: str) -> Grou
     return group.model_copy(update=changed)
 
 
-def told_by(priors: PriorSet, observations: Sequence[Observation]) -> list[str]:
-    """Return the parameters that could matter to these observations at all.
-
-    Isobars know neither heat nor electricity, and a bench without a guide has no friction to find.
-    """
-    driven = any(not item.title.startswith("isobars") for item in observations)
-    electrical_or_thermal = ("resistivity", "specific_heat", "latent_heat", "convection", "guide_friction")
-    return [name for name in priors.parameters if driven or not any(word in name for word in electrical_or_thermal)]
-
-
 def named_recordings(recordings: Mapping[str, Recording] | Recording | Sequence[Recording]) -> dict[str, Recording]:
     """Return recordings by name. Raises CallerError where there is none."""
     if isinstance(recordings, Recording):
@@ -263,15 +335,18 @@ def fingerprint(
     priors: PriorSet,
     settings: Settings,
     wire: str,
-    bench: Mapping[str, float] | None,
+    bench: Mapping[str, float],
 ) -> str:
-    """Return a short hash of all that decides how a search runs."""
-    digest = hashlib.sha256()
+    """Return a short hash of all that decides how a search runs, the simulator included."""
+    digest = hashlib.sha256(kernel_source_hash().encode())
     for name, recording in recordings.items():
         digest.update(name.encode())
+        digest.update(repr(sorted(recording.metadata.items())).encode())
         for column, values in recording.columns.items():
             digest.update(column.encode())
             digest.update(values.tobytes())
     settled = replace(settings, threads=None)
-    digest.update(repr((priors.model_dump(), settled, wire, sorted((bench or {}).items()))).encode())
+    start = load_wire(wire)
+    around = (start.model_dump(), load_alloy(start.alloy).model_dump())
+    digest.update(repr((priors.model_dump(), settled, around, sorted(bench.items()))).encode())
     return digest.hexdigest()[:16]

@@ -10,16 +10,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.errors import CallerError, RecordingError
+from musclewire.errors import RecordingError
+from musclewire.identify.physical.bench import bench_of
 from musclewire.identify.physical.candidates import WireValues
 from musclewire.identify.physical.observations import Channel, binned, with_model_error
-from musclewire.identify.recordings import reference_quantity, resistance_reading
+from musclewire.identify.recordings import required_quantity, resistance_reading
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import DrivenPath, drive_path
 from musclewire.simulate.wire import constants_of
 
-__all__ = ["DrivenObservation", "bench_of", "observe_drive"]
+__all__ = ["DrivenObservation", "RawChannel", "even_clock", "instruments_of", "observe_drive", "require_rows"]
 
 FloatArray = NDArray[np.float64]
 
@@ -47,8 +48,17 @@ LARGEST_STEP_S, REFINED_STEP_S = 0.005, 0.002
 STRETCHES = 20
 # A clock whose steps differ by more than this share of their median is laid on an even one.
 EVEN_CLOCK = 0.02
-# What a recording may say of the bench it was made on.
-BENCH_KEYS = ("wire_length_m", "pretension_n", "spring_stiffness_n_per_m", "shunt_resistance_ohm", "sample_period_s")
+# A simulated circuit needs some resistance beside the wire's, to read the current off; it falls across next to nothing.
+LEAST_SHUNT_OHM = 1e-3
+# An amplifier's command counts as its output where both agree to this share.
+COMMANDED_SHARE = 0.02
+# What a transformation changes at the least: strain; resistance, as a share; anything, in multiples of its noise.
+LEAST_STROKE, LEAST_RESISTANCE_SHARE, LEAST_OVER_NOISE = 1e-3, 0.01, 20.0
+# Strain that begins further from 0 than this share of its stroke was not counted from the cold wire.
+ZERO_SHARE = 0.05
+# No NiTi's resistivity is outside of this; what is, has a wrong unit, diameter or length.
+LEAST_RESISTIVITY, MOST_RESISTIVITY = 0.4e-6, 2.0e-6
+FIRST_ROWS, LEAST_ROWS = 9, 30
 
 
 class DrivenObservation:
@@ -72,7 +82,8 @@ class DrivenObservation:
         self._largest_step_s = LARGEST_STEP_S
         self._bin = max(1, -(-drive_voltage_v.shape[0] // MOST_BINS))
         self._keep: dict[str, NDArray[np.bool_]] = {}
-        self._channels = [self._binned_channel(name, raw) for name, raw in channels.items()]
+        binned_channels = [self._binned_channel(name, raw) for name, raw in channels.items()]
+        self._channels = [channel for channel in binned_channels if channel.measured.size]
 
     def _binned_channel(self, name: str, raw: RawChannel) -> Channel:
         keep = binned(raw.usable.astype(float), self._bin) > 0.999
@@ -103,6 +114,16 @@ class DrivenObservation:
         """What is known of the bench the recording was made on."""
         return self._bench
 
+    def drive_at(self, times_s: FloatArray) -> FloatArray:
+        """Return the drive at some times from the start of the recording, both (n,)."""
+        ticks = self._period_s * np.arange(1, self._drive.shape[0] + 1)
+        return np.asarray(np.interp(times_s, ticks, self._drive))
+
+    @property
+    def highest_drive_v(self) -> float:
+        """The highest voltage of the drive, whatever its sign."""
+        return float(np.abs(self._drive).max())
+
     def refined(self) -> DrivenObservation:
         """Return the same observation, simulated with the step that a rig uses."""
         finer = copy(self)
@@ -117,70 +138,145 @@ class DrivenObservation:
         path, _ = drive_path(constants, self._drive, dt_s=self._period_s / steps, steps=steps)
         return path
 
-    def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
-        """Return each channel as this wire would have given it, in bins."""
+    def columns(self, values: WireValues) -> Mapping[str, FloatArray]:
+        """Return whatever could be measured of this wire, sample by sample, by channel."""
         path = self.path(values)
         bench = {**values.bench, **self._bench}
         leg_m = bench["wire_length_m"] / bench["legs"]
         # Without a current there is no resistance to compare, and the recording has none there either.
         current_a = np.maximum(path.shunt_voltage_v / bench["shunt_resistance_ohm"], 1e-9)
-        columns = {
+        return {
             "resistance": path.wire_voltage_v / current_a,
             "strain": path.displacement_m / leg_m,
             "force": path.force_n - bench["pretension_n"],
             "temperature": path.temperature_k,
         }
+
+    def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
+        """Return each channel as this wire would have given it, in bins."""
+        columns = self.columns(values)
         return {name: binned(columns[name], self._bin)[keep] for name, keep in self._keep.items()}
 
 
 def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) -> DrivenObservation:
     """Return a driven recording as an observation; ``bench`` holds what the user says of it beyond the recording.
 
-    Raises RecordingError where nothing was driven or measured, CallerError where the bench is not known.
+    Raises RecordingError where nothing was driven or measured or nothing transformed, CallerError where the bench is
+    not known.
     """
-    drive = drive_of(recording)
-    even, period_s = even_clock(recording["time_s"])
     known = bench_of(recording, bench)
-    known["sample_period_s"] = period_s
-    channels = {name: raw.at(even) for name, raw in channels_of(recording).items()}
-    if not channels:
-        raise RecordingError(
-            f"{title}: neither resistance nor strain, force or temperature was recorded: there is nothing to compare"
-        )
-    refuse_idle(drive, channels, title)
-    diameter = recording.metadata.get("wire_diameter_m")
+    told = recording.with_metadata({**known, "leg_length_m": known["wire_length_m"] / known["legs"]})
+    require_rows(told)
+    drive, circuit = drive_of(told)
+    even, known["sample_period_s"] = even_clock(told["time_s"])
+    channels = channels_of(told)
+    if not channels.keys() & {"resistance", "strain", "force"}:
+        raise RecordingError("neither resistance nor strain nor force was recorded: there is nothing to compare")
+    refuse_idle(drive, channels)
+    if "diameter_m" in bench:
+        refuse_other_metal(channels, known["wire_length_m"], bench["diameter_m"])
     return DrivenObservation(
-        title, drive[even], period_s, known, float(diameter) if isinstance(diameter, (int, float)) else None, channels
+        title,
+        drive[even],
+        known["sample_period_s"],
+        known | circuit,
+        bench.get("diameter_m"),
+        {name: raw.at(even) for name, raw in channels.items()},
     )
 
 
-def refuse_idle(drive_v: FloatArray, channels: Mapping[str, RawChannel], title: str) -> None:
-    """Raise RecordingError where the wire was not heated, or nothing moved by more than its noise."""
-    if float(drive_v.max()) <= 0.0:
+def require_rows(recording: Recording) -> None:
+    """Raise RecordingError for a recording too short to say anything."""
+    if len(recording) < LEAST_ROWS:
+        raise RecordingError(f"has {len(recording)} rows, a calibration needs {LEAST_ROWS} or more")
+
+
+def refuse_idle(drive_v: FloatArray, channels: Mapping[str, RawChannel]) -> None:
+    """Raise RecordingError where the wire was not heated, or did not transform."""
+    if float(np.abs(drive_v).max()) <= 0.0:
+        raise RecordingError("the drive is 0 V throughout: a wire at rest tells nothing of its parameters")
+    if "strain" in channels:
+        refuse_strain(channels["strain"].values)
+    elif "resistance" in channels:
+        raw = channels["resistance"]
+        change = float(np.ptp(raw.values[raw.usable]) / np.median(raw.values[raw.usable]))
+        if change < LEAST_RESISTANCE_SHARE or not moves(raw):
+            raise RecordingError(
+                f"no transformation: the resistance changes by {100.0 * change:.2g} % at most: "
+                "drive the wire higher, until it contracts"
+            )
+    elif not moves(channels["force"]):
+        raise RecordingError("no transformation: the force does not change by more than its noise")
+
+
+def refuse_strain(strain: FloatArray) -> None:
+    """Raise RecordingError where a strain, (n,), shows no transformation or is not one of contraction from cold."""
+    stroke, noise = float(np.ptp(strain)), noise_level(strain)
+    if stroke < max(LEAST_STROKE, LEAST_OVER_NOISE * noise):
         raise RecordingError(
-            f"{title}: the drive never rises above 0 V: a wire at rest tells nothing of its parameters"
+            f"no transformation: the strain changes by {100.0 * stroke:.2g} % at most, its noise is "
+            f"{100.0 * noise:.2g} %: drive the wire higher, until it contracts"
         )
-    moved = [
-        name
-        for name, raw in channels.items()
-        if raw.usable.any() and np.ptp(raw.values[raw.usable]) > 20.0 * np.median(raw.noise[raw.usable]) + 1e-12
-    ]
-    if not set(moved) & {"resistance", "strain", "force"}:
+    cold = float(np.median(strain[:FIRST_ROWS]))
+    if cold - strain.min() > strain.max() - cold:
         raise RecordingError(
-            f"{title}: nothing moves by more than its noise ({', '.join(channels)}): the wire did not transform; "
-            "drive it higher, so that it contracts"
+            "strain of the wrong sign: it falls from where it begins; contraction counts positive (--invert), and a "
+            "recording must begin with a cold wire"
+        )
+    if abs(cold) > ZERO_SHARE * stroke:
+        raise RecordingError(
+            f"strain begins at {100.0 * cold:.3g} %: contraction counts from the cold wire, give --zero"
         )
 
 
-def drive_of(recording: Recording) -> FloatArray:
-    """Return the voltage across wire and shunt, (n,)."""
-    if "drive_voltage_v" in recording:
-        return recording["drive_voltage_v"]
-    if "wire_voltage_v" in recording and "shunt_voltage_v" in recording:
-        return np.asarray(recording["wire_voltage_v"] + recording["shunt_voltage_v"])
-    raise RecordingError(
-        "the recording does not say what drove the wire: give drive_voltage_v, or wire_voltage_v and shunt_voltage_v"
-    )
+def moves(raw: RawChannel) -> bool:
+    """Tell whether a channel changes by more than its noise."""
+    change = float(np.ptp(raw.values[raw.usable]))
+    return change > LEAST_OVER_NOISE * float(np.median(raw.noise[raw.usable])) + 1e-12
+
+
+def refuse_other_metal(channels: Mapping[str, RawChannel], length_m: float, diameter_m: float) -> None:
+    """Raise RecordingError where resistance, length and diameter together make no NiTi wire."""
+    if "resistance" not in channels:
+        return
+    raw = channels["resistance"]
+    resistance = float(np.median(raw.values[raw.usable]))
+    resistivity = resistance * 0.25 * math.pi * diameter_m**2 / length_m
+    if not LEAST_RESISTIVITY <= resistivity <= MOST_RESISTIVITY:
+        raise RecordingError(
+            f"{resistance:.3g} ohm over {1e3 * length_m:.4g} mm of {1e6 * diameter_m:.4g} um wire is a resistivity of "
+            f"{resistivity:.2g} ohm m, NiTi has about 0.9e-06: check units, length and diameter (--set diameter_m=...)"
+        )
+
+
+def drive_of(recording: Recording) -> tuple[FloatArray, dict[str, float]]:
+    """Return the voltage that drove the circuit, (n,), and what that circuit was beside the wire.
+
+    Measured across the wire alone, the circuit is the wire. Raises RecordingError where nothing says what drove it.
+    """
+    names = recording.columns
+    shunt = recording.metadata.get("shunt_resistance_ohm")
+    bare = {"shunt_resistance_ohm": LEAST_SHUNT_OHM, "lead_resistance_ohm": 0.0}
+    if "wire_voltage_v" in names and "shunt_voltage_v" in names and isinstance(shunt, (int, float)):
+        measured = np.asarray(names["wire_voltage_v"] + names["shunt_voltage_v"])
+        commanded = names.get("drive_voltage_v")
+        if commanded is not None and np.abs(commanded - measured).max() <= COMMANDED_SHARE * np.abs(measured).max():
+            return commanded, {}
+        return measured, {"lead_resistance_ohm": 0.0}
+    if "wire_voltage_v" in names:
+        return names["wire_voltage_v"], bare
+    if "wire_current_a" in names and "wire_resistance_ohm" in names:
+        return np.asarray(names["wire_current_a"] * names["wire_resistance_ohm"]), bare
+    if "drive_voltage_v" not in names:
+        raise RecordingError(
+            "nothing says what drove the wire: give drive_voltage_v, or wire_voltage_v with shunt_voltage_v or "
+            "wire_current_a"
+        )
+    if not isinstance(shunt, (int, float)):
+        raise RecordingError(
+            "drive_voltage_v is across wire and shunt, and the shunt is not known: give --shunt, '0 ohm' for none"
+        )
+    return names["drive_voltage_v"], {"shunt_resistance_ohm": max(float(shunt), LEAST_SHUNT_OHM)}
 
 
 def even_clock(time_s: FloatArray) -> tuple[NDArray[np.intp], float]:
@@ -196,27 +292,46 @@ def even_clock(time_s: FloatArray) -> tuple[NDArray[np.intp], float]:
 
 def channels_of(recording: Recording) -> dict[str, RawChannel]:
     """Return what a recording measured, by the names that a simulation knows too."""
-    everywhere = np.ones(len(recording), dtype=bool)
     found = {}
-    if {"wire_voltage_v", "shunt_voltage_v"} <= set(recording.names) or "wire_resistance_ohm" in recording:
+    names = set(recording.names)
+    if "wire_resistance_ohm" in names or ("wire_voltage_v" in names and names & {"shunt_voltage_v", "wire_current_a"}):
         reading = resistance_reading(recording)
         found["resistance"] = RawChannel("ohm", reading.resistance_ohm, resistance_noise(recording), reading.valid)
-    for name, unit, values in (
-        ("strain", "1", reference_quantity(recording, "strain")),
-        ("force", "N", reference_quantity(recording, "force")),
-        ("temperature", "K", recording.columns.get("wire_temperature_k")),
-    ):
-        if values is not None:
-            found[name] = RawChannel(unit, values, np.full(len(recording), noise_level(values)), everywhere)
+    return found | instruments_of(recording)
+
+
+def instruments_of(recording: Recording) -> dict[str, RawChannel]:
+    """Return strain, contraction force and temperature, as far as a recording has them."""
+    found = {}
+    if "reference_strain" in recording or "displacement_m" in recording:
+        found["strain"] = raw_channel("1", required_quantity(recording, "strain"))
+    if "force_n" in recording:
+        found["force"] = raw_channel("N", contraction_force_n(recording))
+    if "wire_temperature_k" in recording:
+        found["temperature"] = raw_channel("K", recording["wire_temperature_k"])
     return found
 
 
+def raw_channel(unit: str, values: FloatArray) -> RawChannel:
+    """Return a column of an instrument with the noise it shows, all of it usable."""
+    return RawChannel(unit, values, np.full(values.size, noise_level(values)), np.ones(values.size, dtype=bool))
+
+
+def contraction_force_n(recording: Recording) -> FloatArray:
+    """Return force beyond the pretension, (n,); a cell that was tared shows just that."""
+    force, pretension = recording["force_n"], float(recording.metadata["pretension_n"] or 0.0)
+    first = float(np.median(force[:FIRST_ROWS]))
+    tared = abs(first - pretension) > abs(first)
+    return np.asarray(force - (first if tared else pretension))
+
+
 def resistance_noise(recording: Recording) -> FloatArray:
-    """Return the standard deviation of each resistance [ohm], (n,): noise of both voltages over their size."""
-    if "wire_voltage_v" not in recording or "shunt_voltage_v" not in recording:
+    """Return the standard deviation of each resistance [ohm], (n,): noise of both readings over their size."""
+    other = next((name for name in ("shunt_voltage_v", "wire_current_a") if name in recording), None)
+    if "wire_voltage_v" not in recording or other is None:
         return np.full(len(recording), noise_level(recording["wire_resistance_ohm"]))
     share = np.zeros(len(recording))
-    for name in ("wire_voltage_v", "shunt_voltage_v"):
+    for name in ("wire_voltage_v", other):
         share += (noise_level(recording[name]) / np.maximum(np.abs(recording[name]), 1e-9)) ** 2
     return np.asarray(np.sqrt(share) * np.abs(resistance_reading(recording).resistance_ohm))
 
@@ -228,36 +343,3 @@ def model_error(name: str, measured: FloatArray) -> float:
     if name == "force":
         return MODEL_ERROR[name] * float(np.ptp(measured))
     return MODEL_ERROR[name]
-
-
-def bench_of(recording: Recording, given: Mapping[str, float]) -> dict[str, float]:
-    """Return what is known of a recording's bench: what the user gave, then what the recording says.
-
-    Without a stiffness it is read off force and displacement. Raises CallerError where it cannot be known.
-    """
-    known: dict[str, float] = {}
-    for key in BENCH_KEYS:
-        value = recording.metadata.get(key)
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            known[key] = float(value)
-    leg = recording.metadata.get("leg_length_m")
-    if isinstance(leg, (int, float)) and leg > 0.0 and "wire_length_m" in known:
-        known["legs"] = float(round(known["wire_length_m"] / leg))
-    if "ambient_temperature_k" in recording:
-        known["ambient_temperature_k"] = float(np.mean(recording["ambient_temperature_k"]))
-    known |= given
-    missing = {"spring_stiffness_n_per_m", "pretension_n"} - known.keys()
-    if missing:
-        known = {**load_line(recording, missing), **known}
-    return known
-
-
-def load_line(recording: Recording, missing: set[str]) -> dict[str, float]:
-    """Return stiffness and pretension as the straight line of force over displacement."""
-    if "force_n" not in recording or "displacement_m" not in recording:
-        raise CallerError(
-            f"the load is not known: give {' and '.join(sorted(missing))} (--set NAME=VALUE), or record force_n and "
-            "displacement_m"
-        )
-    slope, start = np.polyfit(recording["displacement_m"], recording["force_n"], 1)
-    return {"spring_stiffness_n_per_m": max(float(slope), 0.0), "pretension_n": max(float(start), 0.0)}

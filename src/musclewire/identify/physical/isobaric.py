@@ -16,7 +16,7 @@ from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import isobaric_path
 from musclewire.simulate.wire import constants_of
 
-__all__ = ["IsobaricObservation", "isobars_in", "observe_isobars"]
+__all__ = ["IsobaricObservation", "counts_contraction", "isobars_in", "observe_isobars"]
 
 FloatArray = NDArray[np.float64]
 
@@ -26,6 +26,8 @@ STRETCHES = 10
 # Stress that wanders by less than this share is one isobar.
 SAME_STRESS = 0.03
 LEAST_POINTS, LEAST_STROKE = 20, 1e-3
+# Temperatures that move by less show no loop; a wire breaks far below this stress.
+LEAST_RANGE_K, MOST_STRESS_PA = 5.0, 3e9
 
 
 class IsobaricObservation:
@@ -78,22 +80,36 @@ class IsobaricObservation:
         return {channel.name: strain + zero for channel, strain in zip(self._channels, strains, strict=True)}
 
 
-def isobars_in(recording: Recording, title: str) -> list[Isobar]:
+def counts_contraction(recording: Recording) -> bool:
+    """Tell whether strain grows with temperature: contraction positive, as our own recordings have it."""
+    return float(np.cov(recording["wire_temperature_k"], recording["reference_strain"])[0, 1]) > 0.0
+
+
+def isobars_in(recording: Recording) -> list[Isobar]:
     """Return the isobars of a recording with temperature, strain and stress, strain positive in elongation.
 
-    Raises RecordingError where stress is not constant over a loop, or nothing transforms.
+    Raises RecordingError where temperature is constant, or stress is not over a loop.
     """
     temperature_k, stress_pa = recording["wire_temperature_k"], recording["stress_pa"]
+    if np.ptp(temperature_k) < LEAST_RANGE_K:
+        raise RecordingError(
+            f"the temperature moves by {np.ptp(temperature_k):.2g} K: an isobar goes from cold to hot and back"
+        )
+    if not (stress_pa.min() >= 0.0 and stress_pa.max() < MOST_STRESS_PA):
+        raise RecordingError(
+            f"stress goes from {stress_pa.min() / 1e6:.4g} to {stress_pa.max() / 1e6:.4g} MPa: it must be tension, "
+            "positive, and below what breaks a wire; check its unit and sign"
+        )
     strain = recording["reference_strain"]
-    if np.corrcoef(temperature_k, strain)[0, 1] > 0.0:
-        strain = -strain  # contraction positive, as our own recordings have it
+    if counts_contraction(recording):
+        strain = -strain
     found = []
     starts = [0, *(np.flatnonzero(np.abs(np.diff(stress_pa)) > SAME_STRESS * np.abs(stress_pa[1:]) + 1e5) + 1)]
     for start, stop in zip(starts, [*starts[1:], len(recording)], strict=True):
         part = slice(int(start), int(stop))
         if stop - start < LEAST_POINTS:
             raise RecordingError(
-                f"{title}: stress changes at row {int(stop) + 1} after {int(stop - start)} rows: an isobar needs at "
+                f"stress changes at row {int(stop) + 1} after {int(stop - start)} rows: an isobar needs at "
                 f"least {LEAST_POINTS} points at one stress, over heating and cooling"
             )
         found.append(Isobar(float(np.median(stress_pa[part])), temperature_k[part], strain[part]))
@@ -105,7 +121,7 @@ def observe_isobars(isobars: Sequence[Isobar], title: str) -> IsobaricObservatio
     strokes = [float(np.ptp(item.strain)) for item in isobars]
     if max(strokes) < LEAST_STROKE:
         raise RecordingError(
-            f"{title}: strain changes by {100.0 * max(strokes):.3g} % at most: nothing transforms between "
+            f"strain changes by {100.0 * max(strokes):.3g} % at most: nothing transforms between "
             f"{min(item.temperature_k.min() for item in isobars) - 273.15:.0f} C and "
             f"{max(item.temperature_k.max() for item in isobars) - 273.15:.0f} C, so nothing can be identified"
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 from musclewire.errors import CallerError
@@ -18,10 +19,13 @@ class Journal:
         self._path = path
         self._remembered: list[list[float]] = []
         self._position = 0
-        if path.exists():
-            self._remembered = read_journal(path, fingerprint)
-        lines = [json.dumps({"search": fingerprint}), *(json.dumps(numbers) for numbers in self._remembered)]
-        path.write_text("\n".join(lines) + "\n", "utf-8")
+        try:
+            if path.exists():
+                self._remembered = read_journal(path, fingerprint)
+            lines = [json.dumps({"search": fingerprint}), *(json.dumps(numbers) for numbers in self._remembered)]
+            path.write_text("\n".join(lines) + "\n", "utf-8")
+        except OSError as problem:
+            raise CallerError(f"{path}: cannot be written: {problem.strerror or problem}; check the folder") from None
 
     @property
     def remembered(self) -> int:
@@ -39,6 +43,8 @@ class Journal:
         """Add a descent; it is on the disk when this returns."""
         with self._path.open("a", encoding="utf-8") as file:
             file.write(json.dumps([float(number) for number in numbers]) + "\n")
+            file.flush()
+            os.fsync(file.fileno())
 
     def remove(self) -> None:
         """Delete the journal of a search that is done."""
@@ -47,14 +53,15 @@ class Journal:
 
 def read_journal(path: Path, fingerprint: str) -> list[list[float]]:
     """Return the lines of a journal; a last line cut off in writing is dropped."""
-    lines = path.read_text("utf-8").splitlines()
     try:
+        lines = path.read_text("utf-8").splitlines()
         belongs = json.loads(lines[0])["search"] == fingerprint
-    except (IndexError, KeyError, TypeError, json.JSONDecodeError):
+    except (IndexError, KeyError, TypeError, UnicodeDecodeError, json.JSONDecodeError):
         raise CallerError(f"{path} is not the journal of a search: give another output, or move it away") from None
     if not belongs:
         raise CallerError(
-            f"{path} belongs to a search with other recordings or settings: finish that one, or delete the file"
+            f"{path} belongs to a search with other recordings, settings or another version: finish that one, or "
+            "delete the file"
         )
     found: list[list[float]] = []
     for line in lines[1:]:

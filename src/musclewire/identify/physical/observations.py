@@ -46,6 +46,11 @@ class Comparison:
         """Root mean square of the difference, in the channel's unit."""
         return float(np.sqrt(np.mean((self.predicted - self.channel.measured) ** 2)))
 
+    @property
+    def normalised_rms(self) -> float:
+        """Root mean square of the difference over the channel's uncertainty."""
+        return float(np.sqrt(np.mean(((self.predicted - self.channel.measured) / self.channel.uncertainty) ** 2)))
+
 
 class Observation(Protocol):
     """Something measured on a wire, with a way to simulate it."""

@@ -11,7 +11,7 @@ doi 10.1137/S1064827595289108). Derivatives are simulated on threads: the simula
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,18 +20,32 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.errors import NumericsError
+from musclewire.errors import CallerError, NumericsError, nearest_hint
 from musclewire.identify.physical.journal import Journal
 
-__all__ = ["Found", "OnProgress", "Problem", "Settings", "jacobian", "search", "threads"]
+__all__ = [
+    "EFFORTS",
+    "Found",
+    "OnProgress",
+    "OnStep",
+    "Problem",
+    "Settings",
+    "Workshop",
+    "jacobian",
+    "search",
+    "settings_of_effort",
+    "threads",
+]
 
 FloatArray = NDArray[np.float64]
 OnProgress = Callable[[str, int, int, float], None]
+OnStep = Callable[[], None]
 
 # A candidate that cannot be simulated is as far off as this, in every residual.
 IMPOSSIBLE = 1e4
 # Steps of a derivative, in prior standard deviations: below, the edges of grain classes show; above, curvature does.
-SEARCH_STEP, FINAL_STEP = 0.01, 0.02
+# What the edges add looks like information and makes intervals narrower than they are, so the last one is larger.
+SEARCH_STEP, FINAL_STEP = 0.01, 0.05
 # How many times too large the observations' uncertainty is taken, descent by descent.
 FROM_A_START = (100.0, 30.0, 10.0, 3.0, 1.0)
 FROM_A_JUMP = (10.0, 3.0, 1.0)
@@ -72,6 +86,28 @@ class Settings:
     evaluations_last: int = 12
     threads: int | None = None
 
+    def __post_init__(self) -> None:
+        """Refuse a search that would not search."""
+        if self.starts < 1 or self.jumps < 0 or min(self.evaluations_each, self.evaluations_last) < 1:
+            raise CallerError(f"a search needs one start or more and no less than 0 jumps: {self.starts}, {self.jumps}")
+        if self.threads is not None and self.threads < 1:
+            raise CallerError(f"a search needs a thread or more, got {self.threads}")
+
+
+# How hard to search, by a word: one descent to see whether a fit is possible; the default; and for a last word.
+EFFORTS: Mapping[str, Settings] = {
+    "quick": Settings(starts=1, jumps=0, evaluations_each=5, evaluations_last=5),
+    "normal": Settings(),
+    "thorough": Settings(starts=6, jumps=6, evaluations_each=15, evaluations_last=20),
+}
+
+
+def settings_of_effort(effort: str) -> Settings:
+    """Return the settings that a word stands for. Raises CallerError for another word."""
+    if effort not in EFFORTS:
+        raise CallerError(f"there is no effort '{effort}'{nearest_hint(effort, EFFORTS)}")
+    return EFFORTS[effort]
+
 
 @dataclass(frozen=True, eq=False)
 class Found:
@@ -94,21 +130,26 @@ class Found:
 
 
 class Workshop:
-    """A problem with threads to simulate it on, and a count of simulations."""
+    """A problem with threads to simulate it on, and a count of simulations; ``on_step`` may raise to stop a search."""
 
-    def __init__(self, problem: Problem, each: Callable[..., list[FloatArray | None]]) -> None:
+    def __init__(
+        self, problem: Problem, each: Callable[..., list[FloatArray | None]], on_step: OnStep | None = None
+    ) -> None:
         """Take a problem and a map over vectors."""
         self.problem = problem
         self.simulations = 0
         self._each = each
+        self._on_step = on_step or (lambda: None)
 
     def residuals(self, coordinates: FloatArray) -> FloatArray | None:
         """Return residuals at a vector, None where its wire is impossible."""
+        self._on_step()
         self.simulations += 1
         return residuals_or_none(self.problem, coordinates)
 
     def several(self, vectors: Sequence[FloatArray]) -> list[FloatArray | None]:
         """Return residuals at several vectors, at a time."""
+        self._on_step()
         self.simulations += len(vectors)
         return self._each(lambda vector: residuals_or_none(self.problem, vector), vectors)
 
@@ -140,20 +181,22 @@ def search(
     *,
     journal: Journal | None = None,
     on_progress: OnProgress | None = None,
+    on_step: OnStep | None = None,
 ) -> Found:
     """Return the best vector found, repeatable for one seed whatever the number of threads.
 
-    With a ``journal`` an interrupted search goes on after the last descent that it finished. Raises NumericsError
-    where no vector can be simulated.
+    With a ``journal`` an interrupted search goes on after the last descent that it finished. ``on_progress`` is called
+    after each descent, ``on_step`` many times on the way; what they raise ends the search. Raises NumericsError where
+    no vector can be simulated.
     """
     report = on_progress or (lambda *_: None)
     with threads(settings.threads) as each:
-        workshop = Workshop(problem, each)
+        workshop = Workshop(problem, each, on_step)
         ends = descents(workshop, settings, journal, report)
         if not np.isfinite(min(cost for cost, _ in ends)):
             raise NumericsError("no candidate could be simulated: check the recording's bench, drive and units")
         rough = min(ends, key=lambda end: end[0])[1]
-        fine = Workshop(problem.refined(), each)
+        fine = Workshop(problem.refined(), each, on_step)
         _, best = descend(fine, rough, 1.0, settings.evaluations_last, SEARCH_STEP)
         residuals = fine.residuals(best)
         if residuals is None:
@@ -174,11 +217,13 @@ def descents(
         random = np.random.default_rng([settings.seed, number])
         remembered = journal.next() if journal is not None else None
         if remembered is not None:
-            ends.append((remembered[0], np.array(remembered[1:])))
+            ends.append((remembered[0], np.array(remembered[2:])))
+            workshop.simulations += int(remembered[1])
         else:
+            before = workshop.simulations
             ends.append(one_descent(workshop, ends, number, settings, random, size))
             if journal is not None:
-                journal.write([ends[-1][0], *ends[-1][1]])
+                journal.write([ends[-1][0], workshop.simulations - before, *ends[-1][1]])
         report("global search", number + 1, settings.starts + settings.jumps, min(cost for cost, _ in ends))
     return ends
 

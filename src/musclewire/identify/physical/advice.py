@@ -1,0 +1,265 @@
+"""What to measure next: experiments simulated with the wire found, and which parameters each of them would tell.
+
+An experiment that nobody has made yet has no residuals, but its simulation has a derivative, and that is all it takes:
+the information of the experiment, added to that of the recordings and of the prior, says how wide each parameter's
+interval would become (Laplace's approximation, as for the intervals themselves).
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import MusclewireError
+from musclewire.identify.isobars import Isobar
+from musclewire.identify.physical.candidates import Candidates, WireValues
+from musclewire.identify.physical.cooling import CoolingObservation
+from musclewire.identify.physical.driven import DrivenObservation, RawChannel
+from musclewire.identify.physical.isobaric import IsobaricObservation
+from musclewire.identify.physical.observations import Observation, residuals_of
+from musclewire.identify.physical.search import Workshop, jacobian, threads
+from musclewire.identify.physical.uncertainty import IDENTIFIABLE_SHARE
+from musclewire.simulate.paths import isobaric_path
+from musclewire.simulate.wire import constants_of
+
+if TYPE_CHECKING:
+    from musclewire.identify.physical.calibration import Calibration
+
+__all__ = ["Advice", "Experiment", "advise", "how_to_tell", "proposed"]
+
+FloatArray = NDArray[np.float64]
+
+MOST_ADVICE = 3
+# Step of a derivative, in prior standard deviations: the edges of grain classes must not pass for information.
+STEP = 0.1
+# Instruments as people have them: noise of a sample; of resistance as a share.
+NOISE = {"strain": 5e-5, "resistance": 3e-4, "force": 5e-3, "temperature": 0.3}
+UNITS = {"strain": "1", "resistance": "ohm", "force": "N", "temperature": "K"}
+PERIOD_S, SAMPLE_S, FAST_SAMPLE_S = 90.0, 0.05, 0.005
+STEP_ON_S, STEP_WHOLE_S = 1.0, 5.0
+MINOR_SHARE, LOW_SHARE, HIGH_SHARE = 0.875, 0.5, 2.0
+SENSE_SHARE = 0.05
+ISOBAR_STRESSES_PA, ISOBAR_POINTS, ABOVE_TRANSFORMATION_K = (50e6, 100e6, 200e6), 150, 60.0
+COOLING_S, COOLING_SAMPLE_S = 20.0, 0.02
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Something one could measure: its key in the data file, and what it would look like with the wire found."""
+
+    key: str
+    observation: Observation
+
+
+@dataclass(frozen=True)
+class Advice:
+    """An experiment worth making: what to do, which parameters it would tell, which it would narrow by half or more.
+
+    ``gain`` is by how much it would narrow all parameters together: the sum of the logarithms of before over after.
+    """
+
+    title: str
+    text: str
+    tells: tuple[str, ...]
+    narrows: tuple[str, ...]
+    gain: float
+
+    def as_dict(self) -> dict[str, object]:
+        """Return plain values for JSON."""
+        return {"title": self.title, "text": self.text, "tells": list(self.tells), "narrows": list(self.narrows)}
+
+
+@cache
+def texts() -> dict[str, Any]:
+    """Return the words of the data file."""
+    return tomllib.loads((files("musclewire.identify.physical") / "data" / "advice.toml").read_text("utf-8"))
+
+
+def how_to_tell(measure: str) -> str:
+    """Return in words what tells a parameter on general grounds, by the "measure" of its prior."""
+    return str(texts()["measures"].get(measure, measure))
+
+
+def advise(calibration: Calibration) -> tuple[Advice, ...]:
+    """Return the experiments that would tell most of what the recordings do not, three at most, best first."""
+    candidates, coordinates, information = everything(calibration)
+    now = deviations(information)
+    found = []
+    with threads(calibration.asked.settings.threads) as each:
+        for experiment in proposed(calibration):
+            try:
+                slope = slope_of(experiment.observation.refined(), candidates, coordinates, each)
+            except MusclewireError:
+                continue  # the wire found cannot be taken through this experiment, so nobody is told to make it
+            found.append(advice_of(experiment.key, candidates.names, now, deviations(information + slope.T @ slope)))
+    worth = [item for item in found if item.tells or item.narrows]
+    return tuple(sorted(worth, key=lambda item: (-len(item.tells), -item.gain))[:MOST_ADVICE])
+
+
+def advice_of(key: str, names: tuple[str, ...], now: FloatArray, then: FloatArray) -> Advice:
+    """Return what an experiment is worth, from the deviations in units of the prior's before and after it, (n,)."""
+    words = texts()["experiments"][key]
+    unknown = now > IDENTIFIABLE_SHARE
+    tells = unknown & (then <= IDENTIFIABLE_SHARE)
+    narrows = unknown & ~tells & (then <= 0.5 * now)
+    # What would be told best comes first.
+    order = np.argsort(then)
+    return Advice(
+        words["title"],
+        words["text"],
+        tuple(names[index] for index in order if tells[index]),
+        tuple(names[index] for index in order if narrows[index]),
+        float(np.sum(np.log(now / then))),
+    )
+
+
+def everything(calibration: Calibration) -> tuple[Candidates, FloatArray, FloatArray]:
+    """Return all parameters that have a prior, where the wire found is among them, and what is known of them, (n, n).
+
+    Of those that the recordings could not touch, only the prior is known.
+    """
+    fit, found = calibration.fit, calibration.found
+    groups = (calibration.alloy, calibration.wire, calibration.bench)
+    candidates = Candidates(calibration.asked.priors, *groups)
+    groups_by_name = {"alloy": groups[0].values(), "wire": groups[1].values(), "bench": groups[2].values()}
+    numbers = np.array(
+        [groups_by_name[prior.group][name] for name, prior in zip(candidates.names, candidates.priors, strict=True)]
+    )
+    coordinates = np.clip(candidates.coordinates(numbers), candidates.low, candidates.high)
+    places = [candidates.names.index(name) for name in fit.candidates.names]
+    observed = found.jacobian[: -len(places)]
+    information = np.eye(len(candidates))
+    information[np.ix_(places, places)] += observed.T @ observed / calibration.excess_variance
+    return candidates, coordinates, information
+
+
+def deviations(information: FloatArray) -> FloatArray:
+    """Return standard deviations in units of the prior's, (n,), from information, (n, n)."""
+    return np.asarray(np.sqrt(np.diag(np.linalg.inv(information))))
+
+
+class Unmeasured:
+    """An experiment as a problem for derivatives: residuals against what it would measure, (m,)."""
+
+    def __init__(self, observation: Observation, candidates: Candidates) -> None:
+        """Take an experiment and what is unknown."""
+        self._observation = observation
+        self._candidates = candidates
+        self.low, self.high = candidates.low, candidates.high
+
+    def residuals(self, coordinates: FloatArray) -> FloatArray:
+        """Return residuals in units of the instruments' uncertainty."""
+        return residuals_of(self._observation, self._candidates.wire_values(coordinates))
+
+    def refined(self) -> Unmeasured:
+        """Return itself: a derivative that decides which experiment to make needs no more digits."""
+        return self
+
+
+def slope_of(observation: Observation, candidates: Candidates, coordinates: FloatArray, each: Any) -> FloatArray:
+    """Return the derivative of what an experiment would measure, over its uncertainty, by all parameters, (m, n)."""
+    workshop = Workshop(Unmeasured(observation, candidates), each)
+    here = workshop.residuals(coordinates)
+    if here is None:
+        raise MusclewireError("the wire found cannot be simulated in this experiment")
+    return jacobian(workshop, coordinates, here, STEP, central=True)
+
+
+def proposed(calibration: Calibration) -> Iterator[Experiment]:
+    """Yield the experiments that would add something, as they would look with the wire found."""
+    values = calibration.values
+    observations = calibration.fit.observations
+    driven = [item for item in observations if isinstance(item, DrivenObservation)]
+    bench = {**values.bench, **(driven[0].bench if driven else {})}
+    highest_v = max((item.highest_drive_v for item in driven), default=values.wire["drive_amplitude_v"])
+    measured = {channel.name for item in driven for channel in item.channels}
+    usual = tuple(sorted(measured)) or ("resistance", "strain")
+
+    def loop(pretension: float = 1.0, drive: float = 1.0, channels: tuple[str, ...] = usual) -> Observation:
+        around = {**bench, "pretension_n": pretension * bench["pretension_n"]}
+        return driven_experiment(values, around, slow_sine(drive * highest_v), SAMPLE_S, channels)
+
+    if driven:
+        yield Experiment("half_pretension", loop(pretension=LOW_SHARE))
+        yield Experiment("twice_pretension", loop(pretension=HIGH_SHARE))
+        yield Experiment("minor_loop", loop(drive=MINOR_SHARE))
+        yield Experiment("fast_step", driven_experiment(values, bench, fast_step(highest_v), FAST_SAMPLE_S, usual))
+        if "temperature" not in measured:
+            yield Experiment("temperature", loop(channels=("temperature",)))
+        if "force" not in measured and bench["spring_stiffness_n_per_m"] > 0.0:
+            yield Experiment("load_cell", loop(channels=("force",)))
+        if "strain" not in measured:
+            yield Experiment("displacement", loop(channels=("strain",)))
+    else:
+        yield Experiment("resistance", loop())
+    if not any(isinstance(item, IsobaricObservation) for item in observations):
+        yield Experiment("isobars", isobars_experiment(values))
+    if not any(isinstance(item, CoolingObservation) for item in observations):
+        yield Experiment("cooling_curve", cooling_experiment(values, bench))
+
+
+def slow_sine(highest_v: float) -> FloatArray:
+    """Return one period of a slow sine from the sense voltage to the highest, (n,)."""
+    phase = np.linspace(0.0, 2.0 * np.pi, int(PERIOD_S / SAMPLE_S))
+    lowest_v = SENSE_SHARE * highest_v
+    return np.asarray(lowest_v + (highest_v - lowest_v) * 0.5 * (1.0 - np.cos(phase)))
+
+
+def fast_step(highest_v: float) -> FloatArray:
+    """Return the highest voltage for a second, then the sense voltage, (n,)."""
+    time_s = np.arange(0.0, STEP_WHOLE_S, FAST_SAMPLE_S)
+    return np.asarray(np.where(time_s < STEP_ON_S, highest_v, SENSE_SHARE * highest_v))
+
+
+def driven_experiment(
+    values: WireValues, bench: Mapping[str, float], drive: FloatArray, period_s: float, channels: tuple[str, ...]
+) -> DrivenObservation:
+    """Return a drive as an observation of what the wire found would do, with the usual noise."""
+    around = {**bench, "sample_period_s": period_s}
+    clean = DrivenObservation("", drive, period_s, around, None, {}).columns(values)
+    raw = {name: as_measured(name, clean[name]) for name in channels}
+    return DrivenObservation("", drive, period_s, around, None, raw)
+
+
+def as_measured(name: str, values: FloatArray) -> RawChannel:
+    """Return simulated values, (n,), as a channel with the usual noise."""
+    noise = NOISE[name] * (float(np.median(values)) if name == "resistance" else 1.0)
+    return RawChannel(UNITS[name], values, np.full(values.size, noise), np.ones(values.size, dtype=bool))
+
+
+def isobars_experiment(values: WireValues) -> IsobaricObservation:
+    """Return three isobars as an observation of what the wire found would do."""
+    constants = constants_of(values.alloy, values.wire, values.bench)
+    loops = []
+    for stress in ISOBAR_STRESSES_PA:
+        middle = constants.martensite_temperature_k + stress / constants.martensite_stress_rate_pa_per_k
+        up = np.linspace(values.bench["ambient_temperature_k"], middle + ABOVE_TRANSFORMATION_K, ISOBAR_POINTS)
+        kelvin = np.concatenate([up, up[-2::-1]])
+        loops.append(Isobar(stress, kelvin, isobaric_path(constants, stress, kelvin).strain))
+    return IsobaricObservation("", loops)
+
+
+def cooling_experiment(values: WireValues, bench: Mapping[str, float]) -> CoolingObservation:
+    """Return a cooling curve as an observation of what the wire found would do, with the usual noise."""
+    constants = constants_of(values.alloy, values.wire, bench)
+    stress = bench["pretension_n"] / (constants.legs * constants.area_m2)
+    start_k = (
+        constants.martensite_temperature_k
+        + 2.0 * stress / constants.martensite_stress_rate_pa_per_k
+        + ABOVE_TRANSFORMATION_K
+    )
+    samples = int(COOLING_S / COOLING_SAMPLE_S)
+    names = ("temperature", "strain")
+
+    def observation(raw: Mapping[str, RawChannel]) -> CoolingObservation:
+        return CoolingObservation("", start_k, COOLING_SAMPLE_S, samples, bench, None, raw)
+
+    clean = observation({}).columns(values)
+    return observation({name: as_measured(name, clean[name]) for name in names})

@@ -1,0 +1,151 @@
+"""What is known of the bench a recording was made on, and what has to be assumed of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters.library import load_bench
+from musclewire.parameters.schema import Bench, Parameter, Wire, checked
+from musclewire.signals.recording import Recording
+
+if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
+
+__all__ = ["SETTABLE", "assumed_of_bench", "bench_of", "checked_settings", "diameter_of"]
+
+
+def unit_of(field: FieldInfo) -> str:
+    """Return the unit that a field of a parameter group declares."""
+    return str(field.json_schema_extra["unit"]) if isinstance(field.json_schema_extra, dict) else ""
+
+
+# What a recording may say of its bench.
+BENCH_KEYS = (
+    "wire_length_m",
+    "legs",
+    "pretension_n",
+    "spring_stiffness_n_per_m",
+    "shunt_resistance_ohm",
+    "lead_resistance_ohm",
+    "ambient_temperature_k",
+    "sample_period_s",
+    "start_temperature_k",
+)
+# What a user may say beyond the numbers of a bench: name and unit.
+BESIDE_BENCH = {"diameter_m": "m", "start_temperature_k": "K"}
+SETTABLE: dict[str, str] = {
+    **{key: unit_of(field) for key, field in Bench.model_fields.items() if key not in ("name", "description")},
+    **BESIDE_BENCH,
+}
+# Diameters that differ by less than this share are one wire's.
+SAME_DIAMETER = 0.01
+# A load cell that begins below this share of what it goes through was tared.
+TARED_SHARE = 0.02
+
+
+def checked_settings(given: Mapping[str, float]) -> dict[str, float]:
+    """Return what a user said of a bench, in SI. Raises CallerError for unknown names and impossible numbers."""
+    found = {}
+    for name, value in given.items():
+        if name not in SETTABLE:
+            raise CallerError(f"there is no setting '{name}' of a bench{nearest_hint(name, SETTABLE)}")
+        field = Bench.model_fields.get(name) or Wire.model_fields.get(name)
+        if not np.isfinite(value):
+            raise CallerError(f"{name} is {value}: give a finite number")
+        if field is not None:
+            try:
+                checked(name, Parameter(value=value, unit=SETTABLE[name], kind="measured", source="the user"), field)
+            except ValueError as error:
+                raise CallerError(str(error)) from None
+        found[name] = float(value)
+    return found
+
+
+def bench_of(recording: Recording, given: Mapping[str, float]) -> dict[str, float]:
+    """Return what is known of a recording's bench: what the user gave, then what the recording says.
+
+    Without a stiffness it is read off force and displacement. Raises CallerError where length or load cannot be known.
+    """
+    known = {key: value for key in BENCH_KEYS if (value := number_in(recording, key)) is not None}
+    if "ambient_temperature_k" in recording:
+        known["ambient_temperature_k"] = float(np.mean(recording["ambient_temperature_k"]))
+    known |= {key: value for key, value in given.items() if key != "diameter_m"}
+    known |= lengths(recording, known)
+    missing = {"spring_stiffness_n_per_m", "pretension_n"} - known.keys()
+    if missing:
+        known = {**load_line(recording, missing), **known}
+    return known
+
+
+def number_in(recording: Recording, key: str) -> float | None:
+    """Return a number that a recording states, None where it does not."""
+    value = recording.metadata.get(key)
+    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+
+
+def lengths(recording: Recording, known: Mapping[str, float]) -> dict[str, float]:
+    """Return overall length and number of legs. Raises CallerError where they cannot be known."""
+    leg, whole, legs = number_in(recording, "leg_length_m"), known.get("wire_length_m"), known.get("legs")
+    if leg is not None and legs is not None:
+        return {"wire_length_m": leg * legs, "legs": legs}
+    if leg is not None and whole is not None:
+        return {"wire_length_m": whole, "legs": float(max(round(whole / leg), 1))}
+    if leg is not None:
+        raise CallerError(
+            "one leg's length is known, but not how many legs there are: give --set legs=1 for a straight wire, "
+            "--set legs=2 for a V"
+        )
+    if whole is None:
+        raise CallerError("the wire's length is not known: give --set wire_length_m='140 mm', or --length and legs")
+    return {"wire_length_m": whole, "legs": 1.0 if legs is None else legs}
+
+
+def load_line(recording: Recording, missing: set[str]) -> dict[str, float]:
+    """Return stiffness and pretension as the straight line of force over displacement."""
+    if "force_n" not in recording or "displacement_m" not in recording:
+        wanted = " and ".join(sorted(missing))
+        raise CallerError(
+            f"the load is not known: give {wanted} (--set NAME=VALUE; a hanging weight has no stiffness), or record "
+            "force_n and displacement_m"
+        )
+    force = recording["force_n"]
+    if "pretension_n" in missing and force[0] < TARED_SHARE * np.ptp(force):
+        raise CallerError(
+            f"force_n begins at {force[0]:.3g} N: a load cell that was tared does not tell the pretension: "
+            "give --set pretension_n='1.9 N'"
+        )
+    slope, start = np.polyfit(recording["displacement_m"], force, 1)
+    return {"spring_stiffness_n_per_m": max(float(slope), 0.0), "pretension_n": max(float(start), 0.0)}
+
+
+def assumed_of_bench(known: Mapping[str, float]) -> list[str]:
+    """Return in words what neither recording nor user said of a bench, and what is taken instead."""
+    usual = load_bench("paper").values()
+    found = []
+    if "ambient_temperature_k" not in known:
+        found.append(f"air at {usual['ambient_temperature_k'] - 273.15:.1f} C (--set ambient_temperature_k='22 degC')")
+    return found
+
+
+def diameter_of(recordings: Mapping[str, Recording], given: Mapping[str, float]) -> float | None:
+    """Return the one diameter [m] that recordings and user state, None where nobody does.
+
+    Raises CallerError where recordings are of different wires.
+    """
+    if "diameter_m" in given:
+        return given["diameter_m"]
+    stated = {name: number_in(recording, "wire_diameter_m") for name, recording in recordings.items()}
+    known = {name: value for name, value in stated.items() if value is not None}
+    if not known:
+        return None
+    (thin, least), (thick, most) = (pick(known.items(), key=lambda pair: pair[1]) for pick in (min, max))
+    if most > (1.0 + SAME_DIAMETER) * least:
+        raise CallerError(
+            f"{thin} was made on a wire of {1e6 * least:.0f} um, {thick} on one of {1e6 * most:.0f} um: "
+            "calibrate one wire at a time"
+        )
+    return float(least)

@@ -1,0 +1,194 @@
+"""A cooling curve: a wire that was heated, by whatever means, and then left to the air on its load."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from copy import copy
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.identify.physical.bench import bench_of
+from musclewire.identify.physical.candidates import WireValues
+from musclewire.identify.physical.driven import RawChannel, even_clock, instruments_of, require_rows
+from musclewire.identify.physical.observations import Channel, binned, with_model_error
+from musclewire.parameters.library import load_bench
+from musclewire.sensing.smoothing import smooth, smoothing_window
+from musclewire.signals.recording import Recording
+from musclewire.simulate.paths import drive_path
+from musclewire.simulate.warming import heated_state
+from musclewire.simulate.wire import constants_of
+
+__all__ = ["CoolingObservation", "observe_cooling"]
+
+FloatArray = NDArray[np.float64]
+
+MOST_BINS = 400
+# What a model of this kind is not expected to get right: strain, share of the largest force, kelvins (a sensor on a
+# thin wire cools it); and over how many stretches of the curve.
+MODEL_ERROR = {"strain": 1e-4, "force": 3e-3, "temperature": 0.5}
+STRETCHES = 10
+LARGEST_STEP_S, REFINED_STEP_S = 0.01, 0.002
+# A curve that falls by less tells no rate.
+LEAST_FALL_K, LEAST_STROKE, LEAST_OVER_NOISE = 5.0, 1e-3, 20.0
+# How far below the stated temperature of the air a curve may end: the accuracy of two thermometers.
+BELOW_AMBIENT_K = 3.0
+UNCOUNTED_ZERO = ("strain", "force")
+
+
+class CoolingObservation:
+    """A wire cooling in air: its temperature, and strain or force where they were recorded.
+
+    It begins where slow heating to the first temperature has left it. What strain and force count from is not known:
+    by how much they lie off is taken out, once for each.
+    """
+
+    def __init__(
+        self,
+        title: str,
+        start_temperature_k: float,
+        sample_period_s: float,
+        samples: int,
+        bench: Mapping[str, float],
+        diameter_m: float | None,
+        channels: Mapping[str, RawChannel],
+    ) -> None:
+        """Take channels, (samples,), on an even clock that begins at ``start_temperature_k``."""
+        self._title = title
+        self._start_k = start_temperature_k
+        self._period_s = sample_period_s
+        self._samples = samples
+        self._bench = dict(bench)
+        self._diameter_m = diameter_m
+        self._largest_step_s = LARGEST_STEP_S
+        self._bin = max(1, -(-samples // MOST_BINS))
+        self._channels = [self._binned_channel(name, raw) for name, raw in channels.items()]
+
+    def _binned_channel(self, name: str, raw: RawChannel) -> Channel:
+        deviation: FloatArray = np.sqrt(binned(raw.noise * raw.noise, self._bin) / self._bin)
+        error = MODEL_ERROR[name] * (float(np.ptp(raw.values)) if name == "force" else 1.0)
+        return Channel(
+            name,
+            raw.unit,
+            "time_s",
+            binned(np.asarray(self._period_s * np.arange(self._samples)), self._bin),
+            binned(raw.values, self._bin),
+            with_model_error(deviation, error, deviation.size, STRETCHES),
+        )
+
+    @property
+    def title(self) -> str:
+        """What this is, in a few words."""
+        return self._title
+
+    @property
+    def channels(self) -> Sequence[Channel]:
+        """The channels that are compared, in bins."""
+        return self._channels
+
+    @property
+    def bench(self) -> Mapping[str, float]:
+        """What is known of the bench the recording was made on."""
+        return self._bench
+
+    def refined(self) -> CoolingObservation:
+        """Return the same observation, simulated with the step that a rig uses."""
+        finer = copy(self)
+        finer._largest_step_s = REFINED_STEP_S
+        return finer
+
+    def columns(self, values: WireValues) -> Mapping[str, FloatArray]:
+        """Return whatever could be measured of this wire, sample by sample, by channel."""
+        wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
+        constants = constants_of(values.alloy, wire, {**values.bench, **self._bench})
+        start = heated_state(constants, self._start_k)
+        steps = max(1, math.ceil(self._period_s / self._largest_step_s - 1e-9))
+        path, _ = drive_path(
+            constants, np.zeros(self._samples - 1), dt_s=self._period_s / steps, steps=steps, state=start
+        )
+        force = start.stress_pa * constants.legs * constants.area_m2
+        return {
+            "strain": np.concatenate([[start.contraction], path.displacement_m / constants.leg_length_m]),
+            "force": np.concatenate([[force], path.force_n]),
+            "temperature": np.concatenate([[start.temperature_k], path.temperature_k]),
+        }
+
+    def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
+        """Return each channel as this wire would have given it, in bins."""
+        columns = self.columns(values)
+        found = {}
+        for channel in self._channels:
+            predicted = binned(columns[channel.name], self._bin)
+            if channel.name in UNCOUNTED_ZERO:
+                predicted = predicted + float(np.mean(channel.measured - predicted))
+            found[channel.name] = predicted
+        return found
+
+
+def observe_cooling(recording: Recording, bench: Mapping[str, float], title: str) -> CoolingObservation:
+    """Return a recording of a wire cooling without current as an observation.
+
+    It has ``time_s`` and ``wire_temperature_k``, strain or force; without the temperature ``bench`` must hold
+    ``start_temperature_k``. Raises RecordingError where nothing cools, CallerError where bench or start is not known.
+    """
+    known = bench_of(recording, bench)
+    told = recording.with_metadata({**known, "leg_length_m": known["wire_length_m"] / known["legs"]})
+    require_rows(told)
+    even, period_s = even_clock(told["time_s"])
+    channels = {name: raw.at(even) for name, raw in instruments_of(told).items()}
+    if not channels:
+        raise RecordingError(
+            "neither voltages nor temperature, strain or force were recorded: there is nothing to compare"
+        )
+    ambient_k = known.get("ambient_temperature_k", load_bench("paper").ambient_temperature_k.value)
+    start_k = start_of(channels, known)
+    refuse_what_does_not_cool(channels, start_k, ambient_k)
+    if "strain" in channels:
+        channels["strain"] = in_contraction(channels["strain"])
+    return CoolingObservation(title, start_k, period_s, even.size, known, bench.get("diameter_m"), channels)
+
+
+def start_of(channels: Mapping[str, RawChannel], known: Mapping[str, float]) -> float:
+    """Return the temperature at which a curve begins: as stated, or read off the curve without its noise."""
+    if "start_temperature_k" in known:
+        return known["start_temperature_k"]
+    if "temperature" not in channels:
+        raise CallerError(
+            "no voltages, so it is a cooling curve, and nothing says how hot it begins: record wire_temperature_k, or "
+            "give --set start_temperature_k='120 degC'"
+        )
+    values, noise = channels["temperature"].values, float(channels["temperature"].noise[0])
+    window = smoothing_window(noise, float(np.ptp(values)), values.size // 20)
+    return float(smooth(values, window)[0])
+
+
+def refuse_what_does_not_cool(channels: Mapping[str, RawChannel], start_k: float, ambient_k: float) -> None:
+    """Raise RecordingError where a curve does not fall, or falls below the temperature of the air."""
+    if "temperature" in channels:
+        values = channels["temperature"].values
+        fall, rise = start_k - float(values.min()), float(values.max()) - start_k
+        if fall < LEAST_FALL_K or rise > fall:
+            raise RecordingError(
+                f"without voltages a recording with a clock must be a cooling curve, and its temperature falls by "
+                f"{max(fall, 0.0):.2g} K only: nothing can be told from it"
+            )
+        if float(values.min()) < ambient_k - BELOW_AMBIENT_K:
+            raise RecordingError(
+                f"the wire cools to {values.min() - 273.15:.1f} C, below the air at {ambient_k - 273.15:.1f} C: "
+                "give --set ambient_temperature_k='20 degC', or record it"
+            )
+        return
+    moved = {name: float(np.ptp(raw.values)) for name, raw in channels.items()}
+    if not any(change > LEAST_OVER_NOISE * channels[name].noise[0] + 1e-12 for name, change in moved.items()):
+        raise RecordingError("nothing moves by more than its noise: the wire did not transform")
+    if start_k < ambient_k + LEAST_FALL_K:
+        raise RecordingError(
+            f"it begins at {start_k - 273.15:.1f} C, no warmer than the air: a wire at rest tells nothing"
+        )
+
+
+def in_contraction(raw: RawChannel) -> RawChannel:
+    """Return a strain that falls while the wire cools; one of elongation is turned over."""
+    return raw if raw.values[0] >= raw.values[-1] else raw._replace(values=-raw.values)

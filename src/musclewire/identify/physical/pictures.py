@@ -1,0 +1,147 @@
+"""Figures of a calibration: what was measured beside what was fitted, and what is left over."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from musclewire.identify.physical.driven import DrivenObservation
+from musclewire.identify.physical.isobaric import IsobaricObservation
+from musclewire.pages import AVERAGE, HEATING, TARGET
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from musclewire.identify.physical.calibration import Calibration
+    from musclewire.identify.physical.observations import Comparison, Observation
+
+__all__ = ["channel_axes", "isobar_figure", "loop_figure", "observation_figure"]
+
+FloatArray = NDArray[np.float64]
+ZERO_CELSIUS_K = 273.15
+MEASURED, FITTED = TARGET, HEATING
+# Isobars from the lightest load to the heaviest.
+SHADES = ("#7fb3c8", "#4a93ae", "#1f6f8b", "#15506a", "#0d374c", "#071f2d")
+WIDTH, ROW_HEIGHT = 9.6, 2.75
+
+
+class Shown(NamedTuple):
+    """How a channel is shown: its name with unit, and factor and offset from SI."""
+
+    label: str
+    factor: float
+    offset: float = 0.0
+
+
+SHOWN = {
+    "resistance": Shown("resistance [ohm]", 1.0),
+    "strain": Shown("strain [%]", 100.0),
+    "force": Shown("contraction force [N]", 1.0),
+    "temperature": Shown("temperature [°C]", 1.0, -ZERO_CELSIUS_K),
+}
+UNIT_SHOWN = {"resistance": "mohm", "strain": "% strain", "force": "mN", "temperature": "K"}
+RESIDUAL_FACTOR = {"resistance": 1e3, "strain": 100.0, "force": 1e3, "temperature": 1.0}
+
+
+def channel_axes(calibration: Calibration) -> Axes:
+    """Draw the first recording's channels over residuals with pyplot; return the axes of the first channel."""
+    import matplotlib.pyplot as plt
+
+    pairs = compared(calibration, calibration.fit.observations[0])
+    figure = plt.figure(figsize=(WIDTH, ROW_HEIGHT * len(pairs)), layout="constrained")
+    return draw_channels(figure, pairs)
+
+
+def compared(calibration: Calibration, observation: Observation) -> list[Comparison]:
+    """Return the channels of one observation beside the wire found."""
+    ours = {id(channel) for channel in observation.channels}
+    return [pair for _, pair in calibration.comparisons() if id(pair.channel) in ours]
+
+
+def observation_figure(calibration: Calibration, observation: Observation) -> Figure:
+    """Draw every channel of an observation, measured and fitted, with the residuals below."""
+    pairs = compared(calibration, observation)
+    if isinstance(observation, IsobaricObservation):
+        return isobar_figure(pairs)
+    figure = Figure(figsize=(WIDTH, ROW_HEIGHT * len(pairs) + 0.3), layout="constrained")
+    draw_channels(figure, pairs)
+    return figure
+
+
+def draw_channels(figure: Figure, pairs: Sequence[Comparison]) -> Axes:
+    """Draw channels over time, each above its residuals; return the first axes."""
+    rows = figure.subplots(2 * len(pairs), 1, sharex=True, height_ratios=(3, 1) * len(pairs), squeeze=False)[:, 0]
+    for place, pair in enumerate(pairs):
+        top, below = rows[2 * place], rows[2 * place + 1]
+        shown = SHOWN[pair.channel.name]
+        axis = pair.channel.axis
+        top.plot(axis, shown.factor * pair.channel.measured + shown.offset, color=MEASURED, linewidth=3.2,
+                 label="measured", solid_capstyle="round")  # fmt: skip
+        top.plot(axis, shown.factor * pair.predicted + shown.offset, color=FITTED, linewidth=1.2, label="wire found")
+        top.set(ylabel=shown.label)
+        draw_residuals(below, axis, pair)
+    rows[0].legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderaxespad=0.0, ncols=2)
+    rows[-1].set(xlabel="time [s]")
+    first: Axes = rows[0]
+    return first
+
+
+def draw_residuals(axes: Axes, axis: FloatArray, pair: Comparison, colour: str = AVERAGE) -> None:
+    """Draw what is left over, with the uncertainty of the channel as a band."""
+    name = pair.channel.name.split(" ")[0]
+    factor = RESIDUAL_FACTOR[name]
+    band = factor * pair.channel.uncertainty
+    axes.fill_between(axis, -band, band, color=TARGET, alpha=0.22, linewidth=0)
+    axes.axhline(0.0, color="#999999", linewidth=0.7)
+    axes.plot(axis, factor * (pair.predicted - pair.channel.measured), color=colour, linewidth=0.9)
+    axes.set_ylabel(f"left over\n[{UNIT_SHOWN[name]}]", fontsize=8)
+    axes.tick_params(labelsize=8)
+
+
+def loop_figure(calibration: Calibration, observation: Observation) -> Figure | None:
+    """Draw strain (or force) against resistance, measured and fitted; None where both were not recorded."""
+    pairs = {pair.channel.name: pair for pair in compared(calibration, observation)}
+    other = next((name for name in ("strain", "force") if name in pairs), None)
+    if not isinstance(observation, DrivenObservation) or other is None or "resistance" not in pairs:
+        return None
+    resistance, quantity = pairs["resistance"], pairs[other]
+    shown = SHOWN[other]
+    # Bins without a current have no resistance; the others are told by their times.
+    times, here, there = np.intersect1d(resistance.channel.axis, quantity.channel.axis, return_indices=True)
+    figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
+    axes, over_drive = figure.subplots(1, 2)
+    lines = (
+        (resistance.channel.measured, quantity.channel.measured, MEASURED, 3.2, "measured"),
+        (resistance.predicted, quantity.predicted, FITTED, 1.2, "wire found"),
+    )
+    for abscissa, ordinate, colour, width, label in lines:
+        axes.plot(abscissa[here], shown.factor * ordinate[there], color=colour, linewidth=width, label=label)
+    axes.set(xlabel="resistance [ohm]", ylabel=shown.label, title="Against resistance")
+    axes.legend(loc="upper right")
+    drive = observation.drive_at(times)
+    for ordinate, colour, width in ((quantity.channel.measured, MEASURED, 3.2), (quantity.predicted, FITTED, 1.2)):
+        over_drive.plot(drive, shown.factor * ordinate[there], color=colour, linewidth=width)
+    over_drive.set(xlabel="drive [V]", title="Against the drive")
+    return figure
+
+
+def isobar_figure(pairs: Sequence[Comparison]) -> Figure:
+    """Draw strain against temperature for every stress, measured and fitted, with the residuals below."""
+    figure = Figure(figsize=(WIDTH, 6.0), layout="constrained")
+    top, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    for place, pair in enumerate(pairs):
+        shade = SHADES[min(place * len(SHADES) // max(len(pairs), 1), len(SHADES) - 1)]
+        degc = pair.channel.axis - ZERO_CELSIUS_K
+        top.plot(degc, 100.0 * pair.channel.measured, color=shade, linewidth=3.4, alpha=0.35)
+        top.plot(degc, 100.0 * pair.predicted, color=shade, linewidth=1.2,
+                 label=pair.channel.name.removeprefix("strain at "))  # fmt: skip
+        below.plot(degc, 100.0 * (pair.predicted - pair.channel.measured), color=shade, linewidth=0.9)
+    top.set(ylabel="strain, elongation [%]", title="Thick and pale: measured; thin: wire found")
+    top.legend(loc="upper right")
+    below.axhline(0.0, color="#999999", linewidth=0.7)
+    below.set(xlabel="temperature [°C]", ylabel="left over [%]")
+    return figure

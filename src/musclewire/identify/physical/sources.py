@@ -1,0 +1,166 @@
+"""What each recording is to a calibration: a driven wire, isobars, or a cooling curve; and the wire it starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import NamedTuple
+
+from musclewire.errors import CallerError, MusclewireError, RecordingError
+from musclewire.identify.isobars import Isobar
+from musclewire.identify.physical.bench import assumed_of_bench, diameter_of
+from musclewire.identify.physical.cooling import CoolingObservation, observe_cooling
+from musclewire.identify.physical.driven import DrivenObservation, observe_drive
+from musclewire.identify.physical.isobaric import (
+    IsobaricObservation,
+    counts_contraction,
+    isobars_in,
+    observe_isobars,
+)
+from musclewire.identify.physical.observations import Observation
+from musclewire.parameters.library import load_alloy, load_bench, load_wire
+from musclewire.parameters.priors import PriorSet
+from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire
+from musclewire.signals.columns import ISOBAR_TABLE
+from musclewire.signals.recording import Recording
+
+__all__ = ["Start", "observations_of", "start_of", "told_by"]
+
+ELECTRICAL = ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
+# Parameters that a kind of observation cannot tell, by what their names contain.
+ELECTRICITY, HEAT, GUIDE = ("resistivity",), ("specific_heat", "latent_heat", "convection"), ("guide_friction",)
+# The highest voltage allowed lies above the highest one recorded by this factor.
+VOLTAGE_HEADROOM = 1.125
+
+
+class Start(NamedTuple):
+    """Alloy, wire and bench that a search starts from; what it does not look for stays as it is here."""
+
+    alloy: Alloy
+    wire: Wire
+    bench: Bench
+
+
+def start_of(recordings: Mapping[str, Recording], wire: str, given: Mapping[str, float]) -> tuple[Start, list[str]]:
+    """Return what a search starts from, with the diameter and drive of the recordings, and what had to be assumed.
+
+    Raises CallerError for an unknown wire, or recordings of different ones.
+    """
+    named = load_wire(wire)
+    diameter = diameter_of(recordings, given)
+    notes = []
+    if diameter is None:
+        notes.append(f"assumed: {1e6 * named.diameter_m.value:.4g} um wire, as {wire} (--set diameter_m='100 um')")
+    else:
+        named = of_diameter(named, diameter)
+    driven = [item["drive_voltage_v"].max() for item in recordings.values() if "drive_voltage_v" in item]
+    if driven and max(driven) > 0.0:
+        named = of_drive(named, float(max(driven)))
+    return Start(load_alloy(named.alloy), named, load_bench("paper")), notes
+
+
+def of_diameter(wire: Wire, diameter_m: float) -> Wire:
+    """Return a wire drawn to another diameter; forces and resistance go with its section."""
+    ratio = (diameter_m / wire.diameter_m.value) ** 2
+    if ratio == 1.0:
+        return wire
+    source = "the recordings or the user"
+    changes = {"diameter_m": Parameter(value=diameter_m, unit="m", kind="measured", source=source)}
+    powers = {"resistance_per_metre_ohm_per_m": -1, "maximum_force_n": 1, "nominal_force_n": 1}
+    for name, power in powers.items():
+        item = getattr(wire, name)
+        source = f"that of {wire.name}, with the section of this wire"
+        changes[name] = item.model_copy(
+            update={"value": item.value * ratio**power, "kind": "derived", "source": source, "note": ""}
+        )
+    return wire.model_copy(update=changes)
+
+
+def of_drive(wire: Wire, highest_v: float) -> Wire:
+    """Return a wire whose drive voltages are those it was recorded with."""
+    source = "the highest drive in the recordings"
+    amplitude = Parameter(value=highest_v, unit="V", kind="measured", source=source)
+    limit = Parameter(value=VOLTAGE_HEADROOM * highest_v, unit="V", kind="assumed", source=f"an eighth above {source}")
+    return wire.model_copy(update={"drive_amplitude_v": amplitude, "maximum_voltage_v": limit})
+
+
+def observations_of(
+    recordings: Mapping[str, Recording], bench: Mapping[str, float] | None = None
+) -> tuple[list[Observation], list[str]]:
+    """Return recordings, by name, as observations, and notes on how they were understood.
+
+    All isobars among them become one observation, with one zero of strain. Raises RecordingError for a recording that
+    cannot constrain anything, CallerError where its bench is not known; both name the recording.
+    """
+    found: list[Observation] = []
+    isobars: list[Isobar] = []
+    notes: list[str] = []
+    given = bench or {}
+    for name, recording in recordings.items():
+        with named_errors(name):
+            if is_isobaric(recording):
+                loops = isobars_in(recording)
+                isobars += loops
+                notes.append(f"{name}: {isobar_words(recording, loops)}")
+                continue
+            refuse_tables(recording)
+            electrical = any(column in recording for column in ELECTRICAL)
+            observation = (observe_drive if electrical else observe_cooling)(recording, given, name)
+            found.append(observation)
+            kind = "driven from cold" if electrical else "cooling without current"
+            channels = ", ".join(channel.name for channel in observation.channels)
+            notes.append(f"{name}: {kind}; {channels}")
+            notes += [f"assumed: {text}" for text in assumed_of_bench(observation.bench)]
+    if isobars:
+        with named_errors("isobars"):
+            found.append(observe_isobars(isobars, "isobars"))
+    return found, list(dict.fromkeys(notes))
+
+
+def is_isobaric(recording: Recording) -> bool:
+    """Tell whether a recording is of temperature, strain and stress, without a drive."""
+    return set(ISOBAR_TABLE) <= set(recording.names) and not any(column in recording for column in ELECTRICAL)
+
+
+def isobar_words(recording: Recording, isobars: list[Isobar]) -> str:
+    """Say what a recording of isobars was understood as."""
+    stresses = ", ".join(f"{item.stress_pa / 1e6:.4g}" for item in isobars)
+    sign = "contraction" if counts_contraction(recording) else "elongation"
+    return f"isobar{'s' if len(isobars) > 1 else ''} at {stresses} MPa; strain was understood as positive in {sign}"
+
+
+def refuse_tables(recording: Recording) -> None:
+    """Raise RecordingError for what has no clock and is no isobar."""
+    if recording.is_branch_table:
+        raise RecordingError(
+            "strain against resistance without a drive and a clock tells nothing of heat, stress and temperature: "
+            "calibrate from the recording it was taken from"
+        )
+
+
+@contextmanager
+def named_errors(name: str) -> Iterator[None]:
+    """Let what is wrong with a recording begin with its name."""
+    try:
+        yield
+    except (RecordingError, CallerError) as error:
+        problem: MusclewireError = type(error)(f"{name}: {error}")
+        raise problem from None
+
+
+def told_by(priors: PriorSet, observations: list[Observation]) -> list[str]:
+    """Return the parameters that could matter to these observations at all.
+
+    Isobars know neither heat nor electricity, a cooling curve knows no electricity, and where nothing slides there is
+    no friction to find.
+    """
+    silent: tuple[str, ...] = ()
+    if not any(isinstance(item, DrivenObservation) for item in observations):
+        silent += ELECTRICITY
+    if all(isinstance(item, IsobaricObservation) for item in observations):
+        silent += HEAT + GUIDE
+    elif all(isinstance(item, IsobaricObservation | CoolingObservation) for item in observations) and not any(
+        channel.name in ("strain", "force") for item in observations for channel in item.channels
+    ):
+        silent += GUIDE
+    return [name for name in priors.parameters if not any(word in name for word in silent)]
