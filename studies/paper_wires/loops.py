@@ -60,9 +60,13 @@ class Loop:
         return 100.0 * float(apart) / max(self.stroke, other.stroke)
 
 
-def analysed(path: DrivenPath, pretension_n: float, leg_length_m: float) -> Loop:
-    """Return the loop of a path that went once from cold to hot and back."""
-    ohm, strain = path.resistance_ohm, path.displacement_m / leg_length_m
+def analysed(path: DrivenPath, pretension_n: float, leg_length_m: float, shunt_ohm: float) -> Loop:
+    """Return the loop of a path that went once from cold to hot and back.
+
+    Resistance is from the voltages, means over a sample as displacement and force are: that at a sample's end would be
+    ahead of them by half a sample, which the gap of two close branches shows.
+    """
+    ohm, strain = path.wire_voltage_v / path.shunt_voltage_v * shunt_ohm, path.displacement_m / leg_length_m
     force = path.force_n - pretension_n
     hottest = int(np.argmax(path.temperature_k))
     b = int(np.argmax(ohm[: hottest + 1]))

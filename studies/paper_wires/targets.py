@@ -13,8 +13,8 @@ from musclewire.simulate.wire import constants_from
 from paper_wires.loops import Loop, analysed
 from paper_wires.unknowns import NAMES, PULL, FloatArray, PaperWires, changed, paper_wires
 
-STEP_S, STEPS = 0.02, 3
-PRETENSIONS_125UM_N = (1.70, 2.44, 3.22, 3.90, 4.67)
+STEP_S, STEPS = 0.025, 2
+PRETENSIONS_125UM_N = (1.70, 2.20, 2.71, 3.22, 3.70, 4.20, 4.67)
 ORDER_PRETENSION_200UM_N = 7.53  # the force ratio of 1.9 N on the 100 um wire
 PAPER, ISOBARS = read_published("lan_fan_2010"), read_published("flexinol_isobars")
 
@@ -41,7 +41,7 @@ def slow_loop(
     sense = own["sense_voltage_v"]
     drive = sense + (amplitude - sense) * 0.5 * (1.0 - np.cos(2.0 * math.pi * time_s / 90.0))
     path, _ = drive_path(constants, drive, dt_s=STEP_S, steps=STEPS)
-    return analysed(path, pretension_n, constants.leg_length_m)
+    return analysed(path, pretension_n, constants.leg_length_m, constants.shunt_resistance_ohm)
 
 
 def above(value: float) -> float:
@@ -86,13 +86,13 @@ def pretension_targets(wires: PaperWires) -> dict[str, float]:
     found = {
         "gap 125um 1.70 N": (strain[0] - low) / 0.5,
         "gap 125um 4.67 N": (strain[-1] - high) / 0.5,
-        "force gap 3.22 N": (force[2] - PAPER["force_gap_125um"]["force_gap_pct"]) / 0.5,
+        "force gap 3.22 N": (force[3] - PAPER["force_gap_125um"]["force_gap_pct"]) / 0.5,
         "hot end 125um": above(max(loop.least_martensite for loop in loops) - 0.05) / 0.03,
     }
-    for index in range(4):
-        found[f"gap falls {index}"] = above(strain[index + 1] - strain[index] + 0.2) / 0.2
-    for index in (0, 1, 3, 4):
-        found[f"force gap least at 3.22 N {index}"] = above(force[2] - force[index] + 0.2) / 0.2
+    for index in range(6):
+        found[f"gap falls {index}"] = above(strain[index + 1] - strain[index] + 0.1) / 0.1
+    for index in (0, 1, 2, 5, 6):
+        found[f"force gap least at 3.22 N {index}"] = above(force[3] - force[index] + 0.15) / 0.15
     thick = slow_loop(wires, 200, ORDER_PRETENSION_200UM_N)
     same_ratio = float(np.interp(2.98, PRETENSIONS_125UM_N, strain))
     found["hot end 200um"] = above(thick.least_martensite - 0.05) / 0.03

@@ -36,10 +36,10 @@ def checks() -> list[Check]:
         Check("eq3.normalised_resistance[R_max]", 1.0, "1", 1e-9, "exact but for rounding", "equation",
             partial(normalised_at, end="resistance_max_ohm")),
         *(
-            deviation(f"eq4.polyfit_rms_difference_pct[{branch}]", "% strain", 0.01,
+            deviation(f"eq4.polyfit_rms_difference_pct[{branch}]", "% strain", 0.02,
                 partial(polyfit_difference_pct, branch=branch),
-                "numpy.polyfit of order six on the plain samples against our polynomial, rms over B to C; 0.01 %: a "
-                "fifth of what Table 2's strains may be off; polyfit weighs samples, ours weighs resistance")
+                "numpy.polyfit of order six on the plain samples against our polynomial, rms over B to C; 0.02 %: "
+                "what Table 2's strains may be off rms; polyfit weighs samples, ours weighs resistance")
             for branch in ("heating", "cooling")
         ),
         deviation("eq5.average_difference_pct", "% strain", 1e-6, average_difference_pct,

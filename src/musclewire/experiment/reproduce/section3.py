@@ -18,6 +18,8 @@ __all__ = ["STRAIN_TOLERANCE_PCT", "checks", "strain_at_pct"]
 
 RESISTANCE_TOLERANCE_OHM = 0.02
 STRAIN_TOLERANCE_PCT, STRAIN_RMS_PCT = 0.05, 0.02
+# 5 % of the 3.55 % strain at R_min.
+TRACE_TOLERANCE_PCT = 0.18
 # 0.05 % strain on the slope of the printed table, 0.3 % a 0.23 ohm.
 REQUIRED_TOLERANCE_OHM = 0.04
 STEP_TOLERANCE_PCT, LARGEST_STEP_TOLERANCE_PCT = 1.0, 0.9
@@ -175,9 +177,9 @@ def staircase_checks(paper: dict[str, Any]) -> list[Check]:
             "words", estimate_rms_pct, "at most"),
         Check("fig12.sample_period_s", paper["controller"]["sample_period_s"], "s", 0.0, SAME, "input",
             lambda runs: float(np.median(np.diff(runs.control_run["time_s"])))),
-        Check("fig12.outside_band_pct", 0.0, "% strain", STRAIN_TOLERANCE_PCT,
-            "largest distance of a sample of the staircase from the band between the loop's branches; 0.05 %: what "
-            "Table 2's strains may be off",
+        Check("fig12.outside_band_pct", 0.0, "% strain", TRACE_TOLERANCE_PCT,
+            "largest distance of a sample of the staircase, noise included, from the band between the loop's branches; "
+            '5 % of the largest strain, as "minimal" is read in Fig. 7',
             "words", outside_band_pct, "at most"),
     ]  # fmt: skip
 
