@@ -115,9 +115,12 @@ def stiffness_target(wires: PaperWires) -> dict[str, float]:
 
 def isobar_targets(wires: PaperWires) -> dict[str, float]:
     """Return strokes, temperatures and slopes of the isobars; tenths and nine tenths count little."""
+    # Between austenite and R-phase hysteresis is 1 to 5 K wide (published): h_R / r to either side.
+    width_k = 2.0 * wires.numbers["r_phase_barrier_k"] / wires.numbers["r_phase_entropy_ratio"]
     # Load turns more martensite along the wire, never less.
     backwards = wires.numbers["strain_at_no_stress"] - wires.numbers["strain_saturated"]
-    found, summaries = {"strain grows with stress": above(backwards) / 0.001}, []
+    found = {"R-phase hysteresis": above(width_k - 5.0) / 3.0, "strain grows with stress": above(backwards) / 0.001}
+    summaries = []
     for index, mpa in enumerate(ISOBARS["stress_mpa"]):
         loop = simulated_isobar(wires.alloy, wires.isobar_sample, wires.bench, mpa * 1e6, points=111)
         summary = summarize_isobar(loop)
