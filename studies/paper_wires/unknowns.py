@@ -52,8 +52,8 @@ BOUNDS = {
 }
 # name: centre, deviation, weak: what the literature says where the targets leave a choice.
 PULL = {
-    # Above what is usual in binary NiTi (293 to 313 K): R-phase matters on cooling only where it comes before martensite,
-    # which starts near 325 K in 70 C wire (vendor).
+    # Above what is usual in binary NiTi (293 to 313 K): R-phase matters on cooling only where it comes before
+    # martensite, which starts near 325 K in 70 C wire (vendor).
     "r_phase_temperature_k": (335.0, 12.0),
     "convection_factor": (1.0, 0.2),
     "r_phase_strain": (0.004, 0.001),

@@ -21,7 +21,7 @@ def maximum_transformation_strain(
     """Return the strain that fully oriented martensite reaches at this stress.
 
     H(sigma) = H_0 + (H_sat - H_0)(1 - exp(-sigma/sigma_k)):
-    Lagoudas, Hartl, Chemisky, Machado and Popov 2012, Int. J. Plasticity 32-33, 155, Eq. 28,
+    Lagoudas, Hartl, Chemisky, Machado and Popov 2012, Int. J. Plasticity 32-33, 155,
     doi 10.1016/j.ijplas.2011.10.009.
     """
     return strain_saturated - (strain_saturated - strain_at_no_stress) * math.exp(-stress_pa / stress_scale_pa)
