@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.pretension import pretension_sweep
     from musclewire.experiment.training import recalibrate, train
     from musclewire.identify import estimate, fit
+    from musclewire.identify.physical.calibration import calibrate
     from musclewire.rigs.configuration import open_rig
     from musclewire.sensing import SensingModel, load_model
     from musclewire.signals import Recording, read_recording
@@ -39,6 +40,7 @@ __all__ = [
     "pretension_sweep",
     "train",
     "recalibrate",
+    "calibrate",
     "read_recording",
     "load_model",
     "Recording",
@@ -58,6 +60,7 @@ _HOMES = {
     "pretension_sweep": "musclewire.experiment.pretension",
     "train": "musclewire.experiment.training",
     "recalibrate": "musclewire.experiment.training",
+    "calibrate": "musclewire.identify.physical.calibration",
     "read_recording": "musclewire.signals",
     "load_model": "musclewire.sensing",
     "Recording": "musclewire.signals",

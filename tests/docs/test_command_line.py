@@ -59,6 +59,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("commands")
     run(path, "characterize", "simulated", "-o", "loop.h5")
     run(path, "fit", "loop.h5", "-o", "model.json")
+    run(path, "characterize", "simulated", "-o", "short.h5", "--cycles", "1", "--period", "12")
     return path
 
 
@@ -85,6 +86,7 @@ CALLS = {
     "simulate": ["--wire", "flexinol-0.20-lt"],
     "catalogue": [],
     "import": ["loop.h5"],
+    "calibrate": ["short.h5", "--effort", "quick", "-o", "wire.toml"],
     "fit": ["loop.h5"],
     "estimate": ["model.json", "loop.h5"],
     "rules": [],

@@ -12,11 +12,12 @@ from typing import Annotated, Any
 
 import typer
 
+from musclewire.app.calibrate_command import add_calibrate_command
 from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
 from musclewire.app.paper_commands import add_paper_commands
 from musclewire.app.rig_commands import add_rig_commands
-from musclewire.app.stopping import STOPPED, ignore_signals, listen_for_signals
+from musclewire.app.stopping import STOPPED, Stopped, ignore_signals, listen_for_signals
 from musclewire.app.wire_commands import add_wire_commands
 from musclewire.errors import MusclewireError, RecordingNotWrittenError
 
@@ -57,6 +58,7 @@ add_rig_commands(app)
 add_model_commands(app)
 add_wire_commands(app)
 add_paper_commands(app)
+add_calibrate_command(app)
 
 
 def main() -> None:
@@ -107,8 +109,9 @@ def report_error(error: MusclewireError) -> int:
 
 
 def report_stop(stop: BaseException, code: int) -> int:
-    """Say that a run was stopped, that the rig is safe, and where the recording is."""
-    say(f"musclewire: stopped by {STOPPED[code]}; the rig is safe")
+    """Say that a run was stopped, what is left of it or that the rig is safe, and where the recording is."""
+    rest = stop.rest if isinstance(stop, Stopped) else "the rig is safe"
+    say(f"musclewire: stopped by {STOPPED[code]}; {rest}")
     say_where_samples_are(stop)
     return code
 

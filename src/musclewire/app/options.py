@@ -25,6 +25,10 @@ __all__ = [
     "quantity_option",
 ]
 
+EXAMPLES = {
+    "--column": "NAME=HEADER or NAME=HEADER:UNIT, as wire_voltage_v='Vw:V'",
+    "--set": "NAME=VALUE, as pretension_n='1.9 N'",
+}
 RigName = Annotated[str, typer.Argument(metavar="RIG", help="'simulated', or the path of a TOML rig file.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of everything random in a simulated rig.")]
@@ -55,7 +59,7 @@ def mapping(pairs: list[str] | None, option: str = "--column") -> dict[str, str]
     for pair in pairs or ():
         name, separator, value = pair.partition("=")
         if not (separator and name.strip() and value.strip()):
-            raise CallerError(f"{option} {pair}: write NAME=HEADER or NAME=HEADER:UNIT, as wire_voltage_v='Vw:V'")
+            raise CallerError(f"{option} {pair}: write {EXAMPLES[option]}")
         found[name.strip()] = value.strip()
     return found
 

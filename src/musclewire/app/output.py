@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
 
-__all__ = ["console", "emit_json", "progress_bar", "say", "show"]
+__all__ = ["console", "emit_json", "progress_bar", "say", "show", "step_bar"]
 
 Advance = Callable[..., None]
+OnStage = Callable[[str, int, int, float], None]
 
 
 def console() -> Console:
@@ -61,6 +62,29 @@ def progress_bar(task: str, total_s: float, quiet: bool = False) -> Iterator[Adv
         yield bar.advance
     finally:
         bar.stop()
+
+
+@contextmanager
+def step_bar(unit: str, quiet: bool = False) -> Iterator[OnStage]:
+    """Show a bar over the steps of a search; yields what takes stage, steps done, steps in all and best cost so far.
+
+    On a pipe each step is a line. Nothing is shown where ``quiet``.
+    """
+    shown = console()
+    if quiet:
+        yield lambda *_: None
+    elif not shown.is_terminal:
+        yield lambda stage, done, total, cost: say(f"{stage}: {done} of {total} {unit}, sum of squares {cost:.4g}")
+    else:
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+        text = TextColumn("{task.description:<46}")
+        columns = (text, BarColumn(bar_width=32), MofNCompleteColumn(), TimeElapsedColumn())
+        with Progress(*columns, console=shown, refresh_per_second=4, transient=True) as progress:
+            task = progress.add_task(f"global search, {unit}", total=None)
+            yield lambda stage, done, total, cost: progress.update(
+                task, description=f"{stage}, sum of squares {cost:.4g}", completed=done, total=total
+            )
 
 
 class Bar:

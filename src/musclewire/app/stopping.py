@@ -13,11 +13,20 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["STOPPED", "ignore_signals", "listen_for_signals", "stop_if_asked", "stops_between_samples"]
+__all__ = ["STOPPED", "Stopped", "ignore_signals", "listen_for_signals", "stop_if_asked", "stops_between_samples"]
 
 # An ending takes this long at most; after that a further signal counts again.
 PATIENCE_S = 2.0
 STOPPED = {130: "Ctrl-C", 143: "SIGTERM"}
+
+
+class Stopped(SystemExit):
+    """A command that was stopped, with what is left of it in words; without them a rig was made safe."""
+
+    def __init__(self, code: int, rest: str) -> None:
+        """Take the exit code and what to say."""
+        super().__init__(code)
+        self.rest = rest
 
 
 class _Note:

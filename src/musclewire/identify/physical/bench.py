@@ -11,6 +11,7 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.library import load_bench
 from musclewire.parameters.schema import Bench, Parameter, Wire, checked
 from musclewire.signals.recording import Recording
+from musclewire.signals.units import parse_quantity
 
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
@@ -47,12 +48,16 @@ SAME_DIAMETER = 0.01
 TARED_SHARE = 0.02
 
 
-def checked_settings(given: Mapping[str, float]) -> dict[str, float]:
-    """Return what a user said of a bench, in SI. Raises CallerError for unknown names and impossible numbers."""
+def checked_settings(given: Mapping[str, float | str]) -> dict[str, float]:
+    """Return what a user said of a bench, in SI: numbers, or text with a unit.
+
+    Raises CallerError for unknown names, wrong units and impossible numbers.
+    """
     found = {}
-    for name, value in given.items():
+    for name, said in given.items():
         if name not in SETTABLE:
-            raise CallerError(f"there is no setting '{name}' of a bench{nearest_hint(name, SETTABLE)}")
+            raise CallerError(f"a bench has no number '{name}'{nearest_hint(name, SETTABLE)}")
+        value = in_si(name, said) if isinstance(said, str) else said
         field = Bench.model_fields.get(name) or Wire.model_fields.get(name)
         if not np.isfinite(value):
             raise CallerError(f"{name} is {value}: give a finite number")
@@ -63,6 +68,14 @@ def checked_settings(given: Mapping[str, float]) -> dict[str, float]:
                 raise CallerError(str(error)) from None
         found[name] = float(value)
     return found
+
+
+def in_si(name: str, text: str) -> float:
+    """Return a number with its unit in SI. Raises CallerError that names it."""
+    try:
+        return parse_quantity(text, "" if SETTABLE[name] == "1" else SETTABLE[name])
+    except CallerError as error:
+        raise CallerError(f"{name}: {error}") from None
 
 
 def bench_of(recording: Recording, given: Mapping[str, float]) -> dict[str, float]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.compiled import kernel_source_hash
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, MusclewireError
 from musclewire.identify.physical.bench import checked_settings
 from musclewire.identify.physical.candidates import Candidates, WireValues
 from musclewire.identify.physical.journal import Journal
@@ -231,7 +231,7 @@ def calibrate(
     *,
     wire: str = "paper-100um",
     priors: str | PriorSet = "niti-wire",
-    bench: Mapping[str, float] | None = None,
+    bench: Mapping[str, float | str] | None = None,
     settings: Settings | None = None,
     journal_path: Path | None = None,
     on_progress: OnProgress | None = None,
@@ -245,7 +245,8 @@ def calibrate(
         reference_strain, stress_pa), or cooling without voltages (time_s with wire_temperature_k, strain or force)
     wire: the wire to start from, by name or wire file; gives what is not searched for (diameter, density, limits)
     priors: what is known before, by name or TOML file; bounds and priors from the literature by default
-    bench: numbers of the bench that the recordings do not state, by name in SI; diameter_m and start_temperature_k too
+    bench: numbers of the bench that the recordings do not state, by name, in SI or as text with a unit; diameter_m and
+        start_temperature_k too
     settings: seed and effort of the search
     journal_path: where an interrupted search leaves off and goes on; removed when done
     on_progress: called after each descent with stage, number, total and the best cost so far
@@ -268,7 +269,12 @@ def calibrate(
     journal = None
     if journal_path is not None:
         journal = Journal(journal_path, fingerprint(named, prior_set, chosen, wire, given))
-    found = search(fit, chosen, journal=journal, on_progress=on_progress, on_step=on_step)
+    try:
+        found = search(fit, chosen, journal=journal, on_progress=on_progress, on_step=on_step)
+    except MusclewireError:
+        if journal is not None:
+            journal.remove()  # there is nothing to go on with
+        raise
     asked = Asked(tuple(named), wire, prior_set, chosen, (*notes, *more_notes))
     calibration = summed_up(fit, found, start, asked, started)
     if journal is not None:

@@ -72,12 +72,17 @@ class DrivenObservation:
         bench: Mapping[str, float],
         diameter_m: float | None,
         channels: Mapping[str, RawChannel],
+        circuit: Mapping[str, float] | None = None,
     ) -> None:
-        """Take a drive on an even clock, (n,), and channels on the same clock."""
+        """Take a drive on an even clock, (n,), and channels on the same clock.
+
+        ``circuit`` is what the drive is across beside the wire, where that is not the bench's.
+        """
         self._title = title
         self._drive = drive_voltage_v
         self._period_s = sample_period_s
         self._bench = dict(bench)
+        self._circuit = dict(circuit or {})
         self._diameter_m = diameter_m
         self._largest_step_s = LARGEST_STEP_S
         self._bin = max(1, -(-drive_voltage_v.shape[0] // MOST_BINS))
@@ -133,7 +138,7 @@ class DrivenObservation:
     def path(self, values: WireValues) -> DrivenPath:
         """Return the simulated wire through the recording's drive, sample by sample."""
         wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
-        constants = constants_of(values.alloy, wire, {**values.bench, **self._bench})
+        constants = constants_of(values.alloy, wire, {**values.bench, **self._bench, **self._circuit})
         steps = max(1, math.ceil(self._period_s / self._largest_step_s - 1e-9))
         path, _ = drive_path(constants, self._drive, dt_s=self._period_s / steps, steps=steps)
         return path
@@ -141,7 +146,7 @@ class DrivenObservation:
     def columns(self, values: WireValues) -> Mapping[str, FloatArray]:
         """Return whatever could be measured of this wire, sample by sample, by channel."""
         path = self.path(values)
-        bench = {**values.bench, **self._bench}
+        bench = {**values.bench, **self._bench, **self._circuit}
         leg_m = bench["wire_length_m"] / bench["legs"]
         # Without a current there is no resistance to compare, and the recording has none there either.
         current_a = np.maximum(path.shunt_voltage_v / bench["shunt_resistance_ohm"], 1e-9)
@@ -179,9 +184,10 @@ def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) 
         title,
         drive[even],
         known["sample_period_s"],
-        known | circuit,
+        known,
         bench.get("diameter_m"),
         {name: raw.at(even) for name, raw in channels.items()},
+        circuit,
     )
 
 

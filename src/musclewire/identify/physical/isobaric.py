@@ -16,7 +16,7 @@ from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import isobaric_path
 from musclewire.simulate.wire import constants_of
 
-__all__ = ["IsobaricObservation", "counts_contraction", "isobars_in", "observe_isobars"]
+__all__ = ["IsobaricObservation", "counts_contraction", "in_elongation", "isobars_in", "observe_isobars"]
 
 FloatArray = NDArray[np.float64]
 
@@ -80,13 +80,22 @@ class IsobaricObservation:
         return {channel.name: strain + zero for channel, strain in zip(self._channels, strains, strict=True)}
 
 
-def counts_contraction(recording: Recording) -> bool:
-    """Tell whether strain grows with temperature: contraction positive, as our own recordings have it."""
-    return float(np.cov(recording["wire_temperature_k"], recording["reference_strain"])[0, 1]) > 0.0
+def counts_contraction(isobars: Sequence[Isobar]) -> bool:
+    """Tell whether strain grows with temperature: contraction positive, as our own recordings have it.
+
+    All loops are asked at once, the larger ones louder: under next to no load there is only thermal expansion.
+    """
+    return sum(float(np.cov(item.temperature_k, item.strain)[0, 1]) for item in isobars) > 0.0
+
+
+def in_elongation(isobars: Sequence[Isobar]) -> list[Isobar]:
+    """Return isobars, all counted one way or all the other, with strain positive in elongation."""
+    sign = -1.0 if counts_contraction(isobars) else 1.0
+    return [item._replace(strain=sign * item.strain) for item in isobars]
 
 
 def isobars_in(recording: Recording) -> list[Isobar]:
-    """Return the isobars of a recording with temperature, strain and stress, strain positive in elongation.
+    """Return the isobars of a recording with temperature, strain and stress, strain counted as it is there.
 
     Raises RecordingError where temperature is constant, or stress is not over a loop.
     """
@@ -101,8 +110,6 @@ def isobars_in(recording: Recording) -> list[Isobar]:
             "positive, and below what breaks a wire; check its unit and sign"
         )
     strain = recording["reference_strain"]
-    if counts_contraction(recording):
-        strain = -strain
     found = []
     starts = [0, *(np.flatnonzero(np.abs(np.diff(stress_pa)) > SAME_STRESS * np.abs(stress_pa[1:]) + 1e5) + 1)]
     for start, stop in zip(starts, [*starts[1:], len(recording)], strict=True):

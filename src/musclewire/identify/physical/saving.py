@@ -57,7 +57,7 @@ def known_bench(calibration: Calibration) -> dict[str, Parameter]:
         for item in calibration.fit.observations
         if not isinstance(item, IsobaricObservation)
     ]
-    source = f"stated with {', '.join(calibration.asked.sources)}"
+    source = f"stated with {', '.join(calibration.asked.sources)}, or read off force and displacement"
     for key in stated[0] if stated else ():
         alike = len({bench.get(key) for bench in stated}) == 1
         if alike and key in Bench.model_fields and key not in found and key not in NOT_KEPT:

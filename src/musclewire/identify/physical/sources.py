@@ -14,6 +14,7 @@ from musclewire.identify.physical.driven import DrivenObservation, observe_drive
 from musclewire.identify.physical.isobaric import (
     IsobaricObservation,
     counts_contraction,
+    in_elongation,
     isobars_in,
     observe_isobars,
 )
@@ -49,9 +50,9 @@ def start_of(recordings: Mapping[str, Recording], wire: str, given: Mapping[str,
     named = load_wire(wire)
     diameter = diameter_of(recordings, given)
     notes = []
-    if diameter is None:
+    if diameter is None and not all(is_isobaric(item) for item in recordings.values()):
         notes.append(f"assumed: {1e6 * named.diameter_m.value:.4g} um wire, as {wire} (--set diameter_m='100 um')")
-    else:
+    if diameter is not None:
         named = of_diameter(named, diameter)
     driven = [item["drive_voltage_v"].max() for item in recordings.values() if "drive_voltage_v" in item]
     if driven and max(driven) > 0.0:
@@ -94,6 +95,7 @@ def observations_of(
     """
     found: list[Observation] = []
     isobars: list[Isobar] = []
+    isobar_names: list[str] = []
     notes: list[str] = []
     given = bench or {}
     for name, recording in recordings.items():
@@ -101,7 +103,8 @@ def observations_of(
             if is_isobaric(recording):
                 loops = isobars_in(recording)
                 isobars += loops
-                notes.append(f"{name}: {isobar_words(recording, loops)}")
+                notes.append(f"{name}: {isobar_words(loops)}")
+                isobar_names.append(name)
                 continue
             refuse_tables(recording)
             electrical = any(column in recording for column in ELECTRICAL)
@@ -112,8 +115,9 @@ def observations_of(
             notes.append(f"{name}: {kind}; {channels}")
             notes += [f"assumed: {text}" for text in assumed_of_bench(observation.bench)]
     if isobars:
-        with named_errors("isobars"):
-            found.append(observe_isobars(isobars, "isobars"))
+        notes.append(f"strain of isobars: positive in {'contraction' if counts_contraction(isobars) else 'elongation'}")
+        with named_errors(", ".join(isobar_names)):
+            found.append(observe_isobars(in_elongation(isobars), "isobars"))
     return found, list(dict.fromkeys(notes))
 
 
@@ -122,11 +126,11 @@ def is_isobaric(recording: Recording) -> bool:
     return set(ISOBAR_TABLE) <= set(recording.names) and not any(column in recording for column in ELECTRICAL)
 
 
-def isobar_words(recording: Recording, isobars: list[Isobar]) -> str:
+def isobar_words(isobars: list[Isobar]) -> str:
     """Say what a recording of isobars was understood as."""
     stresses = ", ".join(f"{item.stress_pa / 1e6:.4g}" for item in isobars)
-    sign = "contraction" if counts_contraction(recording) else "elongation"
-    return f"isobar{'s' if len(isobars) > 1 else ''} at {stresses} MPa; strain was understood as positive in {sign}"
+    low, high = (pick(pick(item.temperature_k) for item in isobars) - 273.15 for pick in (min, max))
+    return f"isobar{'s' if len(isobars) > 1 else ''} at {stresses} MPa, {low:.0f} to {high:.0f} C"
 
 
 def refuse_tables(recording: Recording) -> None:

@@ -1,0 +1,135 @@
+"""The command that finds a wire: from a loop to a wire that does the same loop; an interrupted search; wrong input."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import musclewire as mw
+from musclewire.identify.isobars import simulated_isobar
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.parameters.wire_file import read_wire_file
+
+PATIENCE_S = 120.0  # a cold machine compiles first
+
+
+@pytest.fixture(scope="module")
+def loop(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short loop of a simulated wire, with its noise."""
+    path = tmp_path_factory.mktemp("loop") / "loop.h5"
+    with mw.open_rig("simulated", seed=5) as rig:
+        mw.characterize(rig, cycles=1, period_s=12.0, path=path)
+    return path
+
+
+def test_from_a_loop_to_a_wire_file_that_does_the_same_loop(
+    loop: Path, musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answer = musclewire("calibrate", loop, "-o", tmp_path / "mine.toml", "--effort", "quick", "--json")
+    assert answer.code == 0, answer.err
+    found = answer.json
+    assert found["holds"]
+    assert found["rmse"] < 1.0
+    assert found["wire"] == str(tmp_path / "mine.toml")
+    one = found["parameters"]["martensite_temperature_k"]
+    assert {"value", "unit", "std", "prior_std"} <= set(one)
+    assert one["std"] < one["prior_std"]
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["mine.html", "mine.toml"]
+
+    wire = read_wire_file(tmp_path / "mine.toml")
+    for name, item in found["parameters"].items():
+        written = {**dict(wire.alloy.items()), **dict(wire.wire.items()), **wire.bench}[name]
+        assert written.value == item["value"]
+        assert written.kind == ("fitted" if item["identifiable"] else "assumed")
+        assert "95 % interval" in written.note
+
+    monkeypatch.chdir(tmp_path)
+    measured = mw.read_recording(loop)
+    with mw.open_rig("simulated", wire="mine.toml", seed=5) as rig:
+        again = mw.characterize(rig, cycles=1, period_s=12.0)
+    strain = [item["displacement_m"] / item.metadata["leg_length_m"] for item in (measured, again)]
+    assert np.sqrt(np.mean((strain[0] - strain[1]) ** 2)) < 5e-4
+    assert musclewire("simulate", "--wire", "mine.toml", "--supply", "3 V", "--json").json["wire"] == "mine.toml"
+
+
+def test_what_exists_is_not_replaced(loop: Path, musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    (tmp_path / "mine.html").write_text("mine")
+    answer = musclewire("calibrate", loop, "-o", tmp_path / "mine.toml")
+    assert answer.code == 2
+    assert "mine.html exists" in answer.err
+    assert [item.name for item in tmp_path.iterdir()] == ["mine.html"]
+
+
+def command(*arguments: object) -> list[str]:
+    return [sys.executable, "-m", "musclewire", "calibrate", *map(str, arguments)]
+
+
+def descents_in(journal: Path) -> int:
+    return max(len(journal.read_text().splitlines()) - 1, 0) if journal.exists() else 0
+
+
+@pytest.fixture(scope="module")
+def isobars(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Isobars of a simulated wire as a test machine writes them: no header, no clock."""
+    wire = load_wire("paper-100um")
+    random = np.random.default_rng(8)
+    rows = []
+    for stress_pa in (60e6, 120e6, 200e6):
+        one = simulated_isobar(load_alloy(wire.alloy), wire, load_bench("paper"), stress_pa, points=120)
+        strain = one.strain + 1e-5 * random.standard_normal(one.strain.size)
+        stress = np.full(strain.size, stress_pa / 1e6)
+        rows.append(np.column_stack([one.temperature_k - 273.15, 100.0 * strain, stress]))
+    path = tmp_path_factory.mktemp("isobars") / "machine.txt"
+    np.savetxt(path, np.concatenate(rows), delimiter="\t")
+    return path
+
+
+BY_NUMBER = ("-c", "wire_temperature_k=#1:degC", "-c", "reference_strain=#2:%", "-c", "stress_pa=#3:MPa")
+
+
+def test_an_interrupted_search_goes_on_and_ends_with_the_same_wire_to_the_bit(isobars: Path, tmp_path: Path) -> None:
+    asked = (isobars, *BY_NUMBER, "--starts", "4", "--jumps", "6", "--seed", "4", "--json")
+    journal = tmp_path / "stopped.toml.search"
+    process = subprocess.Popen(
+        command(*asked, "-o", tmp_path / "stopped.toml"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "NO_COLOR": "1"},
+    )
+    deadline = time.monotonic() + PATIENCE_S
+    while descents_in(journal) < 1:
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline, "no descent came to its end"
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 130, err
+    assert out == ""
+    assert err.strip().splitlines() == [
+        f"musclewire: stopped by Ctrl-C; the same command goes on where it stopped ({journal})"
+    ]
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["stopped.toml.search"]
+    left = descents_in(journal)
+    assert 1 <= left < 10
+
+    answers = []
+    for name in ("stopped.toml", "straight.toml"):
+        done = subprocess.run(command(*asked, "-o", tmp_path / name), capture_output=True, text=True, check=True)
+        answers.append(json.loads(done.stdout))
+    assert not journal.exists()
+    resumed, straight = answers
+    for key in ("parameters", "rmse", "channels", "descent_costs", "simulations", "correlated", "advice"):
+        assert resumed[key] == straight[key], key
+    texts = [(tmp_path / name).read_text().split("\n", 3)[3] for name in ("stopped.toml", "straight.toml")]
+    assert texts[0] == texts[1]
