@@ -15,7 +15,6 @@ from musclewire.identify.physical.candidates import WireValues
 from musclewire.identify.physical.driven import RawChannel, even_clock, instruments_of, require_rows
 from musclewire.identify.physical.observations import Channel, binned, with_model_error
 from musclewire.parameters.library import load_bench
-from musclewire.sensing.smoothing import smooth, smoothing_window
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import drive_path
 from musclewire.simulate.warming import heated_state
@@ -35,6 +34,9 @@ LARGEST_STEP_S, REFINED_STEP_S = 0.01, 0.002
 LEAST_FALL_K, LEAST_STROKE, LEAST_OVER_NOISE = 5.0, 1e-3, 20.0
 # How far below the stated temperature of the air a curve may end: the accuracy of two thermometers.
 BELOW_AMBIENT_K = 3.0
+# The start is read off a parabola through the first part of the fall, so short that a parabola is right there, where it
+# holds enough samples; else it is the first sample.
+EARLY_SHARE, LEAST_EARLY = 0.1, 6
 UNCOUNTED_ZERO = ("strain", "force")
 
 
@@ -159,9 +161,11 @@ def start_of(channels: Mapping[str, RawChannel], known: Mapping[str, float]) -> 
             "no voltages, so it is a cooling curve, and nothing says how hot it begins: record wire_temperature_k, or "
             "give --set start_temperature_k='120 degC'"
         )
-    values, noise = channels["temperature"].values, float(channels["temperature"].noise[0])
-    window = smoothing_window(noise, float(np.ptp(values)), values.size // 20)
-    return float(smooth(values, window)[0])
+    values = channels["temperature"].values
+    early = int(np.argmax(values < values[0] - EARLY_SHARE * np.ptp(values)))
+    if early < LEAST_EARLY:
+        return float(values[0])
+    return float(np.polyfit(np.arange(early), values[:early], 2)[2])
 
 
 def refuse_what_does_not_cool(channels: Mapping[str, RawChannel], start_k: float, ambient_k: float) -> None:
