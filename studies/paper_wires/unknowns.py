@@ -36,7 +36,7 @@ BOUNDS = {
     "austenite_modulus_pa": (40e9, 83e9),
     "martensite_modulus_pa": (20e9, 40e9),
     "austenite_resistivity_ohm_m": (0.80e-6, 0.97e-6),
-    "austenite_resistivity_per_k": (-1e-4, 6e-4),
+    "austenite_resistivity_per_k": (2e-5, 6e-4),
     "r_phase_resistivity_ohm_m": (0.9e-6, 1.15e-6),
     "r_phase_resistivity_per_k": (-1.5e-3, 5e-4),
     "martensite_resistivity_ohm_m": (0.87e-6, 1.06e-6),

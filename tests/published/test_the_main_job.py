@@ -55,14 +55,14 @@ def test_other_noise_gives_the_same_picture(seed: int) -> None:
 
 
 def test_one_reading_of_the_gains_serves_another_wire_too() -> None:
-    # The same input scale and gain ranges on the 125 um wire, at the one of its three printed pretensions whose loop is
-    # closest. No bar is printed for it, so the main job's: where the loop is wider, the gap and not the gains decide.
-    with open_rig("simulated", wire="paper-125um", pretension_n=3.22) as rig:
+    # The same input scale and gain ranges on the 125 um wire, at its printed pretension of the closest loop. What the
+    # controller senses is held as on the main job; how true that is, is for the loop's gap to say and not for the gains.
+    with open_rig("simulated", wire="paper-125um", pretension_n=4.67) as rig:
         metrics = control(rig, fit(characterize(rig)), staircase(0.012, 0.027)).metrics
-    assert metrics.mae_max_pct is not None
-    assert metrics.mae_mean_pct is not None
-    assert metrics.mae_max_pct <= 3.5
-    assert metrics.mae_mean_pct <= 1.7
+    tracking = [step.tracking_mae_pct for step in metrics.steps if step.tracking_mae_pct is not None]
+    assert len(tracking) == len(metrics.steps)
+    assert max(tracking) <= 3.5
+    assert sum(tracking) / len(tracking) <= 1.7
 
 
 @pytest.mark.parametrize("pretension_n", [1.9, 3.22, 4.67])

@@ -23,7 +23,8 @@ def test_the_one_second_current_gives_nine_tenths_of_the_stroke_in_a_second(name
     best = one_second_current(ALLOY, wire, bench)
     run = run_catalogue_test(ALLOY, wire, bench, best.current_a)
     assert run.contraction_share == pytest.approx(0.9, abs=0.01)
-    assert run.stroke == pytest.approx(best.stroke, abs=2e-5)
+    # Largest contraction over a coarse and a fine ladder of temperatures.
+    assert run.stroke == pytest.approx(best.stroke, abs=1e-4)
     assert run.temperature_k == pytest.approx(best.temperature_k, abs=0.5)
     assert 0.0 < best.holding_current_a <= 1.001 * best.current_a
 
