@@ -54,7 +54,8 @@ class PriorSet(BaseModel):
         for name, prior in self.parameters.items():
             fields = SCHEMAS[prior.group].model_fields
             if name not in fields:
-                raise ValueError(f"'{name}' is no parameter of a {prior.group}{nearest_hint(name, fields)}")
+                article = "an" if prior.group == "alloy" else "a"
+                raise ValueError(f"'{name}' is no parameter of {article} {prior.group}{nearest_hint(name, fields)}")
             extra = fields[name].json_schema_extra
             unit = extra["unit"] if isinstance(extra, dict) else ""
             if unit != prior.unit:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -39,9 +39,13 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
 def known_keys(model: type[BaseModel], place: Iterable[Any]) -> list[str]:
     """Return the keys allowed where the wrong one stands, following nested models as far as they go."""
     current: type[BaseModel] = model
-    for part in list(place)[:-1]:
+    parts = iter(list(place)[:-1])
+    for part in parts:
         field = current.model_fields.get(str(part))
         annotation = field.annotation if field else None
+        if get_origin(annotation) is dict:
+            annotation = get_args(annotation)[1]
+            next(parts, None)  # the key of the dictionary, which may be any
         if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
             break
         current = annotation

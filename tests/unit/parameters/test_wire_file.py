@@ -62,6 +62,11 @@ def test_a_wire_file_that_changes_is_read_afresh(file: Path) -> None:
         ("[wire.diameter_m]", "[wire.diametre_m]", "unknown key 'wire.diametre_m'; did you mean 'diameter_m'?"),
         ("[alloy.grain_skew]", "[alloy.grain_skow]", "unknown key 'alloy.grain_skow'; did you mean 'grain_skew'?"),
         ("[bench.guide_friction_n]", "[bench.guide_frictoin_n]", "did you mean 'guide_friction_n'?"),
+        (
+            'note = "0.01 to 0.02"',
+            'notte = "0.01 to 0.02"',
+            "unknown key 'bench.guide_friction_n.notte'; did you mean 'note'?",
+        ),
         ('name = "mine"', 'nome = "mine"', "unknown key 'nome'; did you mean 'name'?"),
         ('format = "musclewire-wire"', "", "'format' is missing"),
         ("version = 1", "version = 2", "version"),

@@ -29,7 +29,8 @@ MOST_BINS = 400
 # thin wire cools it); and over how many stretches of the curve.
 MODEL_ERROR = {"strain": 1e-4, "force": 3e-3, "temperature": 0.5}
 STRETCHES = 10
-LARGEST_STEP_S, REFINED_STEP_S = 0.01, 0.002
+# Nothing holds a cooling wire back, so it is fast: larger steps let it warm for a moment as it transforms.
+LARGEST_STEP_S, REFINED_STEP_S = 0.005, 0.001
 # A curve that falls by less tells no rate.
 LEAST_FALL_K, LEAST_STROKE, LEAST_OVER_NOISE = 5.0, 1e-3, 20.0
 # How far below the stated temperature of the air a curve may end: the accuracy of two thermometers.

@@ -173,11 +173,13 @@ def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) 
     told = recording.with_metadata({**known, "leg_length_m": known["wire_length_m"] / known["legs"]})
     require_rows(told)
     drive, circuit = drive_of(told)
+    if float(np.abs(drive).max()) <= 0.0:
+        raise RecordingError("the drive is 0 V throughout: a wire at rest tells nothing of its parameters")
     even, known["sample_period_s"] = even_clock(told["time_s"])
     channels = channels_of(told)
     if not channels.keys() & {"resistance", "strain", "force"}:
         raise RecordingError("neither resistance nor strain nor force was recorded: there is nothing to compare")
-    refuse_idle(drive, channels)
+    refuse_idle(channels)
     if "diameter_m" in bench:
         refuse_other_metal(channels, known["wire_length_m"], bench["diameter_m"])
     return DrivenObservation(
@@ -197,10 +199,8 @@ def require_rows(recording: Recording) -> None:
         raise RecordingError(f"has {len(recording)} rows, a calibration needs {LEAST_ROWS} or more")
 
 
-def refuse_idle(drive_v: FloatArray, channels: Mapping[str, RawChannel]) -> None:
-    """Raise RecordingError where the wire was not heated, or did not transform."""
-    if float(np.abs(drive_v).max()) <= 0.0:
-        raise RecordingError("the drive is 0 V throughout: a wire at rest tells nothing of its parameters")
+def refuse_idle(channels: Mapping[str, RawChannel]) -> None:
+    """Raise RecordingError where the wire did not transform."""
     if "strain" in channels:
         refuse_strain(channels["strain"].values)
     elif "resistance" in channels:

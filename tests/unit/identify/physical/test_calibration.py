@@ -1,0 +1,178 @@
+"""Wires drawn from the prior, found again from recordings of them; and advice held against what measuring brings."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_wires import BENCH, cooling, driven, isobars, slow_sine, true_wire
+from numpy.typing import NDArray
+
+import musclewire as mw
+from musclewire.errors import CallerError
+from musclewire.identify.physical.calibration import Calibration, calibrate
+from musclewire.identify.physical.search import settings_of_effort
+from musclewire.parameters.library import bench_known_with, load_alloy, load_wire
+from musclewire.signals import Recording
+
+Array = NDArray[np.float64]
+TRUTH, TRUE_COORDINATES = true_wire(1)
+RECORDINGS = {
+    "loop": driven(TRUTH, slow_sine(), keep=("force_n",)),
+    "isobars": isobars(TRUTH),
+    "cooling": cooling(TRUTH),
+}
+
+
+@cache
+def found(*names: str) -> Calibration:
+    """A quick calibration from some of the recordings."""
+    return calibrate({name: RECORDINGS[name] for name in names}, settings=settings_of_effort("quick"))
+
+
+def true_number(name: str) -> float:
+    return {**TRUTH.alloy, **TRUTH.wire, **TRUTH.bench}[name]
+
+
+def deviation_of(calibration: Calibration, name: str) -> float:
+    return next(item.std / item.prior_std for item in calibration.estimates if item.name == name)
+
+
+@pytest.mark.parametrize("names", [("loop",), ("isobars",), ("cooling",), ("loop", "isobars"), ("loop", "cooling")])
+def test_the_wire_is_found_again_and_its_intervals_hold_it(names: tuple[str, ...]) -> None:
+    calibration = found(*names)
+    assert calibration.holds
+    assert calibration.rmse < 1.0
+    told = calibration.identifiable
+    off = np.array([abs(item.value - true_number(item.name)) / item.std for item in told])
+    assert len(told) >= 4
+    assert np.mean(off < 1.96) >= 0.9
+    assert off.max() < 4.0
+
+
+def log_ratio(calibration: Calibration, above: str, below: str) -> tuple[float, float]:
+    """The logarithm of one parameter over another, and its standard deviation (first order)."""
+    items = {item.name: item for item in calibration.estimates}
+    names = calibration.fit.candidates.names
+    one, other = items[above], items[below]
+    shares = one.std / one.value, other.std / other.value
+    r = calibration.correlation[names.index(above), names.index(below)]
+    variance = shares[0] ** 2 + shares[1] ** 2 - 2.0 * r * shares[0] * shares[1]
+    return float(np.log(one.value / other.value)), float(np.sqrt(variance))
+
+
+@pytest.mark.parametrize("heat", ["specific_heat_j_per_kg_k", "latent_heat_j_per_kg"])
+def test_a_cooling_curve_tells_heat_over_convection_better_than_either(heat: str) -> None:
+    value, deviation = log_ratio(found("cooling"), heat, "convection_factor")
+    truth = float(np.log(true_number(heat) / true_number("convection_factor")))
+    assert abs(value - truth) < 2.5 * deviation
+    item = next(item for item in found("cooling").estimates if item.name == heat)
+    assert deviation < 0.85 * item.std / item.value
+
+
+def test_a_loop_and_a_cooling_curve_together_tell_convection() -> None:
+    both = found("loop", "cooling")
+    item = next(item for item in both.estimates if item.name == "convection_factor")
+    assert abs(item.value - true_number("convection_factor")) < 2.5 * item.std
+    assert item.std < 0.8 * min(
+        next(other.std for other in found(name).estimates if other.name == "convection_factor")
+        for name in ("loop", "cooling")
+    )
+
+
+def test_isobars_bring_what_advice_said_they_would() -> None:
+    """Outside check: the advice is computed from a derivative alone, this from measuring and calibrating again."""
+    before, after = found("loop"), found("loop", "isobars")
+    advice = next(item for item in before.advice if item.title.startswith("Isobars"))
+    assert len(advice.tells) >= 4
+    promised = {item.name: item for item in after.estimates if item.name in advice.tells}
+    kept = [item for item in promised.values() if item.identifiable]
+    assert len(kept) >= 0.75 * len(promised)
+    for name, item in promised.items():
+        assert item.std / item.prior_std < 0.95 * deviation_of(before, name), name
+
+
+def test_advice_speaks_only_of_what_is_not_told_yet_and_never_of_what_was_measured() -> None:
+    for names in (("loop",), ("isobars",), ("loop", "isobars")):
+        calibration = found(*names)
+        told = {item.name for item in calibration.identifiable}
+        assert 1 <= len(calibration.advice) <= 3
+        for item in calibration.advice:
+            assert not told & set(item.tells + item.narrows)
+            assert not ("isobars" in names and item.title.startswith("Isobars"))
+        counts = [len(item.tells) for item in calibration.advice]
+        assert counts == sorted(counts, reverse=True)
+
+
+def test_after_isobars_alone_a_loop_with_current_would_tell_resistivities() -> None:
+    best = found("isobars").advice[0]
+    assert best.title == "A slow loop with current"
+    assert {"austenite_resistivity_ohm_m", "martensite_resistivity_ohm_m", "convection_factor"} <= set(best.tells)
+    assert set(found("isobars").not_searched) >= {"austenite_resistivity_ohm_m", "convection_factor"}
+
+
+def test_the_wire_file_is_the_wire_found(tmp_path: Path) -> None:
+    calibration = found("loop")
+    calibration.save(tmp_path / "mine.toml")
+    wire = load_wire(str(tmp_path / "mine.toml"))
+    assert wire.values() == calibration.wire.values()
+    assert load_alloy(wire.alloy).values() == calibration.alloy.values()
+    kinds = {**dict(load_alloy(wire.alloy).items()), **dict(wire.items())}
+    for item in calibration.estimates:
+        if item.group != "bench":
+            assert kinds[item.name].kind == ("fitted" if item.identifiable else "assumed")
+    known = {name: item.value for name, item in bench_known_with(str(tmp_path / "mine.toml")).items()}
+    assert known.pop("guide_friction_n") == calibration.values.bench["guide_friction_n"]
+    assert known == {**BENCH}
+    with pytest.raises(CallerError, match=r"a wire is a \.toml file"):
+        calibration.save(tmp_path / "mine.json")
+
+
+def test_a_rig_with_the_wire_found_does_the_loop_that_was_measured(tmp_path: Path) -> None:
+    found("loop").save(tmp_path / "mine.toml")
+    drive = RECORDINGS["loop"]["drive_voltage_v"]
+    quiet = {"displacement_noise_m": 0.0, "guide_presliding_m": TRUTH.bench["guide_presliding_m"]}
+    with mw.open_rig("simulated", wire=str(tmp_path / "mine.toml"), **quiet) as rig:
+        moved = np.array([rig.exchange(float(volt)).displacement_m for volt in drive])
+    strain_off = (moved - RECORDINGS["loop"]["displacement_m"]) / 0.07
+    assert np.sqrt(np.mean(strain_off**2)) < 5e-4
+
+
+def test_it_prints_something_useful_and_plots(tmp_path: Path) -> None:
+    calibration = found("loop", "isobars")
+    text = str(calibration)
+    assert "the fit holds" in text
+    assert "martensite_temperature_k" in text
+    assert "<table>" in calibration._repr_html_()
+    assert len(found("loop").plot().lines) == 2
+    calibration.report(tmp_path / "mine.html")
+    page = (tmp_path / "mine.html").read_text("utf-8")
+    assert page.count("<svg") > len(calibration.estimates)
+    for word in ("What to measure next", "Told by the recordings", "Mostly prior", "left over"):
+        assert word in page
+    assert "$" not in page.replace("$x$", "")
+    with pytest.raises(CallerError, match=r"a report is an \.html file"):
+        calibration.report(tmp_path / "mine.pdf")
+
+
+def test_what_the_model_cannot_follow_is_said_not_to_hold() -> None:
+    """Strain that creeps by half a percent over a loop is nothing this model knows."""
+    loop = RECORDINGS["loop"]
+    creep = 0.005 * 0.07 * np.sin(8.0 * np.linspace(0.0, np.pi, len(loop)))
+    spoilt = loop.with_columns(displacement_m=loop["displacement_m"] + creep * (loop["displacement_m"] > 1e-4))
+    calibration = calibrate({"loop": spoilt}, settings=settings_of_effort("quick"))
+    assert not calibration.holds
+    assert "strain" in {pair.channel.name for _, pair in calibration.not_followed}
+    assert calibration.excess_variance > 1.0
+    assert "the fit does not hold" in str(calibration)
+
+
+def test_one_recording_may_come_bare_and_several_as_a_list() -> None:
+    one = calibrate(RECORDINGS["isobars"], settings=settings_of_effort("quick"))
+    same = calibrate([RECORDINGS["isobars"]], settings=settings_of_effort("quick"))
+    assert np.array_equal(one.found.coordinates, same.found.coordinates)
+    with pytest.raises(CallerError, match="no recording"):
+        calibrate([])
+    assert isinstance(RECORDINGS["loop"], Recording)

@@ -1,0 +1,73 @@
+"""A journal remembers what a search did, and never what another one did."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.errors import CallerError
+from musclewire.identify.physical.journal import Journal, read_journal
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "wire.toml.search"
+
+
+def test_what_was_written_is_remembered_in_order(path: Path) -> None:
+    journal = Journal(path, "mine")
+    assert journal.next() is None
+    journal.write([1.0, 2.0])
+    journal.write([0.1, 1e-300])
+    again = Journal(path, "mine")
+    assert again.remembered == 2
+    assert [again.next(), again.next(), again.next()] == [[1.0, 2.0], [0.1, 1e-300], None]
+
+
+@given(st.lists(st.floats(allow_nan=False), min_size=1, max_size=5))
+def test_every_number_is_remembered_to_the_bit(tmp_path_factory: pytest.TempPathFactory, numbers: list[float]) -> None:
+    path = tmp_path_factory.mktemp("journal") / "j"
+    Journal(path, "mine").write(numbers)
+    assert read_journal(path, "mine") == [numbers]
+
+
+def test_a_line_cut_off_in_writing_is_dropped(path: Path) -> None:
+    journal = Journal(path, "mine")
+    journal.write([1.0, 2.0])
+    journal.write([3.0, 4.0])
+    path.write_text(path.read_text()[:-4])
+    again = Journal(path, "mine")
+    assert again.remembered == 1
+    again.next()
+    again.write([5.0])
+    assert read_journal(path, "mine") == [[1.0, 2.0], [5.0]]
+
+
+def test_the_journal_of_another_search_is_refused_and_left_alone(path: Path) -> None:
+    Journal(path, "mine").write([1.0])
+    before = path.read_bytes()
+    with pytest.raises(CallerError, match="belongs to a search with other recordings"):
+        Journal(path, "other")
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("content", [b"", b"hello\n", b"[1, 2]\n", b"\xff\xfe\x00", b'{"other": 1}\n'])
+def test_a_file_that_is_no_journal_is_refused_and_left_alone(path: Path, content: bytes) -> None:
+    path.write_bytes(content)
+    with pytest.raises(CallerError, match="is not the journal of a search"):
+        Journal(path, "mine")
+    assert path.read_bytes() == content
+
+
+def test_a_folder_that_is_not_there_is_the_callers_error(tmp_path: Path) -> None:
+    with pytest.raises(CallerError, match="cannot be written"):
+        Journal(tmp_path / "none" / "j", "mine")
+
+
+def test_a_journal_that_is_done_is_gone(path: Path) -> None:
+    journal = Journal(path, "mine")
+    journal.remove()
+    assert not path.exists()
