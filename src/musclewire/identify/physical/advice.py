@@ -188,7 +188,8 @@ def proposed(calibration: Calibration) -> Iterator[Experiment]:
 
     if driven:
         yield Experiment("half_pretension", loop(pretension=LOW_SHARE))
-        yield Experiment("twice_pretension", loop(pretension=HIGH_SHARE))
+        if largest_force_n(values, bench) <= values.wire["maximum_force_n"]:
+            yield Experiment("twice_pretension", loop(pretension=HIGH_SHARE))
         yield Experiment("minor_loop", loop(drive=MINOR_SHARE))
         yield Experiment("fast_step", driven_experiment(values, bench, fast_step(highest_v), FAST_SAMPLE_S, usual))
         if "temperature" not in measured:
@@ -203,6 +204,13 @@ def proposed(calibration: Calibration) -> Iterator[Experiment]:
         yield Experiment("isobars", isobars_experiment(values))
     if not any(isinstance(item, CoolingObservation) for item in observations):
         yield Experiment("cooling_curve", cooling_experiment(values, bench))
+
+
+def largest_force_n(values: WireValues, bench: Mapping[str, float]) -> float:
+    """Return the largest force that twice the pretension and the spring together could pull with."""
+    leg_m = bench["wire_length_m"] / bench["legs"]
+    stretch_n = bench["spring_stiffness_n_per_m"] * values.alloy["strain_saturated"] * leg_m
+    return HIGH_SHARE * bench["pretension_n"] + stretch_n
 
 
 def slow_sine(highest_v: float) -> FloatArray:

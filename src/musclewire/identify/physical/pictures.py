@@ -27,6 +27,8 @@ MEASURED, FITTED = TARGET, HEATING
 # Isobars from the lightest load to the heaviest.
 SHADES = ("#7fb3c8", "#4a93ae", "#1f6f8b", "#15506a", "#0d374c", "#071f2d")
 WIDTH, ROW_HEIGHT = 9.6, 2.75
+# Resistance less certain than this share of its range is not drawn against strain.
+UNSEEN_SHARE = 0.12
 
 
 class Shown(NamedTuple):
@@ -82,12 +84,19 @@ def draw_channels(figure: Figure, pairs: Sequence[Comparison]) -> Axes:
         top.plot(axis, shown.factor * pair.channel.measured + shown.offset, color=MEASURED, linewidth=3.2,
                  label="measured", solid_capstyle="round")  # fmt: skip
         top.plot(axis, shown.factor * pair.predicted + shown.offset, color=FITTED, linewidth=1.2, label="wire found")
-        top.set(ylabel=shown.label)
+        top.set(ylabel=shown.label, ylim=limits(shown.factor * pair.predicted + shown.offset))
         draw_residuals(below, axis, pair)
     rows[0].legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderaxespad=0.0, ncols=2)
     rows[-1].set(xlabel="time [s]")
     first: Axes = rows[0]
     return first
+
+
+def limits(predicted: FloatArray) -> tuple[float, float]:
+    """Return limits around a curve that leave room for what is measured, and not for the wildest of its noise."""
+    low, high = float(predicted.min()), float(predicted.max())
+    margin = 0.15 * (high - low) or 1.0
+    return low - margin, high + margin
 
 
 def draw_residuals(axes: Axes, axis: FloatArray, pair: Comparison, colour: str = AVERAGE) -> None:
@@ -112,10 +121,12 @@ def loop_figure(calibration: Calibration, observation: Observation) -> Figure | 
     shown = SHOWN[other]
     # Bins without a current have no resistance; the others are told by their times.
     times, here, there = np.intersect1d(resistance.channel.axis, quantity.channel.axis, return_indices=True)
+    # With next to no current there is next to no resistance to see, only its noise.
+    unseen = resistance.channel.uncertainty > UNSEEN_SHARE * np.ptp(resistance.predicted)
     figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
     axes, over_drive = figure.subplots(1, 2)
     lines = (
-        (resistance.channel.measured, quantity.channel.measured, MEASURED, 3.2, "measured"),
+        (np.where(unseen, np.nan, resistance.channel.measured), quantity.channel.measured, MEASURED, 3.2, "measured"),
         (resistance.predicted, quantity.predicted, FITTED, 1.2, "wire found"),
     )
     for abscissa, ordinate, colour, width, label in lines:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -12,7 +13,8 @@ from numpy.typing import NDArray
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.identify.physical.calibration import Calibration, calibrate
+from musclewire.identify.physical.advice import proposed
+from musclewire.identify.physical.calibration import Calibration, Fit, calibrate, observations_of
 from musclewire.identify.physical.search import settings_of_effort
 from musclewire.parameters.library import bench_known_with, load_alloy, load_wire
 from musclewire.signals import Recording
@@ -104,6 +106,19 @@ def test_advice_speaks_only_of_what_is_not_told_yet_and_never_of_what_was_measur
             assert not ("isobars" in names and item.title.startswith("Isobars"))
         counts = [len(item.tells) for item in calibration.advice]
         assert counts == sorted(counts, reverse=True)
+
+
+def test_nobody_is_told_to_pull_a_wire_apart() -> None:
+    """Twice 1.9 N and the spring are more than the 4.601 N of this wire; twice 1.0 N are not."""
+    gentle = replace(found("loop"), fit=fit_of(driven(TRUTH, slow_sine(), bench={"pretension_n": 1.0})))
+    for calibration, offered in ((found("loop"), False), (gentle, True)):
+        keys = {experiment.key for experiment in proposed(calibration)}
+        assert ("twice_pretension" in keys) is offered
+        assert "half_pretension" in keys
+
+
+def fit_of(recording: Recording) -> Fit:
+    return Fit(found("loop").fit.candidates, observations_of({"loop": recording})[0])
 
 
 def test_after_isobars_alone_a_loop_with_current_would_tell_resistivities() -> None:

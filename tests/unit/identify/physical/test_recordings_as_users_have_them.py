@@ -152,7 +152,7 @@ def flat(values: float) -> Callable[[Recording], Recording]:
 
 REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
     "a printed loop": (
-        lambda loop: Recording(
+        lambda _: Recording(
             {"resistance_ohm": [17.0, 16.0], "strain_heating": [0.0, 0.01], "strain_cooling": [0.0, 0.02]}
         ),
         "without a drive and a clock",
@@ -166,7 +166,7 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
     ),
     "a wire that was never heated": (
         lambda loop: loop.with_columns(
-            {name: 0.0 * loop["time_s"] for name in ("wire_voltage_v", "shunt_voltage_v", "drive_voltage_v")}
+            dict.fromkeys(("wire_voltage_v", "shunt_voltage_v", "drive_voltage_v"), 0.0 * loop["time_s"])
         ),
         "0 V throughout",
     ),
@@ -205,7 +205,7 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
         "the shunt is not known",
     ),
     "a constant temperature": (
-        lambda loop: Recording(
+        lambda _: Recording(
             {
                 "wire_temperature_k": [300.0] * 40,
                 "reference_strain": np.linspace(0.0, 0.04, 40),
@@ -215,7 +215,7 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
         "the temperature moves by 0 K",
     ),
     "isobars that show nothing": (
-        lambda loop: Recording(
+        lambda _: Recording(
             {
                 "wire_temperature_k": np.linspace(300.0, 400.0, 40),
                 "reference_strain": [1e-5] * 40,
@@ -225,7 +225,7 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
         "nothing transforms between 27 C and 127 C",
     ),
     "compression": (
-        lambda loop: Recording(
+        lambda _: Recording(
             {
                 "wire_temperature_k": np.linspace(300.0, 400.0, 40),
                 "reference_strain": [0.0] * 40,
@@ -235,7 +235,7 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
         "it must be tension",
     ),
     "a stress that rises along": (
-        lambda loop: Recording(
+        lambda _: Recording(
             {
                 "wire_temperature_k": np.linspace(300.0, 400.0, 40),
                 "reference_strain": np.linspace(0.0, 0.04, 40),

@@ -51,7 +51,7 @@ class Wavy(Linear):
 
 
 class Impossible(Linear):
-    def residuals(self, coordinates: Array) -> Array:
+    def residuals(self, coordinates: Array) -> Array:  # noqa: ARG002
         raise NumericsError("ran away")
 
 
