@@ -51,6 +51,8 @@ SEARCH_STEP, LAST_STEPS, FINAL_STEP = 0.05, (0.1, 0.03), 0.05
 # How many times too large the observations' uncertainty is taken, descent by descent.
 FROM_A_START = (100.0, 30.0, 10.0, 3.0, 1.0)
 FROM_A_JUMP = (10.0, 3.0, 1.0)
+# So many descents that end within this share of the best cost found the minimum; no more are made.
+AGREEING, AGREEMENT = 3, 1e-3
 # Spread of starts and jumps, in prior standard deviations.
 START_SPREAD, JUMP_SPREAD = 0.8, 0.5
 
@@ -82,8 +84,8 @@ class Settings:
     """How hard to search; the defaults suit a wire with some thirty unknowns."""
 
     seed: int = 1
-    starts: int = 3
-    jumps: int = 2
+    starts: int = 4
+    jumps: int = 5
     evaluations_each: int = 12
     evaluations_last: int = 12
     threads: int | None = None
@@ -228,7 +230,10 @@ def descents(
             ends.append(one_descent(workshop, ends, number, settings, random, size))
             if journal is not None:
                 journal.write([ends[-1][0], workshop.simulations - before, *ends[-1][1]])
-        report("global search", number + 1, settings.starts + settings.jumps, min(cost for cost, _ in ends))
+        costs = sorted(cost for cost, _ in ends)
+        report("global search", number + 1, settings.starts + settings.jumps, costs[0])
+        if len(costs) >= AGREEING and costs[AGREEING - 1] <= (1.0 + AGREEMENT) * costs[0]:
+            break
     return ends
 
 
