@@ -127,16 +127,25 @@ def distinct(names: list[str]) -> list[str]:
 def read_one(
     name: str, column: list[str] | None, length: str | None, shunt: str | None, zero: bool, invert: bool
 ) -> Recording:
-    """Return a recording with its columns mapped, where it is not one of our own, and its strain as asked for.
+    """Return a recording with its columns mapped as far as the mapping is for it, and its strain as asked for.
 
     ``zero`` leaves force as it is, because the load on the wire counts, and isobars, which share one zero of strain.
     """
-    mapped = None if Path(name).suffix.lower() in OWN_FORMAT else column
-    recording = read(name, mapped, length, shunt, False, invert)
+    recording = read(name, meant_for(name, column), length, shunt, False, invert)
     if not zero or recording.is_isobar_table:
         return recording
     strains = [key for key in ("displacement_m", "reference_strain") if key in recording]
     return recording.with_columns({key: recording[key] - recording[key][0] for key in strains})
+
+
+def meant_for(name: str, column: list[str] | None) -> list[str] | None:
+    """Return those of the mappings that are for this file: none for our own, by number for files without headers."""
+    if not column or Path(name).suffix.lower() in OWN_FORMAT or not Path(name).exists():
+        return None
+    from musclewire.signals import has_headers
+
+    named = has_headers(name)
+    return [pair for pair in column if pair.partition("=")[2].lstrip().startswith("#") is not named]
 
 
 @contextmanager

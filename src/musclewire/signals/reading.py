@@ -16,7 +16,7 @@ from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.recording import Recording
 from musclewire.signals.tables import Table
 
-__all__ = ["Understanding", "read_recording", "understand"]
+__all__ = ["Understanding", "has_headers", "read_recording", "understand"]
 
 # Where an estimator had no answer our own runs hold NaN; everywhere else NaN is a hole in the data.
 _MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
@@ -87,6 +87,12 @@ def read_recording(
     if "time_s" in values:
         _check_clock_rises(values["time_s"], table, path)
     return _recording(values, table.metadata, path).with_metadata(metadata)
+
+
+def has_headers(path: str | Path) -> bool:
+    """Tell whether a file names its columns. Raises RecordingError for one that cannot be read."""
+    headers = _table(Path(path)).headers
+    return headers != numbered_headers(len(headers))
 
 
 def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> Understanding:
