@@ -1,5 +1,10 @@
 from __future__ import annotations
 
+import os
+
+# As the command line has it: BLAS on several threads only waits for itself. Before anything loads NumPy.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 from hypothesis import settings
 
 # The first call of a compiled function takes seconds, and a busy machine is no defect: no deadlines. The same examples

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import musclewire as mw
+from musclewire.app.calibrate_command import read_one
 from musclewire.identify.isobars import simulated_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.wire_file import read_wire_file
@@ -30,6 +31,25 @@ def loop(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with mw.open_rig("simulated", seed=5) as rig:
         mw.characterize(rig, cycles=1, period_s=12.0, path=path)
     return path
+
+
+@pytest.fixture(scope="module")
+def isobars(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Isobars of a simulated wire as a test machine writes them: no header, no clock."""
+    wire = load_wire("paper-100um")
+    random = np.random.default_rng(8)
+    rows = []
+    for stress_pa in (60e6, 120e6, 200e6):
+        one = simulated_isobar(load_alloy(wire.alloy), wire, load_bench("paper"), stress_pa, points=120)
+        strain = one.strain + 1e-5 * random.standard_normal(one.strain.size)
+        stress = np.full(strain.size, stress_pa / 1e6)
+        rows.append(np.column_stack([one.temperature_k - 273.15, 100.0 * strain, stress]))
+    path = tmp_path_factory.mktemp("isobars") / "machine.txt"
+    np.savetxt(path, np.concatenate(rows), delimiter="\t")
+    return path
+
+
+BY_NUMBER = ("-c", "wire_temperature_k=#1:degC", "-c", "reference_strain=#2:%", "-c", "stress_pa=#3:MPa")
 
 
 def test_from_a_loop_to_a_wire_file_that_does_the_same_loop(
@@ -70,31 +90,79 @@ def test_what_exists_is_not_replaced(loop: Path, musclewire: Callable[..., Any],
     assert [item.name for item in tmp_path.iterdir()] == ["mine.html"]
 
 
+CASES = {
+    "nothing transforms": (lambda strain: 1e-3 * strain, (), "no transformation"),
+    "the wrong sign": (lambda strain: -strain, (), "(--invert)"),
+    "another zero": (lambda strain: strain + 0.01, (), "--zero"),
+    "an unknown number": (lambda strain: strain, ("--set", "pretention_n=1 N"), "did you mean 'pretension_n'"),
+    "an unknown wire": (lambda strain: strain, ("--wire", "flexinol-0.10-hr"), "did you mean 'flexinol-0.10-ht'"),
+    "an unknown effort": (lambda strain: strain, ("--effort", "most"), "there is no effort 'most'"),
+    "no folder": (lambda strain: strain, ("--report", "none/page.html"), "there is no folder"),
+    "not a page": (lambda strain: strain, ("--report", "page.pdf"), "a report is a .html file"),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_wrong_input_is_one_line_and_exit_code_2_and_nothing_is_written(
+    name: str, loop: Path, musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    change, options, words = CASES[name]
+    measured = mw.read_recording(loop)
+    monkeypatch.chdir(tmp_path)
+    measured.with_columns(displacement_m=0.07 * change(measured["displacement_m"] / 0.07)).save("mine.csv")
+    answer = musclewire("calibrate", "mine.csv", *options, "-o", "mine.toml", "--json")
+    assert answer.code == 2
+    assert answer.out == ""
+    assert len(answer.err.strip().splitlines()) == 1
+    assert answer.err.startswith("musclewire: ")
+    assert words in answer.err
+    assert [item.name for item in tmp_path.iterdir()] == ["mine.csv"]
+
+
+def test_zero_and_invert_make_a_wrong_way_round_sensor_right(loop: Path, tmp_path: Path) -> None:
+    measured = mw.read_recording(loop)
+    first = measured["displacement_m"][0]
+    measured.with_columns(displacement_m=2e-3 - measured["displacement_m"]).save(tmp_path / "mine.csv")
+    turned = read_one(str(tmp_path / "mine.csv"), None, None, None, zero=True, invert=True)
+    assert turned["displacement_m"] == pytest.approx(measured["displacement_m"] - first, abs=1e-12)
+    assert np.array_equal(turned["force_n"], measured["force_n"])
+
+
+def test_a_strain_that_no_wire_does_ends_with_exit_code_1_and_files(
+    isobars: Path, musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Isobars shifted by 200 K belong to no NiTi wire that the priors know."""
+    rows = np.loadtxt(isobars)
+    rows[:, 0] += 200.0
+    np.savetxt(tmp_path / "hot.txt", rows, delimiter="\t")
+    answer = musclewire(
+        "calibrate", tmp_path / "hot.txt", *BY_NUMBER, "--effort", "quick", "-o", tmp_path / "w.toml", "--json"
+    )
+    assert answer.code == 1
+    assert answer.json["holds"] is False
+    assert answer.json["rmse"] > 3.0
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["hot.txt", "w.html", "w.toml"]
+
+
+def test_a_mapping_by_number_is_for_the_files_without_headers(
+    isobars: Path, musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
+    rows = np.loadtxt(isobars)
+    with_headers = tmp_path / "named.csv"
+    lines = ["cycle,Temperature [degC],Strain [%],Stress [MPa]", *(f"1,{a},{b},{c + 20.0}" for a, b, c in rows)]
+    with_headers.write_text("\n".join(lines) + "\n")
+    answer = musclewire("calibrate", with_headers, isobars, *BY_NUMBER, "--effort", "quick", "--json")
+    assert answer.code in (0, 1), answer.err
+    stresses = {item["channel"] for item in answer.json["channels"]}
+    assert stresses == {f"strain at {stress} MPa" for stress in (60, 80, 120, 140, 200, 220)}
+
+
 def command(*arguments: object) -> list[str]:
     return [sys.executable, "-m", "musclewire", "calibrate", *map(str, arguments)]
 
 
 def descents_in(journal: Path) -> int:
     return max(len(journal.read_text().splitlines()) - 1, 0) if journal.exists() else 0
-
-
-@pytest.fixture(scope="module")
-def isobars(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Isobars of a simulated wire as a test machine writes them: no header, no clock."""
-    wire = load_wire("paper-100um")
-    random = np.random.default_rng(8)
-    rows = []
-    for stress_pa in (60e6, 120e6, 200e6):
-        one = simulated_isobar(load_alloy(wire.alloy), wire, load_bench("paper"), stress_pa, points=120)
-        strain = one.strain + 1e-5 * random.standard_normal(one.strain.size)
-        stress = np.full(strain.size, stress_pa / 1e6)
-        rows.append(np.column_stack([one.temperature_k - 273.15, 100.0 * strain, stress]))
-    path = tmp_path_factory.mktemp("isobars") / "machine.txt"
-    np.savetxt(path, np.concatenate(rows), delimiter="\t")
-    return path
-
-
-BY_NUMBER = ("-c", "wire_temperature_k=#1:degC", "-c", "reference_strain=#2:%", "-c", "stress_pa=#3:MPa")
 
 
 def test_an_interrupted_search_goes_on_and_ends_with_the_same_wire_to_the_bit(isobars: Path, tmp_path: Path) -> None:

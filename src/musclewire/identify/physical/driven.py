@@ -37,6 +37,15 @@ class RawChannel(NamedTuple):
         """Return the channel at some rows."""
         return RawChannel(self.unit, self.values[rows], self.noise[rows], self.usable[rows])
 
+    def grouped(self, size: int) -> RawChannel:
+        """Return means over groups of ``size`` samples."""
+        return RawChannel(
+            self.unit,
+            binned(np.where(self.usable, self.values, 0.0), size),
+            np.sqrt(binned(self.noise * self.noise, size) / size),
+            binned(self.usable.astype(float), size) > 0.999,
+        )
+
 
 MOST_BINS = 400
 # What a model of this kind is not expected to get right, whatever the noise: share of the leg in
@@ -182,13 +191,16 @@ def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) 
     refuse_idle(channels)
     if "diameter_m" in bench:
         refuse_other_metal(channels, known["wire_length_m"], bench["diameter_m"])
+    # Samples closer than the steps of a simulation cost time and tell nothing: they become one.
+    group = max(1, int(REFINED_STEP_S / known["sample_period_s"]))
+    known["sample_period_s"] *= group
     return DrivenObservation(
         title,
-        drive[even],
+        binned(drive[even], group),
         known["sample_period_s"],
         known,
         bench.get("diameter_m"),
-        {name: raw.at(even) for name, raw in channels.items()},
+        {name: raw.at(even).grouped(group) for name, raw in channels.items()},
         circuit,
     )
 

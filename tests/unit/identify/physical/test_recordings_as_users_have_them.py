@@ -94,6 +94,21 @@ def test_an_uneven_clock_is_laid_on_an_even_one() -> None:
     assert (rows.size, period_s) == (11, pytest.approx(0.1))
 
 
+def test_samples_closer_than_a_step_become_one_and_tell_the_same() -> None:
+    often = 100
+    fast = Recording(
+        {
+            "time_s": 5e-4 * np.arange(1, often * len(LOOP) + 1),
+            **{name: np.repeat(LOOP[name], often) for name in ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")},
+            "displacement_m": np.repeat(LOOP["displacement_m"], often),
+        },
+        LOOP.metadata,
+    )
+    observation = observed(fast)
+    assert observation.bench["sample_period_s"] == pytest.approx(2e-3)  # type: ignore[attr-defined]
+    assert np.std(residuals_at_truth(fast)["strain"]) < 5e-4
+
+
 def test_isobars_are_understood_in_elongation_and_in_contraction() -> None:
     found = isobars(TRUTH)
     turned = found.with_columns(reference_strain=-found["reference_strain"])
