@@ -56,7 +56,7 @@ def test_other_noise_gives_the_same_picture(seed: int) -> None:
 
 def test_one_reading_of_the_gains_serves_another_wire_too() -> None:
     # The same input scale and gain ranges on the 125 um wire, at its printed pretension of the closest loop. What the
-    # controller senses is held as on the main job; how true that is, is for the loop's gap to say and not for the gains.
+    # controller senses is held as on the main job; how true that is, is for the loop's gap to say, not for the gains.
     with open_rig("simulated", wire="paper-125um", pretension_n=4.67) as rig:
         metrics = control(rig, fit(characterize(rig)), staircase(0.012, 0.027)).metrics
     tracking = [step.tracking_mae_pct for step in metrics.steps if step.tracking_mae_pct is not None]
