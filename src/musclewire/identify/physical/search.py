@@ -102,7 +102,7 @@ class Settings:
 EFFORTS: Mapping[str, Settings] = {
     "quick": Settings(starts=1, jumps=0, evaluations_each=5, evaluations_last=5),
     "normal": Settings(),
-    "thorough": Settings(starts=6, jumps=6, evaluations_each=15, evaluations_last=20),
+    "thorough": Settings(starts=8, jumps=10, evaluations_each=15, evaluations_last=20),
 }
 
 
