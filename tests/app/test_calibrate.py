@@ -179,7 +179,7 @@ def test_an_interrupted_search_goes_on_and_ends_with_the_same_wire_to_the_bit(is
     while descents_in(journal) < 1:
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < deadline, "no descent came to its end"
-        time.sleep(0.05)
+        time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=30)
     assert process.returncode == 130, err

@@ -211,9 +211,9 @@ def how(calibration: Calibration) -> str:
         else ""
     )
     return (
-        f"<p>{escape(verdict(calibration)).capitalize()}. {len(found.costs)} descents, of at most {settings.starts} from "
-        f"the prior and {settings.jumps} from jumps off the best so far, ended at sums of squares of {costs}; the last "
-        f"one, with all digits, at {found.cost:.1f}. Where several agree, the minimum is the only one in sight.</p>"
+        f"<p>{escape(verdict(calibration)).capitalize()}. {len(found.costs)} descents (at most {settings.starts} from "
+        f"the prior and {settings.jumps} from jumps off the best so far) ended at sums of squares of {costs}; the "
+        f"last, with all digits, at {found.cost:.1f}. Where several agree, the minimum is the only one in sight.</p>"
         f"{widened}"
         "<p>Intervals are Laplace's approximation: the curvature of the sum of squares at its minimum, with the prior. "
         "They hold where the model is right up to the stated uncertainty and no other minimum is near.</p>"
