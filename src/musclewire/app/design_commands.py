@@ -1,0 +1,13 @@
+"""The group of commands that size what a wire pulls: design pretensioner, design finger."""
+
+from __future__ import annotations
+
+import typer
+
+__all__ = ["add_design_commands"]
+
+
+def add_design_commands(app: typer.Typer) -> None:
+    """Add the group and its commands."""
+    design = typer.Typer(name="design", no_args_is_help=True, help="Size what a wire pulls: pretensioner, finger.")
+    app.add_typer(design)

@@ -1,0 +1,149 @@
+"""One file that stands for one tendon-driven finger: its geometry, and how it answers a pull at its tendon.
+
+format = "musclewire-finger"
+version = 1
+name = "my-finger"
+description = "..."
+
+[geometry.beam_thickness_m]             what it was computed from, each number as in all parameter files
+value = 0.0002
+unit = "m"
+kind = "assumed"
+source = "..."
+
+[curve]                                 columns over the same, evenly spaced tendon travels from 0
+tendon_travel_m = [0.0, ...]
+...
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters.schema import Parameter
+from musclewire.parameters.validation import validated
+from musclewire.parameters.wire_file import parameter_lines, quoted
+
+__all__ = ["FingerCurve", "FingerFile", "finger_file_text", "finger_names", "load_finger"]
+
+LEAST_POINTS = 5
+EVEN_TOLERANCE = 1e-6
+
+
+class FingerCurve(BaseModel):
+    """A finger's answer to tendon travel; every column is (n_points,) over the same evenly spaced travels from 0.
+
+    Force and displacement hold for a finger that touches nothing; a force ``f`` [N] that pushes its endpoint back, at
+    the same tendon travel, adds ``tendon_force_per_endpoint_force * f`` to the tendon's force and takes
+    ``endpoint_compliance_m_per_n * f`` from the endpoint's displacement. Forces are those of both tendon legs together.
+    ``friction_share`` is what friction along the tendon adds to the connector's force when pulling, as a share of the
+    force without friction; easing takes as much away, the capstan law to first order.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    tendon_travel_m: list[float] = Field(min_length=LEAST_POINTS)
+    tendon_force_n: list[float]
+    endpoint_displacement_m: list[float]
+    tendon_force_per_endpoint_force: list[float]
+    endpoint_compliance_m_per_n: list[float]
+    friction_share: list[float]
+
+    @model_validator(mode="after")
+    def _columns_belong_together(self) -> FingerCurve:
+        travel = np.asarray(self.tendon_travel_m)
+        for name in type(self).model_fields:
+            column = getattr(self, name)
+            if len(column) != travel.size:
+                raise ValueError(f"{name} has {len(column)} numbers, tendon_travel_m has {travel.size}")
+            if not all(math.isfinite(value) for value in column):
+                raise ValueError(f"{name} holds a number that is not finite")
+        steps = np.diff(travel)
+        if travel[0] != 0.0 or steps[0] <= 0.0 or np.ptp(steps) > EVEN_TOLERANCE * travel[-1]:
+            raise ValueError("tendon_travel_m must rise from 0 in equal steps")
+        for name in ("tendon_force_n", "endpoint_displacement_m"):
+            if np.any(np.diff(getattr(self, name)) <= 0.0):
+                raise ValueError(f"{name} must rise with tendon_travel_m")
+        if min(self.endpoint_compliance_m_per_n) <= 0.0 or min(self.friction_share) < 0.0:
+            raise ValueError("endpoint_compliance_m_per_n must be above 0, friction_share not below")
+        return self
+
+    @property
+    def stiffness_n_per_m(self) -> float:
+        """Stiffness along the tendon where it begins to pull [N/m]: the paper's k_f."""
+        return (self.tendon_force_n[1] - self.tendon_force_n[0]) / self.tendon_travel_m[1]
+
+
+class FingerFile(BaseModel):
+    """A finger by name: what it was computed from, and its curve."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    format: Literal["musclewire-finger"]
+    version: Literal[1]
+    name: str
+    description: str = ""
+    geometry: dict[str, Parameter] = {}
+    curve: FingerCurve
+
+
+def folder_of_fingers() -> Path:
+    """Return where the fingers that come along lie."""
+    return Path(str(files("musclewire.parameters"))) / "data" / "fingers"
+
+
+def finger_names() -> list[str]:
+    """Return the names of the fingers that come with musclewire."""
+    return sorted(item.stem for item in folder_of_fingers().glob("*.toml"))
+
+
+def load_finger(name: str) -> FingerFile:
+    """Return a finger that comes with musclewire, by name, or one of a file (.toml), read afresh.
+
+    Raises CallerError for an unknown name or a wrong file, naming the key and the nearest right one.
+    """
+    return read_finger_file(Path(name)) if name.endswith(".toml") else named_finger(name)
+
+
+@cache
+def named_finger(name: str) -> FingerFile:
+    """Return a finger that comes with musclewire."""
+    if name not in finger_names():
+        raise CallerError(f"there is no finger called '{name}'{nearest_hint(name, finger_names())}")
+    return read_finger_file(folder_of_fingers() / f"{name}.toml")
+
+
+def read_finger_file(path: Path) -> FingerFile:
+    """Return a finger file, checked."""
+    try:
+        data = tomllib.loads(path.read_text("utf-8"))
+    except FileNotFoundError:
+        raise CallerError(f"there is no finger file {path}") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise CallerError(f"finger file {path} cannot be read: {error}") from None
+    return validated(FingerFile, data, f"finger file {path}")
+
+
+def finger_file_text(name: str, description: str, geometry: dict[str, Parameter], curve: FingerCurve) -> str:
+    """Return the text of a finger's file; every number keeps all its bits."""
+    lines = [
+        'format = "musclewire-finger"',
+        "version = 1",
+        f"name = {quoted(name)}",
+        f"description = {quoted(description)}",
+    ]
+    for key, item in geometry.items():
+        lines += ["", f"[geometry.{key}]", *parameter_lines(item)]
+    lines += ["", "[curve]"]
+    for key in FingerCurve.model_fields:
+        lines.append(f"{key} = [{', '.join(repr(float(value)) for value in getattr(curve, key))}]")
+    return "\n".join(lines) + "\n"
