@@ -1,0 +1,112 @@
+"""What flexures are made of: those materials that come with musclewire, by name, and the user's own, by file.
+
+format = "musclewire-material"
+version = 1
+name = "my-sheet"
+description = "..."
+
+[youngs_modulus_pa]                     each number as in all parameter files
+value = 2.6e9
+unit = "Pa"
+kind = "measured"
+source = "bending test of a strip"
+...
+[minimum_thickness_m.laser-cut]         the thinnest flexure that each process makes, at least one
+...
+"""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters.schema import Parameter, ParameterGroup, parameter
+from musclewire.parameters.validation import validated
+
+__all__ = ["Material", "load_material", "material_names"]
+
+SUFFIX = ".toml"
+
+
+class Material(ParameterGroup):
+    """An isotropic elastic material, how far it may be loaded, and how thin each process makes it."""
+
+    format: Literal["musclewire-material"]
+    version: Literal[1]
+    youngs_modulus_pa: Parameter = parameter("Pa", "E: Young's modulus")
+    poisson_ratio: Parameter = parameter("1", "nu: Poisson's ratio", "not negative")
+    yield_stress_pa: Parameter = parameter("Pa", "stress at which it stays bent")
+    allowable_stress_pa: Parameter = parameter("Pa", "stress that a flexure may have for long and often")
+    density_kg_per_m3: Parameter = parameter("kg/m^3", "density")
+    minimum_thickness_m: dict[str, Parameter] = Field(description="thinnest flexure by process", min_length=1)
+
+    @model_validator(mode="after")
+    def _numbers_belong_together(self) -> Material:
+        for process, item in self.minimum_thickness_m.items():
+            if item.unit != "m":
+                raise ValueError(f"minimum_thickness_m.{process} has the unit '{item.unit}', it must be given in 'm'")
+            if item.value <= 0.0:
+                raise ValueError(f"minimum_thickness_m.{process} is {item.value:g} m, it must be above 0")
+        if self.poisson_ratio.value >= 0.5:
+            raise ValueError(f"poisson_ratio is {self.poisson_ratio.value:g}, it must be below 0.5")
+        if self.allowable_stress_pa.value > self.yield_stress_pa.value:
+            raise ValueError("allowable_stress_pa is above yield_stress_pa")
+        return self
+
+    @property
+    def processes(self) -> list[str]:
+        """The processes this material is known to be made with, the first being the usual one."""
+        return list(self.minimum_thickness_m)
+
+    def minimum_thickness_by(self, process: str | None) -> float:
+        """Return the thinnest flexure [m] that a process makes; that of the usual process for None.
+
+        Raises CallerError for a process that is not known for this material.
+        """
+        chosen = self.processes[0] if process is None else process
+        if chosen not in self.minimum_thickness_m:
+            raise CallerError(f"{self.name} is not made by '{chosen}'{nearest_hint(chosen, self.processes)}")
+        return self.minimum_thickness_m[chosen].value
+
+
+def folder_of_materials() -> Path:
+    """Return where the materials that come along lie."""
+    return Path(str(files("musclewire.parameters"))) / "data" / "materials"
+
+
+def material_names() -> list[str]:
+    """Return the names of the materials that come with musclewire."""
+    return sorted(item.stem for item in folder_of_materials().glob(f"*{SUFFIX}"))
+
+
+def load_material(name: str) -> Material:
+    """Return a material that comes with musclewire, by name, or one of a file (.toml), read afresh.
+
+    Raises CallerError for an unknown name or a wrong file, naming the key and the nearest right one.
+    """
+    return read_material_file(Path(name)) if name.endswith(SUFFIX) else named_material(name)
+
+
+@cache
+def named_material(name: str) -> Material:
+    """Return a material that comes with musclewire."""
+    if name not in material_names():
+        raise CallerError(f"there is no material called '{name}'{nearest_hint(name, material_names())}")
+    return read_material_file(folder_of_materials() / f"{name}{SUFFIX}")
+
+
+def read_material_file(path: Path) -> Material:
+    """Return a material file, checked."""
+    try:
+        data = tomllib.loads(path.read_text("utf-8"))
+    except FileNotFoundError:
+        raise CallerError(f"there is no material file {path}") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise CallerError(f"material file {path} cannot be read: {error}") from None
+    return validated(Material, data, f"material file {path}")

@@ -1,0 +1,108 @@
+"""Materials: every number says where it is from, and a mistake in a user's file is one line."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any
+
+import pytest
+
+from musclewire.errors import CallerError
+from musclewire.parameters.materials import Material, folder_of_materials, load_material, material_names
+from musclewire.parameters.validation import validated
+
+
+@pytest.fixture
+def pom() -> dict[str, Any]:
+    return tomllib.loads((folder_of_materials() / "pom.toml").read_text("utf-8"))
+
+
+def complaint(data: dict[str, Any]) -> str:
+    with pytest.raises(CallerError) as caught:
+        validated(Material, data, "material file mine.toml")
+    message = str(caught.value)
+    assert "\n" not in message
+    return message
+
+
+def test_at_least_eight_materials_come_along() -> None:
+    assert {"pom", "pa12", "pla", "petg", "peek", "spring-steel", "aluminium-7075", "ti-6al-4v"} <= set(
+        material_names()
+    )
+
+
+@pytest.mark.parametrize("name", material_names())
+def test_a_material_is_called_as_its_file_and_every_number_has_a_source(name: str) -> None:
+    material = load_material(name)
+    assert material.name == name
+    for _, item in [*material.items(), *material.minimum_thickness_m.items()]:
+        assert len(item.source) > 5
+
+
+@pytest.mark.parametrize("name", material_names())
+def test_the_numbers_are_of_the_right_order(name: str) -> None:
+    numbers = load_material(name).values()
+    assert 0.5e9 < numbers["youngs_modulus_pa"] < 250e9
+    assert 0.25 <= numbers["poisson_ratio"] < 0.5
+    # A flexure's strain at yield: half a percent for metals, several for plastics; never a tenth.
+    assert 0.002 < numbers["yield_stress_pa"] / numbers["youngs_modulus_pa"] < 0.1
+    assert 800.0 < numbers["density_kg_per_m3"] < 9000.0
+    assert all(5e-5 <= item.value <= 2e-3 for item in load_material(name).minimum_thickness_m.values())
+
+
+def test_acetal_has_the_modulus_of_the_handbook() -> None:
+    assert load_material("pom").youngs_modulus_pa.value == 2.6e9
+
+
+def test_a_process_is_found_by_name_and_the_first_is_the_usual_one() -> None:
+    pom = load_material("pom")
+    assert pom.minimum_thickness_by("mill") == pom.minimum_thickness_m["mill"].value
+    assert pom.minimum_thickness_by(None) == pom.minimum_thickness_m[pom.processes[0]].value
+
+
+def test_an_unknown_process_is_answered_with_the_known_ones() -> None:
+    with pytest.raises(CallerError, match="pom is not made by 'milled'; did you mean 'mill'"):
+        load_material("pom").minimum_thickness_by("milled")
+
+
+def test_an_unknown_material_is_answered_with_the_nearest() -> None:
+    with pytest.raises(CallerError, match="no material called 'pon'; did you mean 'pom'"):
+        load_material("pon")
+
+
+def test_a_file_that_is_not_there_is_said() -> None:
+    with pytest.raises(CallerError, match=r"there is no material file nowhere\.toml"):
+        load_material("nowhere.toml")
+
+
+def test_an_unknown_key_is_answered_with_the_nearest(pom: dict[str, Any]) -> None:
+    pom["poison_ratio"] = pom.pop("poisson_ratio")
+    assert "unknown key 'poison_ratio'; did you mean 'poisson_ratio'?" in complaint(pom)
+
+
+@pytest.mark.parametrize(
+    ("key", "part", "value", "words"),
+    [
+        ("youngs_modulus_pa", "unit", "GPa", "it must be given in 'Pa'"),
+        ("youngs_modulus_pa", "value", 0.0, "it must be above 0"),
+        ("poisson_ratio", "value", 0.5, "it must be below 0.5"),
+        ("allowable_stress_pa", "value", 1e9, "allowable_stress_pa is above yield_stress_pa"),
+    ],
+)
+def test_a_number_that_cannot_be_is_said(pom: dict[str, Any], key: str, part: str, value: object, words: str) -> None:
+    pom[key][part] = value
+    assert words in complaint(pom)
+
+
+@pytest.mark.parametrize(
+    ("part", "value", "words"),
+    [("unit", "mm", "minimum_thickness_m.mill has the unit 'mm'"), ("value", 0.0, "minimum_thickness_m.mill is 0 m")],
+)
+def test_a_process_is_checked_too(pom: dict[str, Any], part: str, value: object, words: str) -> None:
+    pom["minimum_thickness_m"]["mill"][part] = value
+    assert words in complaint(pom)
+
+
+def test_a_material_without_a_process_is_refused(pom: dict[str, Any]) -> None:
+    pom["minimum_thickness_m"] = {}
+    assert "minimum_thickness_m" in complaint(pom)
