@@ -12,8 +12,11 @@ from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K, phase_resist
 from musclewire.simulate.state import WireConstants
 
 __all__ = [
+    "compliance_per_pa",
     "contraction_of",
     "convection_w_per_m2_k",
+    "friction_limit_n",
+    "load_beyond_spring",
     "resistance_of",
     "strain_at",
     "stress_in_balance_pa",
@@ -56,6 +59,43 @@ def contraction_of(constants: WireConstants, strain: float) -> float:
 
 
 @compiled
+def compliance_per_pa(constants: WireConstants, stress_pa: float, martensite: float) -> float:
+    """Return how much strain grows with stress [1/Pa] while the phases stay."""
+    return 1.0 / reuss_modulus_pa(
+        martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa
+    ) + martensite * maximum_transformation_strain_slope_per_pa(
+        stress_pa,
+        constants.strain_at_no_stress,
+        constants.strain_saturated,
+        constants.strain_stress_scale_pa,
+    )
+
+
+@compiled
+def load_beyond_spring(constants: WireConstants, displacement_m: float) -> tuple[float, float]:
+    """Return force [N] and stiffness [N/m] of the load beyond pretension and spring, from the wire's table.
+
+    Below 0 the load has let go and keeps the force it begins with; beyond the table it goes on as it ended.
+    """
+    table = constants.load_force_n
+    if displacement_m <= 0.0:
+        return table[0], 0.0
+    place = displacement_m / constants.load_step_m
+    low = min(int(place), table.shape[0] - 2)
+    rise = table[low + 1] - table[low]
+    return table[low] + rise * (place - low), rise / constants.load_step_m
+
+
+@compiled
+def friction_limit_n(constants: WireConstants, displacement_m: float) -> float:
+    """Return the largest friction [N] at a displacement: the guide's, and what the load has of its own."""
+    table = constants.load_friction_n
+    place = min(max(displacement_m / constants.load_step_m, 0.0), table.shape[0] - 1.0)
+    low = min(int(place), table.shape[0] - 2)
+    return constants.friction_n + table[low] + (table[low + 1] - table[low]) * (place - low)
+
+
+@compiled
 def stress_in_balance_pa(
     constants: WireConstants,
     stress_pa: float,
@@ -64,25 +104,23 @@ def stress_in_balance_pa(
     temperature_k: float,
     friction_n: float,
     residual_strain: float,
+    push_n: float,
+    push_n_per_m: float,
 ) -> float:
-    """Return the leg stress [Pa] at which wire and spring agree: one Newton step from ``stress_pa``.
+    """Return the leg stress [Pa] at which wire and load agree: one Newton step from ``stress_pa``.
 
-    F_T = F_p + k S l_leg + friction, sigma = F_T / (legs A); a slack wire carries nothing.
-    The function is almost linear in stress, so that one step leaves an error of second order.
+    F_T = F_p + k S l_leg + what the load's table adds + friction, sigma = F_T / (legs A); a slack wire carries
+    nothing. ``push_n`` is a further force on the connector, and how it grows with displacement. The function is almost linear in stress, so that one step leaves an error of second order; where the
+    table has a kink, the next step's.
     """
     strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k) + residual_strain
     contraction = contraction_of(constants, strain)
-    stiffness = constants.spring_stiffness_n_per_m * constants.leg_length_m
+    beyond_n, beyond_n_per_m = load_beyond_spring(constants, contraction * constants.leg_length_m)
+    spring = constants.spring_stiffness_n_per_m * constants.leg_length_m
+    stiffness = spring + (beyond_n_per_m + push_n_per_m) * constants.leg_length_m
     section = constants.legs * constants.area_m2
-    wanted = (constants.pretension_n + stiffness * contraction + friction_n) / section
-    compliance = 1.0 / reuss_modulus_pa(
-        martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa
-    ) + martensite * maximum_transformation_strain_slope_per_pa(
-        stress_pa,
-        constants.strain_at_no_stress,
-        constants.strain_saturated,
-        constants.strain_stress_scale_pa,
-    )
+    wanted = (constants.pretension_n + spring * contraction + beyond_n + push_n + friction_n) / section
+    compliance = compliance_per_pa(constants, stress_pa, martensite)
     per_stretch = 1.0 / (1.0 + constants.cold_strain)
     return max(stress_pa - (stress_pa - wanted) / (1.0 + stiffness * per_stretch * compliance / section), 0.0)
 

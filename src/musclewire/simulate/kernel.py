@@ -15,6 +15,7 @@ from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
 from musclewire.simulate.balances import (
     contraction_of,
     convection_w_per_m2_k,
+    friction_limit_n,
     resistance_of,
     stress_in_balance_pa,
     total_strain,
@@ -152,19 +153,16 @@ def heated(
 
 
 @compiled_inline
-def balanced(
-    state: WireNumbers, constants: WireConstants, freshness: Freshness, rise_k: float, dt_s: float
+def settled(
+    state: WireNumbers, constants: WireConstants, freshness: Freshness, rise_k: float, dt_s: float, stress_pa: float
 ) -> WireNumbers:
-    """Return the wire in balance with its load, with the resistance it then has."""
+    """Return the wire under its new stress, with the contraction, friction and resistance it then has."""
     martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
-    residual = freshness.residual_strain
-    stress_pa = stress_in_balance_pa(
-        constants, state.stress_pa, martensite, r_phase, temperature_k, state.friction_n, residual
-    )
     strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k)
-    contraction = contraction_of(constants, strain + residual)
+    contraction = contraction_of(constants, strain + freshness.residual_strain)
     moved_m = (contraction - state.contraction) * constants.leg_length_m
-    friction_n = friction_force_n(state.friction_n, moved_m, constants.friction_n, constants.friction_presliding_m)
+    limit_n = friction_limit_n(constants, contraction * constants.leg_length_m)
+    friction_n = friction_force_n(state.friction_n, moved_m, limit_n, constants.friction_presliding_m)
     slope = state.stress_slope_pa_per_k
     if abs(rise_k) > NO_RISE_K:
         slope = (stress_pa - state.stress_pa) / rise_k
@@ -188,6 +186,31 @@ def balanced(
         state.temperature_rate_k_per_s,
         (resistance_ohm - state.resistance_ohm) / dt_s,
     )
+
+
+@compiled_inline
+def balanced(
+    state: WireNumbers,
+    constants: WireConstants,
+    freshness: Freshness,
+    rise_k: float,
+    dt_s: float,
+    push_n: float,
+    push_n_per_m: float,
+) -> WireNumbers:
+    """Return the wire in balance with its load and a push on its connector, with the resistance it then has."""
+    stress_pa = stress_in_balance_pa(
+        constants,
+        state.stress_pa,
+        state.martensite_fraction,
+        state.r_phase_fraction,
+        state.temperature_k,
+        state.friction_n,
+        freshness.residual_strain,
+        push_n,
+        push_n_per_m,
+    )
+    return settled(state, constants, freshness, rise_k, dt_s, stress_pa)
 
 
 def advance(
@@ -235,7 +258,7 @@ def advance_plain(
         shunt_voltage_sum += current * constants.shunt_resistance_ohm
         state, rise_k = heated(state, constants, freshness, power_w, dt_s, grain_martensite, grain_r_phase, seen_drives)
         contraction, stress_pa = state.contraction, state.stress_pa
-        state = balanced(state, constants, freshness, rise_k, dt_s)
+        state = balanced(state, constants, freshness, rise_k, dt_s, 0.0, 0.0)
         # The mean over a step, as for the voltages: else strain would lag resistance by a step.
         displacement_sum += 0.5 * (contraction + state.contraction) * constants.leg_length_m
         force_sum += 0.5 * (stress_pa + state.stress_pa) * constants.legs * constants.area_m2

@@ -13,7 +13,11 @@ FloatArray = NDArray[np.float64]
 
 
 class WireConstants(NamedTuple):
-    """Everything that does not change while a wire runs; SI units. Built by ``simulate.wire``."""
+    """Everything that does not change while a wire runs; SI units. Built by ``simulate.wire``.
+
+    ``load_force_n`` and ``load_friction_n``, (n_points,), are what a load asks beyond pretension and spring, and its
+    friction beyond the guide's, at displacements of 0, 1, 2... times ``load_step_m``.
+    """
 
     wire_length_m: float
     leg_length_m: float
@@ -34,6 +38,9 @@ class WireConstants(NamedTuple):
     spring_stiffness_n_per_m: float
     friction_n: float
     friction_presliding_m: float
+    load_step_m: float
+    load_force_n: FloatArray
+    load_friction_n: FloatArray
     martensite_temperature_k: float
     martensite_stress_rate_pa_per_k: float
     martensite_barrier_k: float

@@ -60,7 +60,7 @@ def warmed_plain(
             0.0,
             0.0,
         )
-        state = balanced(moved, constants, freshness, rise_k, 1.0)
+        state = balanced(moved, constants, freshness, rise_k, 1.0, 0.0, 0.0)
     return (
         state.time_s,
         state.temperature_k,

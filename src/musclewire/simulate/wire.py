@@ -14,6 +14,7 @@ from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
 from musclewire.simulate.balances import resistance_of, total_strain
 from musclewire.simulate.grains import spread_grains
+from musclewire.simulate.loads import Load, spring_load
 from musclewire.simulate.state import FloatArray, WireConstants, WireState
 from musclewire.simulate.switching import cooled_plain
 
@@ -32,23 +33,32 @@ def convection_table(diameter_m: float, ambient_temperature_k: float) -> FloatAr
     return np.array([convection_coefficient_w_per_m2_k(t, ambient_temperature_k, diameter_m) for t in walls])
 
 
-def constants_from(alloy: Alloy, wire: Wire, rig: Bench, *, new_wire: bool = False) -> WireConstants:
+def constants_from(
+    alloy: Alloy, wire: Wire, rig: Bench, *, load: Load | None = None, new_wire: bool = False
+) -> WireConstants:
     """Return the constants of a wire on a rig; the cold reference strain is found by cooling it there.
 
-    A new wire has yet to see its first cycles; otherwise its shakedown is over and leaves no trace.
+    ``load`` takes the place of the rig's bias spring. A new wire has yet to see its first cycles; otherwise its shakedown is over and leaves no trace.
     Raises CallerError where the numbers cannot belong to a wire (no length, no grains).
     """
-    return constants_of(alloy.values(), wire.values(), rig.values(), new_wire=new_wire)
+    return constants_of(alloy.values(), wire.values(), rig.values(), load=load, new_wire=new_wire)
 
 
 def constants_of(
-    material: Mapping[str, float], spool: Mapping[str, float], bench: Mapping[str, float], *, new_wire: bool = False
+    material: Mapping[str, float],
+    spool: Mapping[str, float],
+    bench: Mapping[str, float],
+    *,
+    load: Load | None = None,
+    new_wire: bool = False,
 ) -> WireConstants:
     """Do the work of :func:`constants_from` on bare numbers by name: a search tries thousands of them."""
     length, legs, diameter = bench["wire_length_m"], bench["legs"], spool["diameter_m"]
     if min(length, legs, diameter) <= 0.0:
         raise CallerError("wire_length_m, legs and diameter_m must be above 0: there is no wire otherwise")
-    if bench["guide_friction_n"] > 0.0 and bench["guide_presliding_m"] < LEAST_PRESLIDING_M:
+    pulled = load or spring_load(bench["spring_stiffness_n_per_m"])
+    rubs = bench["guide_friction_n"] > 0.0 or pulled.friction_n.max() > 0.0
+    if rubs and bench["guide_presliding_m"] < LEAST_PRESLIDING_M:
         raise CallerError(
             f"guide_presliding_m is {bench['guide_presliding_m']:g} m: below {LEAST_PRESLIDING_M:g} m the friction of "
             "the guide is stiffer than the wire and the step cannot follow it"
@@ -84,7 +94,10 @@ def constants_of(
         convection_table_step_k=TABLE_STEP_K,
         convection_table_w_per_m2_k=convection_table(diameter, bench["ambient_temperature_k"]),
         pretension_n=bench["pretension_n"],
-        spring_stiffness_n_per_m=bench["spring_stiffness_n_per_m"],
+        spring_stiffness_n_per_m=pulled.stiffness_n_per_m,
+        load_step_m=pulled.step_m,
+        load_force_n=pulled.force_n,
+        load_friction_n=pulled.friction_n,
         friction_n=bench["guide_friction_n"],
         friction_presliding_m=bench["guide_presliding_m"],
         cold_strain=0.0,

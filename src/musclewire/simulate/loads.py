@@ -1,0 +1,60 @@
+"""What a wire pulls, as the kernel takes it: a spring, and a table of whatever is not a straight line.
+
+Loads at one connector add up: each part gives its force at the connector's displacement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.errors import CallerError
+from musclewire.simulate.state import FloatArray
+
+__all__ = ["Load", "spring_load", "with_table"]
+
+NOTHING = np.zeros(2)
+
+
+class Load(NamedTuple):
+    """A load over the connector's displacement, beyond the pretension.
+
+    ``force_n`` and ``friction_n``, (n_points,), stand at displacements of 0, 1, 2... times ``step_m`` and add to the
+    spring and to the guide's friction; beyond the last they go on, the force with its last slope.
+    """
+
+    stiffness_n_per_m: float
+    step_m: float
+    force_n: FloatArray
+    friction_n: FloatArray
+
+
+def spring_load(stiffness_n_per_m: float) -> Load:
+    """Return a plain spring."""
+    return Load(stiffness_n_per_m, 1.0, NOTHING, NOTHING)
+
+
+def with_table(
+    stiffness_n_per_m: float,
+    force_n: Callable[[FloatArray], FloatArray],
+    friction_n: Callable[[FloatArray], FloatArray],
+    *,
+    reach_m: float,
+    points: int = 2001,
+) -> Load:
+    """Return a spring with two functions of displacement [m] beside it, tabulated from 0 to ``reach_m``.
+
+    Straight lines join the points, so that a kink lies at most ``reach_m / (points - 1)`` from its place.
+    Raises CallerError where a function does not stay finite, or the reach is not positive.
+    """
+    if not reach_m > 0.0:
+        raise CallerError(f"a load's table must reach further than {reach_m} m")
+    displacement = np.linspace(0.0, reach_m, points)
+    force, friction = force_n(displacement), friction_n(displacement)
+    if not (np.isfinite(force).all() and np.isfinite(friction).all()):
+        raise CallerError(f"a load is not finite somewhere between 0 and {1e3 * reach_m:g} mm")
+    return Load(
+        stiffness_n_per_m, float(displacement[1]), np.ascontiguousarray(force), np.ascontiguousarray(friction)
+    )

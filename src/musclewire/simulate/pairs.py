@@ -1,0 +1,310 @@
+"""Two wires that meet: pulling together, against each other, or each on its finger with something between them.
+
+Each wire keeps its own heat, phases and history, by the same kernel as a single wire. What joins them is a circuit and
+a connector, or two connectors and an object that both fingers touch.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from musclewire.compiled import compiled
+from musclewire.simulate.balances import (
+    compliance_per_pa,
+    contraction_of,
+    load_beyond_spring,
+    total_strain,
+)
+from musclewire.simulate.kernel import Freshness, balanced, freshness_of, heated, plain, settled
+from musclewire.simulate.state import FloatArray, WireConstants, WireNumbers, WireState
+
+__all__ = ["APART", "OWN_SUPPLY", "PARALLEL", "SERIES", "Grip", "Pair", "PairSums", "advance_pair", "no_grip"]
+
+# How the second wire is fed: from a supply of its own, across the same terminals, or in the same current.
+OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
+# Which way the second wire pulls the common connector: 1 along with the first, -1 against it, 0 on one of its own.
+APART = 0.0
+NEWTON_STEPS = 4
+NUMBERS = len(WireNumbers._fields)
+
+
+class Grip(NamedTuple):
+    """An object between two fingers, and how each finger meets it; tables stand at multiples of ``step_m``, (n,).
+
+    The endpoints touch it when their displacements add up to ``clearance_m``; it then pushes both back with
+    ``stiffness_n_per_m``. ``endpoint_m`` is a free finger's endpoint over its connector's displacement, ``compliance``
+    [m/N] what a newton at the endpoint takes away from it, ``leverage`` what it adds to the tendon's force.
+    """
+
+    stiffness_n_per_m: float
+    clearance_m: float
+    step_m: float
+    endpoint_m: FloatArray
+    compliance_m_per_n: FloatArray
+    leverage: FloatArray
+
+
+class Pair(NamedTuple):
+    """What joins two wires; ``partner_voltage_v`` and ``partner_series_ohm`` belong to a supply of its own."""
+
+    direction: float
+    feed: int
+    partner_voltage_v: float
+    partner_series_ohm: float
+
+
+class PairSums(NamedTuple):
+    """Means over one call of :func:`advance_pair`; ``grip_n`` is the force between each endpoint and the object."""
+
+    wire_voltage_v: float
+    shunt_voltage_v: float
+    displacement_m: float
+    force_n: float
+    partner_displacement_m: float
+    partner_force_n: float
+    grip_n: float
+
+
+@compiled
+def at_table(table: FloatArray, step_m: float, displacement_m: float) -> tuple[float, float]:
+    """Return value and slope of a table, which goes on straight at both ends."""
+    place = displacement_m / step_m
+    low = min(max(int(place), 0), table.shape[0] - 2)
+    rise = table[low + 1] - table[low]
+    return table[low] + rise * (place - low), rise / step_m
+
+
+@compiled
+def grip_of(grip: Grip, displacement_m: float, other_m: float) -> tuple[float, float, float]:
+    """Return the force between endpoint and object [N], and force and stiffness it puts on the first connector."""
+    own, own_slope = at_table(grip.endpoint_m, grip.step_m, displacement_m)
+    other, _ = at_table(grip.endpoint_m, grip.step_m, other_m)
+    soft = at_table(grip.compliance_m_per_n, grip.step_m, displacement_m)[0]
+    soft += at_table(grip.compliance_m_per_n, grip.step_m, other_m)[0]
+    squeezed = own + other - grip.clearance_m
+    if squeezed <= 0.0:
+        return 0.0, 0.0, 0.0
+    stiffness = grip.stiffness_n_per_m / (1.0 + grip.stiffness_n_per_m * soft)
+    leverage, _ = at_table(grip.leverage, grip.step_m, displacement_m)
+    return stiffness * squeezed, leverage * stiffness * squeezed, leverage * stiffness * own_slope
+
+
+@compiled
+def contraction_at(
+    state: WireNumbers, constants: WireConstants, freshness: Freshness, stress_pa: float
+) -> tuple[float, float]:
+    """Return contraction at a stress while the phases stay, and how much of it a pascal takes away."""
+    strain = total_strain(
+        constants, stress_pa, state.martensite_fraction, state.r_phase_fraction, state.temperature_k
+    )
+    taken = compliance_per_pa(constants, stress_pa, state.martensite_fraction) / (1.0 + constants.cold_strain)
+    return contraction_of(constants, strain + freshness.residual_strain), taken
+
+
+@compiled
+def shared_stresses(
+    first: WireNumbers,
+    second: WireNumbers,
+    first_constants: WireConstants,
+    second_constants: WireConstants,
+    first_freshness: Freshness,
+    second_freshness: Freshness,
+    direction: float,
+) -> tuple[float, float]:
+    """Return the stresses of two wires on one connector in balance with its load: Newton on its displacement.
+
+    N_1 s_1 + d N_2 s_2 = F_p1 + d F_p2 + k x + what the table adds + friction, x = S_1 l_1 = d S_2 l_2; a wire that
+    the connector leaves slack carries nothing.
+    """
+    one, other = first_constants, second_constants
+    section, other_section = one.legs * one.area_m2, other.legs * other.area_m2
+    stress, other_stress = first.stress_pa, second.stress_pa
+    for _ in range(NEWTON_STEPS):
+        shortened, taken = contraction_at(first, one, first_freshness, stress)
+        other_shortened, other_taken = contraction_at(second, other, second_freshness, other_stress)
+        per_m, other_per_m = 1.0 / (one.leg_length_m * taken), 1.0 / (other.leg_length_m * other_taken)
+        # Linear in the displacement x from here on: both stresses and the load.
+        x = shortened * one.leg_length_m
+        beyond_n, beyond_n_per_m = load_beyond_spring(one, x)
+        stiffness = one.spring_stiffness_n_per_m + beyond_n_per_m
+        load_n = one.pretension_n + direction * other.pretension_n + one.spring_stiffness_n_per_m * x + beyond_n
+        other_lag_m = direction * x - other_shortened * other.leg_length_m
+        pulled_stress = other_stress - other_lag_m * other_per_m
+        holds = 1.0 if pulled_stress > 0.0 else 0.0
+        missing_n = section * stress + direction * other_section * max(pulled_stress, 0.0) - load_n - first.friction_n
+        move_m = missing_n / (section * per_m + holds * other_section * other_per_m + stiffness)
+        stress = max(stress - move_m * per_m, 0.0)
+        other_stress = max(pulled_stress - direction * move_m * other_per_m, 0.0)
+    return stress, other_stress
+
+
+@compiled
+def currents_a(
+    first_ohm: float, second_ohm: float, series_ohm: float, drive_voltage_v: float, pair: Pair
+) -> tuple[float, float, float, float]:
+    """Return the currents of both wires [A], the voltage across the terminals and the current through the shunt."""
+    if pair.feed == SERIES:
+        current = drive_voltage_v / (first_ohm + second_ohm + series_ohm)
+        return current, current, current * (first_ohm + second_ohm), current
+    if pair.feed == PARALLEL:
+        together = first_ohm * second_ohm / (first_ohm + second_ohm)
+        current = drive_voltage_v / (together + series_ohm)
+        voltage = current * together
+        return voltage / first_ohm, voltage / second_ohm, voltage, current
+    current = drive_voltage_v / (first_ohm + series_ohm)
+    partner = pair.partner_voltage_v / (second_ohm + pair.partner_series_ohm)
+    return current, partner, current * first_ohm, current
+
+
+@compiled
+def settled_pair(
+    first: WireNumbers,
+    second: WireNumbers,
+    one: WireConstants,
+    other: WireConstants,
+    first_freshness: Freshness,
+    second_freshness: Freshness,
+    rises_k: tuple[float, float],
+    dt_s: float,
+    pair: Pair,
+    grip: Grip,
+) -> tuple[WireNumbers, WireNumbers, float]:
+    """Return both wires in balance after a step, and the force between endpoint and object [N]."""
+    if pair.direction != APART:
+        stress, other_stress = shared_stresses(
+            first, second, one, other, first_freshness, second_freshness, pair.direction
+        )
+        return (
+            settled(first, one, first_freshness, rises_k[0], dt_s, stress),
+            settled(second, other, second_freshness, rises_k[1], dt_s, other_stress),
+            0.0,
+        )
+    # Each finger takes the other where it was: one step of lag, with its own give in the balance.
+    x, y = first.contraction * one.leg_length_m, second.contraction * other.leg_length_m
+    grip_n, push_n, push_n_per_m = grip_of(grip, x, y)
+    _, other_push_n, other_push_n_per_m = grip_of(grip, y, x)
+    return (
+        balanced_against(first, one, first_freshness, rises_k[0], dt_s, push_n, push_n_per_m),
+        balanced_against(second, other, second_freshness, rises_k[1], dt_s, other_push_n, other_push_n_per_m),
+        grip_n,
+    )
+
+
+@compiled
+def balanced_against(
+    state: WireNumbers,
+    constants: WireConstants,
+    freshness: Freshness,
+    rise_k: float,
+    dt_s: float,
+    push_n: float,
+    push_n_per_m: float,
+) -> WireNumbers:
+    """Return a wire in balance with its load and a push that was found where the step before had ended."""
+    shortened, _ = contraction_at(state, constants, freshness, state.stress_pa)
+    moved_m = (shortened - state.contraction) * constants.leg_length_m
+    return balanced(state, constants, freshness, rise_k, dt_s, push_n + push_n_per_m * moved_m, push_n_per_m)
+
+
+@compiled
+def advance_pair_plain(
+    first_numbers: tuple[float, ...],
+    first_grains: tuple[FloatArray, FloatArray, FloatArray],
+    first_values: tuple[Any, ...],
+    second_numbers: tuple[float, ...],
+    second_grains: tuple[FloatArray, FloatArray, FloatArray],
+    second_values: tuple[Any, ...],
+    pair_values: tuple[Any, ...],
+    grip_values: tuple[Any, ...],
+    drive_voltage_v: float,
+    dt_s: float,
+    steps: int,
+) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[float, float, float, float, float, float, float]]:
+    """Do the work of :func:`advance_pair` on plain tuples, with the grains' arrays in place."""
+    one, other = WireConstants(*first_values), WireConstants(*second_values)
+    pair, grip = Pair(*pair_values), Grip(*grip_values)
+    first, second = WireNumbers(*first_numbers), WireNumbers(*second_numbers)
+    first_freshness, second_freshness = freshness_of(one, first.cycles), freshness_of(other, second.cycles)
+    wire_v, shunt_v, moved, force, other_moved, other_force, grip_sum = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for _ in range(steps):
+        first_ohm = first.resistance_ohm + 0.5 * dt_s * first.resistance_rate_ohm_per_s
+        second_ohm = second.resistance_ohm + 0.5 * dt_s * second.resistance_rate_ohm_per_s
+        current, partner, voltage, through = currents_a(
+            first_ohm, second_ohm, one.series_resistance_ohm, drive_voltage_v, pair
+        )
+        wire_v += voltage
+        shunt_v += through * one.shunt_resistance_ohm
+        power_w, partner_w = current * current * first_ohm, partner * partner * second_ohm
+        before, other_before = first, second
+        first, rise = heated(
+            first, one, first_freshness, power_w, dt_s, first_grains[0], first_grains[1], first_grains[2]
+        )
+        second, other_rise = heated(
+            second, other, second_freshness, partner_w, dt_s, second_grains[0], second_grains[1], second_grains[2]
+        )
+        first, second, grip_n = settled_pair(
+            first, second, one, other, first_freshness, second_freshness, (rise, other_rise), dt_s, pair, grip
+        )
+        moved += 0.5 * (before.contraction + first.contraction) * one.leg_length_m
+        force += 0.5 * (before.stress_pa + first.stress_pa) * one.legs * one.area_m2
+        other_moved += 0.5 * (other_before.contraction + second.contraction) * other.leg_length_m
+        other_force += 0.5 * (other_before.stress_pa + second.stress_pa) * other.legs * other.area_m2
+        grip_sum += grip_n
+    means = (
+        wire_v / steps,
+        shunt_v / steps,
+        moved / steps,
+        force / steps,
+        other_moved / steps,
+        other_force / steps,
+        grip_sum / steps,
+    )
+    time_s = first.time_s + steps * dt_s
+    return (
+        plain(first, time_s, first.martensite_fraction, first.r_phase_fraction),
+        plain(second, time_s, second.martensite_fraction, second.r_phase_fraction),
+        means,
+    )
+
+
+def no_grip() -> Grip:
+    """Return a grip on nothing, for wires on one connector."""
+    import numpy as np
+
+    nothing = np.zeros(2)
+    return Grip(0.0, 0.0, 1.0, nothing, nothing, nothing)
+
+
+def advance_pair(
+    states: tuple[WireState, WireState],
+    constants: tuple[WireConstants, WireConstants],
+    pair: Pair,
+    grip: Grip,
+    drive_voltage_v: float,
+    dt_s: float,
+    steps: int,
+) -> tuple[tuple[WireState, WireState], PairSums]:
+    """Return both wires after ``steps`` steps of ``dt_s`` at one drive voltage, and the means on the way.
+
+    The states given are left as they were. The circuit's shunt and leads are the first wire's.
+    """
+    # As for one wire, only plain tuples cross into compiled code and back.
+    numbers = [tuple(state[:NUMBERS]) for state in states]
+    grains = [
+        (state.grain_martensite.copy(), state.grain_r_phase.copy(), state.seen_drives.copy()) for state in states
+    ]
+    first, second, means = advance_pair_plain(
+        numbers[0],
+        grains[0],
+        tuple(constants[0]),
+        numbers[1],
+        grains[1],
+        tuple(constants[1]),
+        tuple(pair),
+        tuple(grip),
+        drive_voltage_v,
+        dt_s,
+        steps,
+    )
+    after = (WireState._make((*first, *grains[0])), WireState._make((*second, *grains[1])))
+    return after, PairSums(*means)
