@@ -1,0 +1,196 @@
+"""The finger as a chain of angles: where its points are, how long its tendon is, and both their derivatives.
+
+Flexible segments are cut into elements whose angle runs linearly; columns and plate keep the angle of the node they
+stand on. Every vector of interest, the chords of the tendon and the way from palm to endpoint, is a weighted sum of
+unit vectors e(angle + phase), the angles linear in the unknown node angles. So first and second derivatives are two
+matrix products, and nothing is differentiated by hand twice.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.design.finger.geometry import FingerGeometry
+
+__all__ = ["Chain", "FloatArray", "Placed", "cantilever_chain", "finger_chain", "place"]
+
+FloatArray = NDArray[np.float64]
+
+ELEMENTS_PER_SEGMENT = 8
+# Two Gauss points on each element: the end of an element bent by 0.1 rad is right to 1e-8 of its length.
+GAUSS = (0.5 - math.sqrt(1.0 / 12.0), 0.5 + math.sqrt(1.0 / 12.0))
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A chain of ``n_angles`` unknown angles [rad]; ``n_terms`` unit vectors; one chord for each flexible segment.
+
+    ``angle_of_term`` (n_terms, n_angles) and ``phase_rad`` (n_terms,) give the angle of each unit vector, ``chords_m``
+    (n_chords, n_terms) and ``endpoint_m`` (n_terms,) the weights of the vectors of interest, ``turns`` (n_elements,
+    n_angles) the bend of each element, ``element_length_m`` and ``natural_turn_rad`` (n_elements,) its length and its
+    bend with no load, ``column_nodes`` the index of each column's angle.
+    """
+
+    angle_of_term: FloatArray
+    phase_rad: FloatArray
+    chords_m: FloatArray
+    endpoint_m: FloatArray
+    turns: FloatArray
+    element_length_m: FloatArray
+    natural_turn_rad: FloatArray
+    column_nodes: tuple[int, ...]
+
+    @property
+    def resting_angles_rad(self) -> FloatArray:
+        """Angles of the chain with no load, (n_angles,)."""
+        return np.cumsum(self.natural_turn_rad)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A chain at given angles: chord vectors (n_chords, 2) and endpoint (2,) [m], and what their derivatives need."""
+
+    chain: Chain
+    unit: FloatArray
+    chord_vectors_m: FloatArray
+    endpoint_m: FloatArray
+
+    @property
+    def chord_lengths_m(self) -> FloatArray:
+        """Lengths of the chords, (n_chords,) [m]."""
+        return np.asarray(np.hypot(self.chord_vectors_m[:, 0], self.chord_vectors_m[:, 1]))
+
+    def across_slope(self) -> FloatArray:
+        """Return the gradient of the endpoint's place across the finger, (n_angles,) [m/rad]."""
+        return np.asarray((self.chain.endpoint_m * self.unit[:, 0]) @ self.chain.angle_of_term)
+
+    def chord_slopes(self) -> FloatArray:
+        """Return the gradients of all chord lengths, (n_chords, n_angles) [m/rad]."""
+        toward = self.chord_vectors_m / self.chord_lengths_m[:, None]
+        turned = toward[:, 1:] * self.unit[:, 0] - toward[:, :1] * self.unit[:, 1]
+        return np.asarray((self.chain.chords_m * turned) @ self.chain.angle_of_term)
+
+    def curvature_of(self, chord_weights: FloatArray, across_weight: float) -> FloatArray:
+        """Return the second derivatives of a weighted sum of chord lengths and endpoint, (n_angles, n_angles)."""
+        chain, lengths = self.chain, self.chord_lengths_m
+        toward = self.chord_vectors_m / lengths[:, None]
+        # Along each unit vector the second derivative points back to its origin ...
+        back = ((chord_weights[:, None] * chain.chords_m) * (toward @ self.unit.T)).sum(axis=0)
+        back += across_weight * chain.endpoint_m * self.unit[:, 1]
+        # ... and a chord that is moved sideways grows longer.
+        sideways = toward[:, :1] * self.unit[:, 0] + toward[:, 1:] * self.unit[:, 1]
+        side = (chain.chords_m * sideways) @ chain.angle_of_term
+        grown = side.T @ ((chord_weights / lengths)[:, None] * side)
+        return np.asarray(grown - chain.angle_of_term.T @ (back[:, None] * chain.angle_of_term))
+
+
+def place(chain: Chain, angles_rad: FloatArray) -> Placed:
+    """Return a chain at the given angles, (n_angles,) [rad]."""
+    angle = chain.angle_of_term @ angles_rad + chain.phase_rad
+    unit = np.column_stack([np.cos(angle), np.sin(angle)])
+    return Placed(chain, unit, chain.chords_m @ unit, chain.endpoint_m @ unit)
+
+
+def finger_chain(
+    geometry: FingerGeometry,
+    *,
+    guided: tuple[int, ...] | None = None,
+    elements_per_segment: int = ELEMENTS_PER_SEGMENT,
+) -> Chain:
+    """Return the chain of a finger whose tendon runs through the palm and all columns, or only those ``guided``.
+
+    ``guided`` counts columns from 0 at the palm, rising; the tendon is fastened to its last. Two neighbouring guides
+    are joined by a straight chord.
+    """
+    columns, width, offset = geometry.columns, geometry.column_width_m, geometry.tendon_offset_m
+    holes = tuple(range(columns)) if guided is None else guided
+    segment = geometry.segment_length_m / elements_per_segment
+    rows = TermRows(columns * elements_per_segment)
+    palm = rows.add({}, 0.5 * math.pi)
+    tangents: list[int] = []
+    normals: list[int] = []
+    elements: list[list[int]] = []
+    for column in range(columns):
+        elements.append([])
+        for element in range(elements_per_segment):
+            node = column * elements_per_segment + element  # the element runs from node - 1 to node; -1 is the palm
+            elements[-1] += [rows.add({node - 1: 1.0 - at, node: at}) for at in GAUSS]
+        last = (column + 1) * elements_per_segment - 1
+        tangents.append(rows.add({last: 1.0}))
+        normals.append(rows.add({last: 1.0}, 0.5 * math.pi))
+    chords = np.zeros((len(holes), len(rows.phases)))
+    endpoint = np.zeros(len(rows.phases))
+    for column in range(columns):
+        endpoint[elements[column]] = 0.5 * segment
+        endpoint[tangents[column]] = width
+    endpoint[tangents[-1]] += geometry.plate_length_m
+    before = -1
+    for row, hole in enumerate(holes):
+        for column in range(before + 1, hole + 1):
+            chords[row, elements[column]] = 0.5 * segment
+            if column < hole:
+                chords[row, tangents[column]] = width
+        chords[row, normals[hole]] += offset
+        chords[row, palm if before < 0 else normals[before]] -= offset
+        before = hole
+    count = columns * elements_per_segment
+    nodes = tuple((column + 1) * elements_per_segment - 1 for column in range(columns))
+    return chain_of(rows, chords, endpoint, np.full(count, segment), geometry.inward_angle_rad / count, nodes)
+
+
+def cantilever_chain(length_m: float, elements: int) -> Chain:
+    """Return a plain cantilever without columns, plate or tendon: what published tables can be held against."""
+    rows = TermRows(elements)
+    for node in range(elements):
+        for at in GAUSS:
+            rows.add({node - 1: 1.0 - at, node: at})
+    endpoint = np.full(2 * elements, 0.5 * length_m / elements)
+    return chain_of(
+        rows, np.zeros((0, 2 * elements)), endpoint, np.full(elements, length_m / elements), 0.0, (elements - 1,)
+    )
+
+
+class TermRows:
+    """Collects unit vectors: which node angles each takes, and its phase."""
+
+    def __init__(self, n_angles: int) -> None:
+        """Begin with none."""
+        self.n_angles = n_angles
+        self.rows: list[FloatArray] = []
+        self.phases: list[float] = []
+
+    def add(self, shares: dict[int, float], phase_rad: float = 0.0) -> int:
+        """Add a unit vector and return its index; the palm's angle, node -1, is 0 and left out."""
+        row = np.zeros(self.n_angles)
+        for node, share in shares.items():
+            if node >= 0:
+                row[node] = share
+        self.rows.append(row)
+        self.phases.append(phase_rad)
+        return len(self.rows) - 1
+
+
+def chain_of(
+    rows: TermRows,
+    chords_m: FloatArray,
+    endpoint_m: FloatArray,
+    element_length_m: FloatArray,
+    natural_turn_rad: float,
+    column_nodes: tuple[int, ...],
+) -> Chain:
+    """Return the chain of collected unit vectors."""
+    turns = np.eye(rows.n_angles) - np.eye(rows.n_angles, k=-1)
+    return Chain(
+        np.array(rows.rows),
+        np.array(rows.phases),
+        chords_m,
+        endpoint_m,
+        turns,
+        element_length_m,
+        np.full(rows.n_angles, natural_turn_rad),
+        column_nodes,
+    )

@@ -1,0 +1,185 @@
+"""A finger's answer to a pull at its tendon, point by point: what the simulated rig reads, and what it is worth."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.design.finger.chain import Chain, FloatArray, finger_chain
+from musclewire.design.finger.friction import ASSUMED_FRICTION, friction_at
+from musclewire.design.finger.geometry import FingerGeometry
+from musclewire.design.finger.statics import Equilibrium, Foam, equilibria, equilibrium, sensitivity
+from musclewire.errors import CallerError, NumericsError
+from musclewire.parameters.finger_file import FingerCurve
+
+__all__ = [
+    "LinearError",
+    "beam_stress_pa",
+    "bent_per_m",
+    "column_gap_m",
+    "finger_curve",
+    "linear_error",
+    "longest_free_travel_m",
+    "reciprocity_error",
+    "touch_curve",
+    "travel_for_endpoint_m",
+]
+
+CURVE_STEP_M = 0.025e-3
+# Where the tendon's force is 0, friction's share is that of a travel so small.
+SMALL_TRAVEL_M = 1e-7
+BISECTIONS = 60
+
+
+class LinearError(NamedTuple):
+    """How far a curve's linear answer to an endpoint force is from a direct solution, at worst.
+
+    ``displacement_m`` and ``tendon_force_n`` are the largest differences, the shares are of the largest free endpoint
+    displacement and tendon force.
+    """
+
+    displacement_m: float
+    displacement_share: float
+    tendon_force_n: float
+    tendon_force_share: float
+
+
+def finger_curve(geometry: FingerGeometry, travels_m: FloatArray, friction: float = ASSUMED_FRICTION) -> FingerCurve:
+    """Return the curve of a finger over evenly spaced travels from 0, (n_points,) [m].
+
+    ``friction`` is the capstan coefficient of tendon on hole. Raises NumericsError where there is no equilibrium, and
+    CallerError where the endpoint no longer rises with the travel.
+    """
+    chain, stiffness = finger_chain(geometry), geometry.stiffness_n_m2
+    found = equilibria(chain, stiffness, travels_m)
+    slopes = [sensitivity(at) for at in found]
+    displacement = [at.endpoint_displacement_m for at in found]
+    if np.any(np.diff(displacement) <= 0.0):
+        worst = travels_m[1:][np.diff(displacement) <= 0.0][0]
+        raise CallerError(
+            f"at a travel of {1e3 * worst:.3g} mm the finger has curled so far that its endpoint comes back: end before"
+        )
+    moving = [equilibrium(chain, stiffness, SMALL_TRAVEL_M), *found[1:]]
+    return FingerCurve(
+        tendon_travel_m=[float(travel) for travel in travels_m],
+        tendon_force_n=[at.tendon_force_n for at in found],
+        endpoint_displacement_m=displacement,
+        tendon_force_per_endpoint_force=[slope.tendon_force_per_endpoint_force for slope in slopes],
+        endpoint_compliance_m_per_n=[slope.endpoint_compliance_m_per_n for slope in slopes],
+        friction_share=[friction_at(chain, stiffness, at, friction).share for at in moving],
+    )
+
+
+def beam_stress_pa(geometry: FingerGeometry, at: Equilibrium) -> FloatArray:
+    """Return the largest stress at the faces of each element, (n_elements,) [Pa]: bending plus what the tendon presses.
+
+    Bending alone is E t/2 times the change of curvature. The tendon's force presses on the beam as a whole; it is
+    counted in full, which is right to the cosine of a few degrees.
+    """
+    bending = 0.5 * geometry.youngs_modulus_pa * geometry.beam_thickness_m * np.abs(bent_per_m(at))
+    return np.asarray(bending + at.tendon_force_n / (geometry.beam_depth_m * geometry.beam_thickness_m))
+
+
+def bent_per_m(at: Equilibrium) -> FloatArray:
+    """Return the change of curvature of each element, (n_elements,) [1/m]."""
+    chain = at.placed.chain
+    return np.asarray((chain.turns @ at.angles_rad - chain.natural_turn_rad) / chain.element_length_m)
+
+
+def travel_for_endpoint_m(chain: Chain, stiffness_n_m2: float, endpoint_m: float, longest_m: float) -> Equilibrium:
+    """Return the equilibrium, without load, at which the endpoint has moved by ``endpoint_m``.
+
+    Raises CallerError where that takes more travel than ``longest_m``.
+    """
+    steps = max(int(np.ceil(longest_m / (2.0 * CURVE_STEP_M))), 2)
+    low = equilibrium(chain, stiffness_n_m2, 0.0)
+    for travel in np.linspace(0.0, longest_m, steps + 1)[1:]:
+        high = equilibrium(chain, stiffness_n_m2, float(travel), start=low)
+        if high.endpoint_displacement_m >= endpoint_m:
+            return between(chain, stiffness_n_m2, low, high, endpoint_m)
+        if high.endpoint_displacement_m <= low.endpoint_displacement_m:
+            break
+        low = high
+    raise CallerError(
+        f"the endpoint moves {1e3 * low.endpoint_displacement_m:.3f} mm at a travel of {1e3 * low.travel_m:.3f} mm: "
+        f"{100 * (1 - low.endpoint_displacement_m / endpoint_m):.1f} % less than the {1e3 * endpoint_m:g} mm asked for"
+    )
+
+
+def between(chain: Chain, stiffness_n_m2: float, low: Equilibrium, high: Equilibrium, endpoint_m: float) -> Equilibrium:
+    """Return the equilibrium with a given endpoint between two neighbours, by bisection with secants."""
+    at = low
+    for _ in range(BISECTIONS):
+        at = low if at is high else at
+        share = (endpoint_m - low.endpoint_displacement_m) / (
+            high.endpoint_displacement_m - low.endpoint_displacement_m
+        )
+        travel = low.travel_m + share * (high.travel_m - low.travel_m)
+        at = equilibrium(chain, stiffness_n_m2, travel, start=low)
+        if abs(at.endpoint_displacement_m - endpoint_m) <= 1e-9 * endpoint_m:
+            return at
+        low, high = (at, high) if at.endpoint_displacement_m < endpoint_m else (low, at)
+    raise NumericsError("the travel for this endpoint was not found: ask for a slightly different endpoint")
+
+
+def longest_free_travel_m(geometry: FingerGeometry, longest_m: float) -> float:
+    """Return the travel [m] up to which the endpoint rises and no two columns touch, at most ``longest_m``."""
+    chain = finger_chain(geometry)
+    before = equilibrium(chain, geometry.stiffness_n_m2, 0.0)
+    for travel in CURVE_STEP_M * np.arange(1, int(longest_m / CURVE_STEP_M + 1e-6) + 1):
+        at = equilibrium(chain, geometry.stiffness_n_m2, float(travel), start=before)
+        if at.endpoint_displacement_m <= before.endpoint_displacement_m or column_gap_m(geometry, at) <= 0.0:
+            return before.travel_m
+        before = at
+    return before.travel_m
+
+
+def column_gap_m(geometry: FingerGeometry, at: Equilibrium) -> float:
+    """Return the smallest gap between the outer ends of neighbouring columns, palm included [m]; negative: overlap."""
+    ends = at.angles_rad[list(at.placed.chain.column_nodes)]
+    turn = np.diff(ends, prepend=0.0).max()
+    if turn <= 0.0:
+        return geometry.segment_length_m
+    return float(2.0 * (geometry.segment_length_m / turn - geometry.column_height_m) * np.sin(0.5 * turn))
+
+
+def linear_error(geometry: FingerGeometry, travels_m: FloatArray, endpoint_forces_n: FloatArray) -> LinearError:
+    """Return how far the linear answer to endpoint forces is from direct solutions, over travels and forces."""
+    chain, stiffness = finger_chain(geometry), geometry.stiffness_n_m2
+    moved, forced, largest_y, largest_force = 0.0, 0.0, 0.0, 0.0
+    for free in equilibria(chain, stiffness, travels_m):
+        slope, at = sensitivity(free), free
+        largest_y, largest_force = max(largest_y, free.endpoint_displacement_m), max(largest_force, free.tendon_force_n)
+        for force in np.sort(endpoint_forces_n):
+            at = equilibrium(chain, stiffness, free.travel_m, endpoint_force_n=float(force), start=at)
+            linear_y = free.endpoint_displacement_m - slope.endpoint_compliance_m_per_n * force
+            linear_force = free.tendon_force_n + slope.tendon_force_per_endpoint_force * force
+            moved = max(moved, abs(at.endpoint_displacement_m - linear_y))
+            forced = max(forced, abs(at.tendon_force_n - linear_force))
+    return LinearError(moved, moved / largest_y, forced, forced / largest_force)
+
+
+def reciprocity_error(geometry: FingerGeometry, travels_m: FloatArray, endpoint_force_n: float = 1e-4) -> float:
+    """Return the largest relative difference of dT/df, from two direct solutions, and dy/dx along the free curve.
+
+    Virtual work: the least energy has both as its mixed second derivative by travel and endpoint force. Central
+    differences, so nothing of the analytic derivatives is in it.
+    """
+    chain, stiffness, worst = finger_chain(geometry), geometry.stiffness_n_m2, 0.0
+    step = 1e-3 * float(travels_m[-1])
+    for free in equilibria(chain, stiffness, travels_m):
+        pushed = [
+            equilibrium(chain, stiffness, free.travel_m, endpoint_force_n=sign * endpoint_force_n, start=free)
+            for sign in (1.0, -1.0)
+        ]
+        moved = [equilibrium(chain, stiffness, free.travel_m + sign * step, start=free) for sign in (1.0, -1.0)]
+        by_force = (pushed[0].tendon_force_n - pushed[1].tendon_force_n) / (2.0 * endpoint_force_n)
+        by_travel = (moved[0].endpoint_displacement_m - moved[1].endpoint_displacement_m) / (2.0 * step)
+        worst = max(worst, abs(by_force / by_travel - 1.0))
+    return worst
+
+
+def touch_curve(geometry: FingerGeometry, travels_m: FloatArray, foam: Foam) -> list[Equilibrium]:
+    """Return the finger along rising travels, (n_travels,), running into an object."""
+    return equilibria(finger_chain(geometry), geometry.stiffness_n_m2, travels_m, foam=foam)

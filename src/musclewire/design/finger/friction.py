@@ -1,0 +1,83 @@
+"""What friction at the holes costs: the tendon's tension falls at every edge it is bent around.
+
+Capstan law (Euler, Eytelwein): behind an edge that turns the tendon by phi the tension is exp(-mu phi) of what it is
+before it while pulling, exp(mu phi) while easing. The tendon is turned where it leaves and enters a column, by the
+angle between column and chord; it is fastened to its last column.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.design.finger.chain import Chain, FloatArray, Placed
+from musclewire.design.finger.statics import Equilibrium, equilibrium
+from musclewire.errors import CallerError, NumericsError
+
+__all__ = ["ASSUMED_FRICTION", "FRICTION_SOURCE", "Friction", "chord_tensions", "friction_at", "hole_turns_rad"]
+
+ASSUMED_FRICTION = 0.15
+FRICTION_SOURCE = (
+    "acetal copolymer on steel, 0.15: Shackelford (ed.), Materials Science and Engineering Handbook 2001, table 399, "
+    "after Lynch, CRC Handbook of Materials Science 3, 1975; a steel tendon is assumed, the paper names none"
+)
+ROUNDS = 60
+SETTLED = 1e-11
+
+
+class Friction(NamedTuple):
+    """Force at the connector [N] while pulling and while easing at the same travel, and the share friction has in it.
+
+    ``share`` is half the difference over the force without friction.
+    """
+
+    pulling_n: float
+    easing_n: float
+    share: float
+
+
+def hole_turns_rad(placed: Placed, angles_rad: FloatArray) -> FloatArray:
+    """Return by how much the tendon has been turned between the palm and each chord, (n_chords,) [rad].
+
+    For a tendon that is guided by all columns.
+    """
+    chord = np.arctan2(placed.chord_vectors_m[:, 1], placed.chord_vectors_m[:, 0])
+    column = np.concatenate([[0.0], angles_rad[list(placed.chain.column_nodes)]])
+    leaving, entering = np.abs(chord - column[:-1]), np.abs(column[1:] - chord)
+    return np.asarray(np.cumsum(leaving) + np.concatenate([[0.0], np.cumsum(entering)[:-1]]))
+
+
+def chord_tensions(
+    chain: Chain, stiffness_n_m2: float, travel_m: float, coefficient: float, near: Equilibrium
+) -> tuple[Equilibrium, FloatArray]:
+    """Return the finger at a travel under friction, and each chord's share of the connector's force, (n_chords,).
+
+    A positive ``coefficient`` pulls, a negative one eases. The shares depend on the shape and the shape on the shares:
+    repeated until neither changes. Raises NumericsError where that does not settle.
+    """
+    shares, at = np.ones(chain.chords_m.shape[0]), near
+    for _ in range(ROUNDS):
+        wanted = np.exp(-coefficient * hole_turns_rad(at.placed, at.angles_rad))
+        if np.abs(wanted - shares).max() <= SETTLED:
+            return at, shares
+        shares = wanted
+        at = equilibrium(chain, stiffness_n_m2, travel_m, chord_weights=shares, start=at)
+    raise NumericsError(f"friction of {coefficient:g} does not settle: the tendon would lock; give a smaller one")
+
+
+def friction_at(chain: Chain, stiffness_n_m2: float, free: Equilibrium, coefficient: float) -> Friction:
+    """Return what friction does to the connector's force at an equilibrium without friction.
+
+    Raises CallerError for a negative coefficient or an equilibrium without travel.
+    """
+    if not 0.0 <= coefficient < math.inf:
+        raise CallerError(f"the friction coefficient is {coefficient:g}: give 0 or more")
+    if free.travel_m <= 0.0:
+        raise CallerError("friction has no share in a force of 0: ask at a travel above 0")
+    forces = [
+        chord_tensions(chain, stiffness_n_m2, free.travel_m, sign * coefficient, free)[0].tendon_force_n
+        for sign in (1.0, -1.0)
+    ]
+    return Friction(forces[0], forces[1], 0.5 * (forces[0] - forces[1]) / free.tendon_force_n)

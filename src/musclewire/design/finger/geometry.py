@@ -1,0 +1,122 @@
+"""What a finger's dimensions are, which of them can be, and how they stand in a finger's file.
+
+Along the finger: a palm with a guide hole, then for each column a flexible segment and the column, then the extension
+plate. Segments and columns are as many as there are columns and all alike. The tendon runs at ``tendon_offset_m`` from
+the beam's middle, on the side the finger bends to; columns and plate count as rigid.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+
+from musclewire.design.finger.closed_forms import bending_stiffness_n_m2
+from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters.schema import Parameter
+
+__all__ = ["UNITS", "FingerGeometry"]
+
+UNITS = {
+    "overall_length_m": "m",
+    "plate_length_m": "m",
+    "columns": "1",
+    "column_width_m": "m",
+    "column_height_m": "m",
+    "tendon_offset_m": "m",
+    "beam_thickness_m": "m",
+    "beam_depth_m": "m",
+    "inward_angle_rad": "rad",
+    "plate_thickness_m": "m",
+    "youngs_modulus_pa": "Pa",
+}
+MOST_COLUMNS = 40
+# Beyond this the unloaded finger already points backwards.
+MOST_INWARD_RAD = 0.5 * math.pi
+
+
+@dataclass(frozen=True)
+class FingerGeometry:
+    """A finger's dimensions in metres and radians, and the modulus of what it is made of.
+
+    ``overall_length_m`` is counted along the beam, plate included; ``column_height_m`` from the beam's middle to the
+    outer end of the isolators; ``inward_angle_rad`` is what the curved segments add up to with no load.
+    Raises CallerError for dimensions that cannot belong to a finger.
+    """
+
+    overall_length_m: float
+    plate_length_m: float
+    columns: int
+    column_width_m: float
+    column_height_m: float
+    tendon_offset_m: float
+    beam_thickness_m: float
+    beam_depth_m: float
+    inward_angle_rad: float
+    plate_thickness_m: float
+    youngs_modulus_pa: float
+
+    def __post_init__(self) -> None:
+        """Refuse what is no finger, naming the dimension and what it collides with."""
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (math.isfinite(value) and (value > 0.0 or (field.name == "inward_angle_rad" and value >= 0.0))):
+                raise CallerError(f"{field.name} is {value:g}: give a number above 0")
+        if not 1 <= self.columns <= MOST_COLUMNS or self.columns != int(self.columns):
+            raise CallerError(f"a finger has 1 to {MOST_COLUMNS} columns, not {self.columns:g}")
+        if self.segment_length_m <= 0.0:
+            taken = self.columns * self.column_width_m + self.plate_length_m
+            raise CallerError(
+                f"{self.columns} columns of {1e3 * self.column_width_m:g} mm and a plate of "
+                f"{1e3 * self.plate_length_m:g} mm take {1e3 * taken:g} mm of an overall length of "
+                f"{1e3 * self.overall_length_m:g} mm: nothing is left to bend, make the finger longer"
+            )
+        if self.inward_angle_rad > MOST_INWARD_RAD:
+            raise CallerError(f"inward_angle_rad is {self.inward_angle_rad:g}: at most a right angle, 1.57")
+        if self.tendon_offset_m <= 0.5 * self.beam_thickness_m:
+            raise CallerError(
+                f"tendon_offset_m is {1e3 * self.tendon_offset_m:g} mm: the tendon would run inside the beam of "
+                f"{1e3 * self.beam_thickness_m:g} mm, give more than half of that"
+            )
+        if self.column_height_m <= self.tendon_offset_m:
+            raise CallerError(
+                f"column_height_m is {1e3 * self.column_height_m:g} mm: the holes at {1e3 * self.tendon_offset_m:g} mm "
+                "would not be inside the column, give more"
+            )
+
+    @property
+    def segment_length_m(self) -> float:
+        """Length of one flexible segment along its arc [m]."""
+        return (self.overall_length_m - self.plate_length_m) / self.columns - self.column_width_m
+
+    @property
+    def flexible_length_m(self) -> float:
+        """Length of all flexible segments [m]."""
+        return self.columns * self.segment_length_m
+
+    @property
+    def stiffness_n_m2(self) -> float:
+        """Bending stiffness EI of the beam [N m^2]."""
+        return bending_stiffness_n_m2(self.youngs_modulus_pa, self.beam_depth_m, self.beam_thickness_m)
+
+    def with_(self, **changes: float) -> FingerGeometry:
+        """Return the geometry with other dimensions."""
+        return replace(self, **changes)  # type: ignore[arg-type]
+
+    def values(self) -> dict[str, float]:
+        """Return the numbers by name, in the order in which files and JSON have them."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @classmethod
+    def from_parameters(cls, items: Mapping[str, Parameter], where: str) -> FingerGeometry:
+        """Return the geometry of a finger file; other keys that the file may have are left to their readers.
+
+        Raises CallerError for a number that is missing or has another unit.
+        """
+        for key, unit in UNITS.items():
+            if key not in items:
+                raise CallerError(f"{where}: geometry.{key} is missing{nearest_hint(key, items)}")
+            if items[key].unit != unit:
+                raise CallerError(f"{where}: geometry.{key} has the unit '{items[key].unit}', it must be '{unit}'")
+        values = {key: items[key].value for key in UNITS}
+        return cls(**{**values, "columns": round(values["columns"])})  # type: ignore[arg-type]

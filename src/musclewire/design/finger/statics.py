@@ -1,0 +1,240 @@
+"""Equilibrium of a finger at a given tendon travel: large deflection in the plane, endpoint force, contact.
+
+The energy of bending, EI/2 sum (turn - natural turn)^2 / h, is least under the constraint that the chords of the tendon
+have become shorter by the travel. The multiplier of the constraint is the tendon's force, both legs together. Newton's
+method on angles and multiplier, with exact second derivatives; small systems, solved densely.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.design.finger.chain import Chain, FloatArray, Placed, place
+from musclewire.errors import CallerError, NumericsError
+
+__all__ = ["Equilibrium", "Foam", "Sensitivity", "equilibria", "equilibrium", "loaded_cantilever", "sensitivity"]
+
+NEWTON_STEPS = 40
+# Of the largest moment in the chain, and of the length of the tendon between the guides.
+CLOSE_ENOUGH = 1e-10
+# No element may turn by more than this in one step of Newton's method: further than that it would lose its way.
+LARGEST_TURN_RAD = 0.3
+
+
+class Foam(NamedTuple):
+    """An object that the endpoint runs into after ``clearance_m``, and that then pushes back like a spring."""
+
+    clearance_m: float
+    stiffness_n_per_m: float
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A finger at rest: its angles (n_angles,) [rad], tendon and endpoint force [N], and how Newton's method ended.
+
+    ``endpoint_displacement_m`` counts across the unloaded finger's palm axis, towards the tendon's side, from the
+    unloaded endpoint. ``endpoint_force_n`` pushes back. ``tangent_n_m`` (n_angles, n_angles) is the second derivative
+    of the energy under the constraint, ``travel_slope_m`` (n_angles,) the gradient of the travel.
+    """
+
+    angles_rad: FloatArray
+    travel_m: float
+    tendon_force_n: float
+    endpoint_displacement_m: float
+    endpoint_force_n: float
+    placed: Placed
+    tangent_n_m: FloatArray
+    travel_slope_m: FloatArray
+
+
+class Sensitivity(NamedTuple):
+    """Derivatives of an equilibrium by endpoint force at held travel, and by travel at held endpoint force."""
+
+    tendon_force_per_endpoint_force: float
+    endpoint_compliance_m_per_n: float
+    endpoint_per_travel: float
+    tendon_stiffness_n_per_m: float
+
+
+class Problem:
+    """A chain with its bending stiffness and loads; what stays the same while Newton's method runs."""
+
+    def __init__(
+        self,
+        chain: Chain,
+        stiffness_n_m2: float,
+        endpoint_force_n: float = 0.0,
+        foam: Foam | None = None,
+        chord_weights: FloatArray | None = None,
+    ) -> None:
+        """Remember loads; ``chord_weights`` (n_chords,) are the chords' shares of the tendon's force at the palm."""
+        self.chain = chain
+        self.bending = chain.turns.T @ ((stiffness_n_m2 / chain.element_length_m)[:, None] * chain.turns)
+        self.natural = chain.turns.T @ (stiffness_n_m2 / chain.element_length_m * chain.natural_turn_rad)
+        self.resting = place(chain, chain.resting_angles_rad)
+        self.endpoint_force_n, self.foam = endpoint_force_n, foam
+        self.weights = np.ones(chain.chords_m.shape[0]) if chord_weights is None else chord_weights
+
+    def travel_m(self, placed: Placed) -> float:
+        """Return by how much the chords are shorter than with no load."""
+        return float((self.resting.chord_lengths_m - placed.chord_lengths_m).sum())
+
+    def displacement_m(self, placed: Placed) -> float:
+        """Return how far the endpoint has come across the palm's axis."""
+        return float(placed.endpoint_m[1] - self.resting.endpoint_m[1])
+
+    def push(self, placed: Placed) -> tuple[float, float]:
+        """Return the force that pushes the endpoint back and its derivative by the displacement."""
+        if self.foam is None:
+            return self.endpoint_force_n, 0.0
+        depth = self.displacement_m(placed) - self.foam.clearance_m
+        touching = depth > 0.0
+        return (
+            self.endpoint_force_n + (self.foam.stiffness_n_per_m * depth if touching else 0.0),
+            self.foam.stiffness_n_per_m if touching else 0.0,
+        )
+
+    def moments(self, angles: FloatArray, placed: Placed, force_n: float) -> tuple[FloatArray, FloatArray]:
+        """Return what is out of balance, (n_angles,) [N m], and the slope of the travel, (n_angles,) [m]."""
+        slopes = placed.chord_slopes()
+        push, _ = self.push(placed)
+        # The tendon's force shortens its chords: the work it does is its force times the travel.
+        out = self.bending @ angles - self.natural + push * placed.across_slope()
+        return out + force_n * (self.weights @ slopes), -slopes.sum(axis=0)
+
+    def tangent(self, placed: Placed, force_n: float) -> FloatArray:
+        """Return the derivative of :meth:`moments` by the angles, (n_angles, n_angles)."""
+        push, slope = self.push(placed)
+        across = placed.across_slope()
+        tangent = self.bending + placed.curvature_of(force_n * self.weights, push)
+        return np.asarray(tangent + slope * np.outer(across, across))
+
+
+def equilibrium(
+    chain: Chain,
+    stiffness_n_m2: float,
+    travel_m: float,
+    *,
+    endpoint_force_n: float = 0.0,
+    foam: Foam | None = None,
+    chord_weights: FloatArray | None = None,
+    start: Equilibrium | None = None,
+) -> Equilibrium:
+    """Return the finger at one tendon travel, from the unloaded finger or from a neighbouring equilibrium.
+
+    ``chord_weights`` (n_chords,): share of the force at the palm that each chord carries (friction); 1 without it.
+    Raises NumericsError where Newton's method does not arrive: go there in smaller steps with ``start``.
+    """
+    problem = Problem(chain, stiffness_n_m2, endpoint_force_n, foam, chord_weights)
+    angles = chain.resting_angles_rad if start is None else start.angles_rad
+    return solved(problem, travel_m, angles, 0.0 if start is None else start.tendon_force_n)
+
+
+def equilibria(
+    chain: Chain, stiffness_n_m2: float, travels_m: FloatArray, **loads: float | Foam | FloatArray | None
+) -> list[Equilibrium]:
+    """Return the finger along rising travels, (n_travels,), each found from the one before; loads as above."""
+    found: list[Equilibrium] = []
+    for travel in travels_m:
+        found.append(
+            equilibrium(chain, stiffness_n_m2, float(travel), start=found[-1] if found else None, **loads)  # type: ignore[arg-type]
+        )
+    return found
+
+
+def solved(problem: Problem, travel_m: float, angles: FloatArray, force_n: float) -> Equilibrium:
+    """Run Newton's method for one travel."""
+    chain, count = problem.chain, angles.size
+    tendon_m = float(problem.resting.chord_lengths_m.sum())
+    system = np.zeros((count + 1, count + 1))
+    for _ in range(NEWTON_STEPS):
+        placed = place(chain, angles)
+        out, slope = problem.moments(angles, placed, force_n)
+        missing = problem.travel_m(placed) - travel_m
+        tangent = problem.tangent(placed, force_n)
+        scale = np.abs(problem.bending @ angles).max() + np.abs(problem.natural).max() + 1e-300
+        # The unloaded finger in its own shape has no moment to measure the rest by.
+        if np.abs(out).max() <= CLOSE_ENOUGH * max(scale, abs(force_n) * tendon_m) and (
+            abs(missing) <= CLOSE_ENOUGH * tendon_m
+        ):
+            push, _ = problem.push(placed)
+            moved = problem.displacement_m(placed)
+            return Equilibrium(angles, travel_m, force_n, moved, push, placed, tangent, slope)
+        system[:count, :count], system[:count, count] = tangent, problem.weights @ placed.chord_slopes()
+        system[count, :count], system[count, count] = slope, 0.0
+        step = solve_system(system, -np.append(out, missing), travel_m)
+        largest = np.abs(chain.turns @ step[:count]).max()
+        damping = min(1.0, LARGEST_TURN_RAD / largest) if largest > 0.0 else 1.0
+        angles = angles + damping * step[:count]
+        force_n += damping * float(step[count])
+    raise lost(travel_m)
+
+
+def lost(travel_m: float) -> NumericsError:
+    """Return the error for a travel at which no equilibrium was found."""
+    return NumericsError(
+        f"no equilibrium of the finger was found at a tendon travel of {1e3 * travel_m:.3g} mm: the tendon cannot get "
+        "that much shorter, or the step was too large; ask for less travel"
+    )
+
+
+def solve_system(system: FloatArray, right: FloatArray, travel_m: float) -> FloatArray:
+    """Return the step of Newton's method."""
+    try:
+        step = np.asarray(np.linalg.solve(system, right))
+    except np.linalg.LinAlgError:
+        raise lost(travel_m) from None
+    if not np.all(np.isfinite(step)):
+        raise lost(travel_m)
+    return step
+
+
+def sensitivity(at: Equilibrium) -> Sensitivity:
+    """Return how an equilibrium without friction changes with a small endpoint force and a small travel.
+
+    Both come from one factorisation of the same symmetric system, so dT/df = dy/dx holds to rounding (reciprocity:
+    both are the mixed second derivative of the least energy by travel and endpoint force).
+    """
+    count = at.angles_rad.size
+    system = np.zeros((count + 1, count + 1))
+    system[:count, :count] = at.tangent_n_m
+    system[:count, count] = system[count, :count] = -at.travel_slope_m
+    across = at.placed.across_slope()
+    right = np.zeros((count + 1, 2))
+    right[:count, 0] = -across
+    right[count, 1] = -1.0
+    by_force, by_travel = np.linalg.solve(system, right).T
+    return Sensitivity(
+        float(by_force[count]),
+        float(-(across @ by_force[:count])),
+        float(across @ by_travel[:count]),
+        float(by_travel[count]),
+    )
+
+
+def loaded_cantilever(chain: Chain, stiffness_n_m2: float, force_n: float, steps: int = 10) -> Equilibrium:
+    """Return a chain without a tendon under a dead force across its axis at its endpoint, in ``steps`` load steps.
+
+    The same discrete statics as the finger's, for comparison with published tables. Raises CallerError for a chain that
+    has a tendon.
+    """
+    if chain.chords_m.shape[0]:
+        raise CallerError("this chain has a tendon: ask for the equilibrium at a tendon travel")
+    angles = chain.resting_angles_rad
+    for share in np.arange(1, steps + 1) / steps:
+        problem = Problem(chain, stiffness_n_m2, endpoint_force_n=-share * force_n)
+        for _ in range(NEWTON_STEPS):
+            placed = place(chain, angles)
+            out = problem.bending @ angles - problem.natural + problem.endpoint_force_n * placed.across_slope()
+            tangent = problem.tangent(placed, 0.0)
+            if np.abs(out).max() <= CLOSE_ENOUGH * np.abs(problem.bending @ angles).max(initial=1e-300):
+                break
+            angles = angles - np.linalg.solve(tangent, out)
+        else:
+            raise NumericsError("the loaded cantilever did not come to rest: apply the force in more steps")
+    moved = problem.displacement_m(placed)
+    return Equilibrium(angles, math.nan, 0.0, moved, -force_n, placed, tangent, np.zeros(angles.size))
