@@ -1,0 +1,218 @@
+"""Statics of flat elastic bodies, small and large displacements: what moves where, with which force and stress.
+
+Nodes are moved to where they are told to be (prescribed displacements) in as many load steps as it takes, each brought
+to balance by Newton's method. Forces may act on nodes, and anything else with a potential energy (a tendon, a contact)
+can be added as a function of the displacements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.linalg import splu
+
+from musclewire.design.plane_body import PlaneBody
+from musclewire.errors import CallerError, NumericsError
+
+__all__ = ["Equilibrium", "ExternalPotential", "Load", "PotentialChange", "load_path", "solve_large", "solve_linear"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+# Forces are in balance when what is left is this share of the largest force in the body, or when the last correction
+# moved nothing by more than this share of the body's size: under tiny loads rounding is all that is left.
+BALANCE, STILL = 1e-8, 1e-10
+MOST_ITERATIONS = 15
+MOST_HALVINGS = 10
+
+
+class PotentialChange(NamedTuple):
+    """Energy [J] of something outside the body, its gradient (n_dofs,) [N] and Hessian (n_dofs, n_dofs) [N/m]."""
+
+    energy_j: float
+    gradient_n: FloatArray
+    hessian: csr_array
+
+
+class ExternalPotential(Protocol):
+    """Something outside the body whose energy depends on where the nodes are."""
+
+    def __call__(self, displacement_m: FloatArray, share: float) -> PotentialChange:
+        """Return energy, gradient and Hessian at displacements (n_nodes, 2) and a share of the load from 0 to 1."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """What is done to a body: displacements [m] told to degrees of freedom, forces (n_nodes, 2) [N], a potential."""
+
+    prescribed_m: Mapping[int, float]
+    forces_n: FloatArray | None = None
+    potential: ExternalPotential | None = None
+
+    @staticmethod
+    def held(nodes: IntArray, axes: tuple[int, ...] = (0, 1)) -> dict[int, float]:
+        """Return prescribed displacements that hold nodes still along these axes."""
+        return Load.moved(nodes, dict.fromkeys(axes, 0.0))
+
+    @staticmethod
+    def moved(nodes: IntArray, by_m: Mapping[int, float]) -> dict[int, float]:
+        """Return prescribed displacements of nodes, by axis."""
+        return {2 * int(node) + axis: by for node in np.atleast_1d(nodes) for axis, by in by_m.items()}
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A body in balance: displacements (n_nodes, 2), the share of the load, and what holds the nodes (n_nodes, 2).
+
+    ``holding_n`` is the force that something else has to put on each node: the reaction where a displacement is
+    prescribed, the given force elsewhere.
+    """
+
+    body: PlaneBody
+    displacement_m: FloatArray
+    holding_n: FloatArray
+    share: float = 1.0
+    linear: bool = False
+
+    def reaction_n(self, nodes: IntArray) -> FloatArray:
+        """Return the force (2,) on these nodes together."""
+        force: FloatArray = self.holding_n[np.atleast_1d(nodes)].sum(axis=0)
+        return force
+
+    @cached_property
+    def von_mises_pa(self) -> FloatArray:
+        """Von Mises' stress (n_nodes,), extrapolated from Gauss points and averaged at nodes."""
+        at_points = self.body.von_mises_small_pa if self.linear else self.body.von_mises_pa
+        nodal: FloatArray = np.maximum(self.body.at_nodes(at_points(self.displacement_m)), 0.0)
+        return nodal
+
+
+def solve_linear(body: PlaneBody, load: Load) -> Equilibrium:
+    """Return the balance for small displacements; a potential is not allowed here (it has none that is linear).
+
+    Raises CallerError for a load that does not fit the body or leaves it free to move.
+    """
+    if load.potential is not None:
+        raise CallerError("a potential needs solve_large: small displacements know no potential")
+    start = np.zeros_like(body.nodes_m)
+    problem = Problem(body, load)
+    tangent = body.inner_forces(start).tangent
+    moves = problem.step(tangent, problem.given_forces(1.0), problem.prescribed_values(1.0))
+    displacement = moves.reshape(-1, 2)
+    return Equilibrium(body, displacement, (tangent @ moves).reshape(-1, 2), linear=True)
+
+
+def solve_large(body: PlaneBody, load: Load, steps: int = 4) -> Equilibrium:
+    """Return the balance under the whole load, whatever the displacements.
+
+    Raises NumericsError where it cannot be found; the message says at which share of the load and what to do.
+    """
+    if steps < 1:
+        raise CallerError("a load is put on in one step at least")
+    return list(load_path(body, load, np.linspace(0.0, 1.0, steps + 1)[1:]))[-1]
+
+
+def load_path(
+    body: PlaneBody, load: Load, shares: FloatArray, stop: Callable[[Equilibrium], bool] | None = None
+) -> Iterator[Equilibrium]:
+    """Yield the balance at each share of the load; a step that does not converge is halved, up to ten times.
+
+    Ends early after the first balance for which ``stop`` holds. Shares may exceed 1.
+    """
+    problem = Problem(body, load)
+    displacement, reached = np.zeros_like(body.nodes_m), 0.0
+    for share in np.asarray(shares, dtype=np.float64):
+        displacement = problem.walk(displacement, reached, float(share))
+        reached = float(share)
+        forces = body.inner_forces(displacement).nodal_n + problem.pull(displacement, reached)[0]
+        found = Equilibrium(body, displacement, forces.reshape(-1, 2), reached)
+        yield found
+        if stop is not None and stop(found):
+            return
+
+
+class Problem:
+    """A body with its load: which unknowns are free, and Newton's method for them."""
+
+    def __init__(self, body: PlaneBody, load: Load) -> None:
+        """Sort the unknowns. Raises CallerError for a load that does not fit the body."""
+        self.body, self.load = body, load
+        self.told = np.array(sorted(load.prescribed_m), dtype=np.int64)
+        if self.told.size == 0 or self.told[0] < 0 or self.told[-1] >= body.n_dofs:
+            raise CallerError(f"prescribed displacements name degrees of freedom from 0 to {body.n_dofs - 1}")
+        if load.forces_n is not None and np.shape(load.forces_n) != body.nodes_m.shape:
+            raise CallerError(f"forces have the shape {np.shape(load.forces_n)}, nodes {body.nodes_m.shape}")
+        self.values = np.array([load.prescribed_m[int(dof)] for dof in self.told])
+        self.free = np.setdiff1d(np.arange(body.n_dofs), self.told)
+
+    def prescribed_values(self, share: float) -> FloatArray:
+        """Return the told displacements at a share of the load."""
+        return share * self.values
+
+    def given_forces(self, share: float) -> FloatArray:
+        """Return the given forces (n_dofs,) at a share of the load."""
+        given = self.load.forces_n
+        return np.zeros(self.body.n_dofs) if given is None else share * np.asarray(given, dtype=float).ravel()
+
+    def pull(self, displacement: FloatArray, share: float) -> tuple[FloatArray, csr_array | None]:
+        """Return gradient and Hessian of the potential."""
+        if self.load.potential is None:
+            return np.zeros(self.body.n_dofs), None
+        change = self.load.potential(displacement, share)
+        return change.gradient_n, change.hessian
+
+    def step(self, tangent: csr_array, residual: FloatArray, told_m: FloatArray) -> FloatArray:
+        """Return the change of all displacements (n_dofs,) that a residual and told changes ask for."""
+        moves = np.zeros(self.body.n_dofs)
+        moves[self.told] = told_m
+        right = residual[self.free] - (tangent @ moves)[self.free]
+        matrix = csc_array(csc_array(tangent)[:, self.free][self.free, :])
+        try:
+            moves[self.free] = splu(matrix, permc_spec="MMD_AT_PLUS_A").solve(right)
+        except RuntimeError:
+            raise CallerError("the body is free to move: hold more of its nodes") from None
+        return moves
+
+    def walk(self, displacement: FloatArray, start: float, end: float) -> FloatArray:
+        """Return the displacements at the share ``end``, from balance at ``start``; halves a step that fails."""
+        at, stride = start, end - start
+        while at != end:
+            target = end if abs(end - at) <= abs(stride) * (1.0 + 1e-12) else at + stride
+            found = self.balance(displacement, target)
+            if found is not None:
+                displacement, at = found, target
+            elif abs(stride) <= abs(end - start) / 2**MOST_HALVINGS:
+                raise NumericsError(
+                    f"the finite elements find no balance beyond {100 * at:.3g} % of the load: ask for less travel "
+                    "or force, or look for a snap-through"
+                )
+            else:
+                stride *= 0.5
+        return displacement
+
+    def balance(self, displacement: FloatArray, share: float) -> FloatArray | None:
+        """Return balanced displacements at a share of the load by Newton's method; None where it does not converge."""
+        given = self.given_forces(share)
+        still_m = STILL * float(np.ptp(self.body.nodes_m, axis=0).max())
+        moved_m = np.inf
+        told = self.prescribed_values(share) - displacement.ravel()[self.told]
+        for _ in range(MOST_ITERATIONS):
+            inner = self.body.inner_forces(displacement)
+            pulled, hessian = self.pull(displacement, share)
+            residual = given - inner.nodal_n - pulled
+            scale = max(np.abs(inner.nodal_n).max(), np.abs(given).max(), np.abs(pulled).max())
+            if not np.isfinite(scale) or inner.turned_inside_out:
+                return None
+            left_n = np.abs(residual[self.free]).max(initial=0.0)
+            if not told.any() and (left_n <= BALANCE * scale or moved_m <= still_m):
+                return displacement
+            tangent = inner.tangent if hessian is None else csr_array(inner.tangent + hessian)
+            change = self.step(tangent, residual, told)
+            displacement, moved_m = displacement + change.reshape(-1, 2), float(np.abs(change).max())
+            told = np.zeros_like(told)
+        return None
