@@ -21,7 +21,7 @@ __all__ = ["Decision", "OnSample", "Policy", "file_in", "refuse_unusable", "run_
 OnSample = Callable[[Mapping[str, float]], None]
 # Rows that may be lost to a power cut: about a second of a paced rig, a fraction of one where no clock paces.
 PACED_BLOCK_ROWS, FREE_BLOCK_ROWS = 20, 200
-REFERENCE_COLUMNS = ("displacement_m", "force_n", "ambient_temperature_k")
+REFERENCE_COLUMNS = RawSample._fields[4:]
 
 
 class Decision(NamedTuple):

@@ -52,6 +52,7 @@ def leg_length_m(recording: Recording) -> float | None:
 def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatArray | None:
     """Return the measured strain, displacement [m] or contraction force [N], (n_times,); None if there is none.
 
+    Displacement is that of what is moved: a finger's endpoint where it was measured, else the wire's connector.
     Contraction force is F = F_T - F_p (Eq. 8), with F_p the recording's pretension or, without one, the least
     force in it. Raises CallerError for an unknown quantity.
     """
@@ -64,7 +65,7 @@ def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatA
         base = float(pretension) if isinstance(pretension, (int, float)) else float(recording["force_n"].min())
         return np.asarray(recording["force_n"] - base)
     if quantity == "displacement":
-        return recording.columns.get("displacement_m")
+        return recording.columns.get("endpoint_displacement_m", recording.columns.get("displacement_m"))
     if "reference_strain" in recording:
         return recording["reference_strain"]
     length = leg_length_m(recording)
@@ -84,7 +85,7 @@ def required_quantity(recording: Recording, quantity: str = "strain") -> FloatAr
         )
     needed = {
         "strain": "reference_strain or displacement_m",
-        "displacement": "displacement_m",
+        "displacement": "endpoint_displacement_m or displacement_m",
         "force": "force_n",
     }
     raise RecordingError(

@@ -155,6 +155,12 @@ class Bench(ParameterGroup):
     sample_period_s: Parameter = parameter("s", "time between samples")
     displacement_noise_m: Parameter = parameter("m", "LVDT noise, rms per sample", "not negative")
     force_noise_n: Parameter = parameter("N", "load cell noise, rms per sample", "not negative")
+    endpoint_noise_m: Parameter = parameter(
+        "m", "noise of the laser on a finger's endpoint, rms per sample", "not negative"
+    )
+    endpoint_force_noise_n: Parameter = parameter(
+        "N", "noise of the load cell under an object that a finger touches, rms per sample", "not negative"
+    )
     ambient_temperature_k: Parameter = parameter("K", "temperature of the still air around the wire")
     time_step_s: Parameter = parameter("s", "step of the simulation")
     grains: Parameter = parameter("1", "grain classes of the simulated ensemble")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, TypeVar, get_args, get_origin
+from types import UnionType
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -43,10 +44,23 @@ def known_keys(model: type[BaseModel], place: Iterable[Any]) -> list[str]:
     for part in parts:
         field = current.model_fields.get(str(part))
         annotation = field.annotation if field else None
-        if get_origin(annotation) is dict:
-            annotation = get_args(annotation)[1]
-            next(parts, None)  # the key of the dictionary, which may be any
+        if get_origin(annotation) in (dict, list):
+            annotation = get_args(annotation)[-1]
+            next(parts, None)  # the key of the dictionary, which may be any, or the place in the list
+        if get_origin(annotation) is Annotated:
+            annotation = get_args(annotation)[0]
+        if get_origin(annotation) in (Union, UnionType):
+            annotation = tagged(get_args(annotation), str(next(parts, "")))
         if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
             break
         current = annotation
     return list(current.model_fields)
+
+
+def tagged(models: Iterable[Any], tag: str) -> Any:
+    """Return the model of a tagged union that has this tag as one of its literal texts."""
+    for model in models:
+        literals = (get_args(field.annotation) for field in model.model_fields.values())
+        if any(tag in values for values in literals):
+            return model
+    return None

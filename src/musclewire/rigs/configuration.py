@@ -4,23 +4,29 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
 from musclewire.parameters.schema import Bench, Parameter, ParameterGroup, Wire
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import is_wire_file
+from musclewire.rigs.load_parts import Part, Parts
+from musclewire.rigs.surroundings import Surroundings
 from musclewire.signals.units import parse_quantity
 
 if TYPE_CHECKING:
     from musclewire.rigs.simulated import SimulatedRig
 
-__all__ = ["RigConfiguration", "open_rig", "read_rig_file"]
+__all__ = ["RigConfiguration", "open_rig", "read_rig_file", "rig_names"]
 
+SIMULATED = "simulated"
+# Rig files that come with musclewire, each called by its name.
+FOLDER = Path(str(files("musclewire.parameters"))) / "data" / "rigs"
 
 Group = TypeVar("Group", bound=ParameterGroup)
 
@@ -28,7 +34,8 @@ Group = TypeVar("Group", bound=ParameterGroup)
 class RigConfiguration(BaseModel):
     """A rig file: a wire, by name or wire file, a bench by name, and ``settings`` that change numbers of both.
 
-    Where no bench is named, the paper's is taken with what the wire file knows of its own.
+    Where no bench is named, the paper's is taken with what the wire file knows of its own. ``load`` lists what the wire
+    pulls, without any the bench's spring; ``surroundings`` tells how the air moves, without any not at all.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -39,6 +46,13 @@ class RigConfiguration(BaseModel):
     new_wire: bool = False
     seed: int = Field(default=1, ge=0)
     settings: dict[str, float | str] = {}
+    load: list[Part] = []
+    surroundings: Surroundings = Surroundings()
+
+    @model_validator(mode="after")
+    def _parts_fit_together(self) -> RigConfiguration:
+        Parts(load=self.load)
+        return self
 
 
 def read_rig_file(path: str | Path) -> RigConfiguration:
@@ -50,10 +64,43 @@ def read_rig_file(path: str | Path) -> RigConfiguration:
         raise CallerError(f"there is no rig file {file}; use the word 'simulated' for the simulated rig") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise CallerError(f"rig file {file} cannot be read: {error}") from None
-    configuration = validated(RigConfiguration, data, f"rig file {file}")
-    if is_wire_file(configuration.wire):  # beside the rig file, wherever the command was started
-        return configuration.model_copy(update={"wire": str(file.parent / configuration.wire)})
-    return configuration
+    return beside(validated(RigConfiguration, data, f"rig file {file}"), file.parent)
+
+
+def beside(configuration: RigConfiguration, folder: Path) -> RigConfiguration:
+    """Return a rig file's content with the files it names found beside it, wherever the command was started."""
+
+    def found(name: str | None) -> str | None:
+        return str(folder / name) if name is not None and is_wire_file(name) else name
+
+    def placed(part: Part) -> Part:
+        named = {key: found(getattr(part, key)) for key in ("wire", "finger") if hasattr(part, key)}
+        return part.model_copy(update=named)
+
+    return configuration.model_copy(
+        update={"wire": found(configuration.wire), "load": [placed(part) for part in configuration.load]}
+    )
+
+
+def rig_names() -> list[str]:
+    """Return the names of the rig files that come with musclewire, after the word for the paper's bench."""
+    return [SIMULATED, *(item.stem for item in sorted(FOLDER.glob("*.toml")))]
+
+
+def rig_configuration(rig: str | Path | RigConfiguration) -> tuple[RigConfiguration, str]:
+    """Return what a rig is and how messages call it: from a name, the path of a rig file, or as it is.
+
+    Raises CallerError for a name or file that is not there, and for a wrong file.
+    """
+    if isinstance(rig, RigConfiguration):
+        return rig, "rig"
+    if str(rig) == SIMULATED:
+        return RigConfiguration(), SIMULATED
+    if str(rig) in rig_names():
+        return read_rig_file(FOLDER / f"{rig}.toml"), f"rig {rig}"
+    if Path(rig).suffix != ".toml" and not Path(rig).exists():
+        raise CallerError(f"there is no rig '{rig}'{nearest_hint(str(rig), rig_names())}; or give a TOML rig file")
+    return read_rig_file(rig), f"rig file {rig}"
 
 
 def with_settings(wire: Wire, bench: Bench, settings: Mapping[str, float | str], where: str) -> tuple[Wire, Bench]:
@@ -88,7 +135,7 @@ def open_rig(
     real_time: bool = False,
     **settings: float | str,
 ) -> SimulatedRig:
-    """Open a rig: ``"simulated"`` for the paper's bench, or the path of a TOML rig file.
+    """Open a rig: ``"simulated"`` for the paper's bench, another name, or the path of a TOML rig file.
 
     ``wire`` and ``bench`` name others than the rig's; ``wire`` may be a wire file, as ``musclewire calibrate`` writes
     it. ``settings`` change numbers of both by name, in SI or as text with a unit, as in ``open_rig("simulated",
@@ -96,12 +143,7 @@ def open_rig(
     """
     from musclewire.rigs.simulated import SimulatedRig
 
-    if isinstance(rig, RigConfiguration):
-        configuration, where = rig, "rig"
-    elif str(rig) == "simulated":
-        configuration, where = RigConfiguration(), "simulated"
-    else:
-        configuration, where = read_rig_file(rig), f"rig file {rig}"
+    configuration, where = rig_configuration(rig)
     name = wire or configuration.wire
     named = load_wire(name)
     around = load_bench(bench or configuration.bench)
@@ -112,6 +154,8 @@ def open_rig(
         load_alloy(chosen.alloy),
         chosen,
         around,
+        parts=configuration.load,
+        surroundings=configuration.surroundings,
         seed=configuration.seed if seed is None else seed,
         new_wire=configuration.new_wire,
         real_time=real_time,

@@ -1,22 +1,25 @@
-"""The paper's bench as a rig that needs no hardware: wire, spring, circuit, acquisition, instruments."""
+"""A bench as a rig that needs no hardware: wires, what they pull, circuit, acquisition, instruments, air."""
 
 from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from types import TracebackType
 from typing import Self
 
-import numpy as np
-from numpy.typing import NDArray
-
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.rigs.instruments import Instruments
+from musclewire.rigs.load_parts import Contact, Part, Pretensioner, SecondFinger, Spring, Weight
+from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.protocol import Metadata
+from musclewire.rigs.simulated_building import wires_of
+from musclewire.rigs.simulated_wires import Means, TwoWires
+from musclewire.rigs.surroundings import Surroundings, Weather
 from musclewire.signals.samples import RawSample
-from musclewire.simulate.kernel import advance
+from musclewire.simulate.loads import spring_load
 from musclewire.simulate.state import WireState
-from musclewire.simulate.wire import constants_from, resting_state, with_pretension
 
 __all__ = ["SimulatedRig"]
 
@@ -35,26 +38,31 @@ class SimulatedRig:
         wire: Wire,
         bench: Bench,
         *,
+        parts: Sequence[Part] = (),
+        surroundings: Surroundings | None = None,
         seed: int = 1,
         new_wire: bool = False,
         real_time: bool = False,
     ) -> None:
         """Cool the wire under its pretension and wait at 0 V.
 
+        ``parts`` are what it pulls, without any the bench's spring; ``surroundings`` the air, without any still.
         ``new_wire`` starts before the first cycles (shakedown); ``real_time`` paces samples by the clock.
         Raises CallerError for numbers that cannot belong to a bench.
         """
-        self._wire = wire
+        self._alloy, self._wire, self._around = alloy, wire, bench
+        self._parts, self._new_wire = tuple(parts), new_wire
         self._bench = bench.values()
         self._wire_values = wire.values()
         self._seed = seed
-        self._new_wire = new_wire
-        self._random = np.random.default_rng(seed)
-        self._constants = constants_from(alloy, wire, bench, new_wire=new_wire)
-        self._state = resting_state(self._constants)
+        self._instruments = Instruments(self._bench, seed)
+        air = surroundings or Surroundings()
+        self._weather = None if air.still else Weather(air, seed)
+        self._check_pretension(self._bench["pretension_n"])
+        self._mechanism = self._mechanism_now()
+        self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
         self._drive_voltage_v = 0.0
         self._off_for_good = False
-        self._check_pretension(self._bench["pretension_n"])
         if self.sense_voltage_v >= self.maximum_voltage_v:
             raise CallerError(
                 f"sense_voltage_v {self.sense_voltage_v} V must be below maximum_voltage_v {self.maximum_voltage_v} V"
@@ -62,7 +70,17 @@ class SimulatedRig:
         self._real_time = real_time
         self._next_due_s: float | None = None
         self._steps = self._steps_of_a_sample()
-        self._voltage_step_v = 2.0 * self._bench["acquisition_range_v"] / 2.0 ** self._bench["acquisition_bits"]
+
+    def _mechanism_now(self) -> Mechanism:
+        """Return what the wire pulls at the bench's pretension."""
+        if not self._parts:
+            return Mechanism(spring_load(self._bench["spring_stiffness_n_per_m"]), 0.0, True, None)
+        return mechanism_of(
+            self._parts,
+            pretension_n=self._bench["pretension_n"],
+            leg_length_m=self.leg_length_m,
+            object_between=any(isinstance(part, SecondFinger) for part in self._parts),
+        )
 
     def _steps_of_a_sample(self) -> int:
         ratio = self._bench["sample_period_s"] / self._bench["time_step_s"]
@@ -116,13 +134,18 @@ class SimulatedRig:
     @property
     def wire_state(self) -> WireState:
         """The simulated truth: temperature, phases, energy. For judging a simulation, not for estimating."""
-        return self._state
+        return self._wires.state
+
+    @property
+    def partner_state(self) -> WireState | None:
+        """The same of a second wire; None where there is none."""
+        return self._wires.partner_state if isinstance(self._wires, TwoWires) else None
 
     def __repr__(self) -> str:
         """Say which wire, at what pretension, and what is out."""
         return (
-            f"SimulatedRig(wire {self._wire.name}, pretension {self._constants.pretension_n:g} N, "
-            f"drive {self._drive_voltage_v:.3f} V, at {self._state.time_s:.2f} s)"
+            f"SimulatedRig(wire {self._wire.name}, pretension {self._pretension_n:g} N, "
+            f"drive {self._drive_voltage_v:.3f} V, at {self._wires.state.time_s:.2f} s)"
         )
 
     def metadata(self) -> Metadata:
@@ -135,8 +158,8 @@ class SimulatedRig:
             "leg_length_m": self.leg_length_m,
             "shunt_resistance_ohm": self.shunt_resistance_ohm,
             "maximum_force_n": self._wire.maximum_force_n.value,
-            "pretension_n": self._constants.pretension_n,
-            "spring_stiffness_n_per_m": self._bench["spring_stiffness_n_per_m"],
+            "pretension_n": self._pretension_n,
+            **self._load_metadata(),
             "sample_period_s": self.sample_period_s,
             "time_step_s": self._bench["time_step_s"],
             "grains": int(self._bench["grains"]),
@@ -144,20 +167,36 @@ class SimulatedRig:
             "seed": self._seed,
         }
 
+    @property
+    def _pretension_n(self) -> float:
+        """Force of the cold wire: the stage's and what hangs on it."""
+        return (self._bench["pretension_n"] if self._mechanism.stage else 0.0) + self._mechanism.weight_n
+
+    def _load_metadata(self) -> Metadata:
+        """Return what a recording should say about what the wire pulls."""
+        stiffness = self._mechanism.load.stiffness_n_per_m
+        if not self._parts:
+            return {"spring_stiffness_n_per_m": stiffness}
+        plain = all(isinstance(part, (Spring, Pretensioner, Weight)) for part in self._parts)
+        named: Metadata = {"load": ", ".join(part.part for part in self._parts)}
+        return {**named, "spring_stiffness_n_per_m": stiffness} if plain else named
+
     def set_pretension(self, pretension_n: float) -> None:
         """Let the wire cool, then move the stage; the instruments are zeroed there.
 
-        The clock goes on and the wire keeps what it has been through in cycles.
+        The clock goes on and the wire keeps what it has been through in cycles. Raises CallerError for a force the
+        wire does not allow or the load cannot carry, and where only a hanging weight pulls: it is the pretension.
         """
         self._check_pretension(pretension_n)
+        if not self._mechanism.stage:
+            raise CallerError("a hanging weight is the pretension: change the part 'weight' instead of the stage")
         self._drive_voltage_v = 0.0
-        constants = with_pretension(self._constants, pretension_n)
-        # What a new wire has gained in length by now belongs to the new zero.
-        fresh = math.exp(-self._state.cycles / constants.shakedown_cycles)
-        gained = constants.shakedown_strain * (1.0 - fresh)
-        self._constants = constants._replace(cold_strain=constants.cold_strain + gained)
-        rested = resting_state(self._constants)
-        self._state = rested._replace(time_s=self._state.time_s, cycles=self._state.cycles)
+        changed = self._around.pretension_n.model_copy(update={"value": pretension_n})
+        around = self._around.model_copy(update={"pretension_n": changed})
+        self._around, self._bench, before = around, around.values(), self._wires
+        self._mechanism = self._mechanism_now()
+        self._wires = wires_of(self._alloy, self._wire, around, self._parts, self._mechanism, new_wire=self._new_wire)
+        self._wires.age_like(before)
 
     def _check_pretension(self, pretension_n: float) -> None:
         allowed = self._wire_values["maximum_force_n"]
@@ -175,34 +214,51 @@ class SimulatedRig:
             )
         resolution = self._bench["amplifier_resolution_v"]
         self._drive_voltage_v = resolution * round(drive_voltage_v / resolution)
-        self._state, means = advance(
-            self._state, self._constants, self._drive_voltage_v, self._bench["time_step_s"], self._steps
-        )
-        if not math.isfinite(self._state.temperature_k):
+        if self._weather is not None:
+            air = self._weather.after(self._wires.state.time_s, self.sample_period_s)
+            self._wires.surround(self._bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
+        means = self._wires.advance(self._drive_voltage_v, self._bench["time_step_s"], self._steps)
+        if not math.isfinite(self._wires.state.temperature_k):
             self.close()
             raise NumericsError(
-                f"the simulated wire left its numbers at {self._state.time_s:.3f} s: make time_step_s smaller"
+                f"the simulated wire left its numbers at {self._wires.state.time_s:.3f} s: make time_step_s smaller"
             )
         self._wait_until_due()
-        wire_voltage, shunt_voltage = self._converted(means.wire_voltage_v, means.shunt_voltage_v)
-        displacement_noise, force_noise = self._random.standard_normal(2)
-        return RawSample(
-            time_s=self._state.time_s,
+        return self._read(means)
+
+    def _read(self, means: Means) -> RawSample:
+        """Return what the instruments say of a sample."""
+        wire_voltage, shunt_voltage = self._instruments.voltages_v(means.wire_voltage_v, means.shunt_voltage_v)
+        displacement_m, force_n = self._instruments.connector(means.displacement_m, means.force_n)
+        sample = RawSample(
+            time_s=self._wires.state.time_s,
             drive_voltage_v=self._drive_voltage_v,
             wire_voltage_v=wire_voltage,
             shunt_voltage_v=shunt_voltage,
-            displacement_m=means.displacement_m + self._bench["displacement_noise_m"] * displacement_noise,
-            force_n=means.force_n + self._bench["force_noise_n"] * force_noise,
+            displacement_m=displacement_m,
+            force_n=force_n,
+        )
+        if self._mechanism.tendon is None:
+            return sample
+        endpoint_m, endpoint_force_n = self._instruments.endpoint(*self._endpoint(means))
+        touches = any(isinstance(part, Contact) for part in self._parts)
+        return sample._replace(
+            endpoint_displacement_m=endpoint_m, endpoint_force_n=endpoint_force_n if touches else None
         )
 
-    def _converted(self, *voltages_v: float) -> tuple[float, ...]:
-        """Return what a converter with noise, steps and a range makes of voltages, averaged over its readings."""
-        readings = int(self._bench["acquisition_readings"])
-        noise: NDArray[np.float64] = self._random.standard_normal((len(voltages_v), readings))
-        noisy = np.asarray(voltages_v)[:, None] + self._bench["acquisition_noise_v"] * noise
-        stepped = np.round(noisy / self._voltage_step_v) * self._voltage_step_v
-        limit = self._bench["acquisition_range_v"]
-        return tuple(float(value) for value in np.clip(stepped, -limit, limit).mean(axis=1))
+    def _endpoint(self, means: Means) -> tuple[float, float]:
+        """Return where the finger's endpoint truly is [m] and what pushes it back [N]."""
+        tendon = self._mechanism.tendon
+        assert tendon is not None
+        end_m = tendon.curve.tendon_travel_m[-1]
+        if means.displacement_m + tendon.start_m - tendon.slack_m > end_m:
+            self.close()
+            raise RigError(
+                f"the connector has moved {1e3 * means.displacement_m:.3f} mm, beyond what the finger's file tells "
+                f"(tendon travel up to {1e3 * end_m:.3f} mm); the drive is off: drive less, or compute the finger on"
+            )
+        force = means.grip_n if means.grip_n is not None else float(tendon.endpoint_force_n(means.displacement_m))
+        return float(tendon.endpoint_m(means.displacement_m, force)), force
 
     def _wait_until_due(self) -> None:
         if not self._real_time:

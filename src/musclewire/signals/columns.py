@@ -50,6 +50,8 @@ _ALL = (
     Column("reference_strain", "", "strain from an instrument, contraction positive", "reference"),
     Column("displacement_m", "m", "displacement from an instrument, contraction positive", "reference"),
     Column("force_n", "N", "force from a load cell", "reference"),
+    Column("endpoint_displacement_m", "m", "displacement of a finger's endpoint from an instrument", "reference"),
+    Column("endpoint_force_n", "N", "force on a finger's endpoint from an instrument", "reference"),
     Column("stress_pa", "Pa", "tensile stress in the wire", "reference"),
     Column("wire_temperature_k", "K", "temperature of the wire", "reference"),
     Column("ambient_temperature_k", "K", "temperature of the air around the wire", "reference"),

@@ -110,8 +110,8 @@ def stress_in_balance_pa(
     """Return the leg stress [Pa] at which wire and load agree: one Newton step from ``stress_pa``.
 
     F_T = F_p + k S l_leg + what the load's table adds + friction, sigma = F_T / (legs A); a slack wire carries
-    nothing. ``push_n`` is a further force on the connector, and how it grows with displacement. The function is almost linear in stress, so that one step leaves an error of second order; where the
-    table has a kink, the next step's.
+    nothing. ``push_n`` is a further force on the connector, and how it grows with displacement. The function is almost
+    linear in stress, so that one step leaves an error of second order; where the table has a kink, the next step's.
     """
     strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k) + residual_strain
     contraction = contraction_of(constants, strain)

@@ -55,6 +55,4 @@ def with_table(
     force, friction = force_n(displacement), friction_n(displacement)
     if not (np.isfinite(force).all() and np.isfinite(friction).all()):
         raise CallerError(f"a load is not finite somewhere between 0 and {1e3 * reach_m:g} mm")
-    return Load(
-        stiffness_n_per_m, float(displacement[1]), np.ascontiguousarray(force), np.ascontiguousarray(friction)
-    )
+    return Load(stiffness_n_per_m, float(displacement[1]), np.ascontiguousarray(force), np.ascontiguousarray(friction))

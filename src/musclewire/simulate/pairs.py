@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from musclewire.compiled import compiled
 from musclewire.simulate.balances import (
     compliance_per_pa,
@@ -94,9 +96,7 @@ def contraction_at(
     state: WireNumbers, constants: WireConstants, freshness: Freshness, stress_pa: float
 ) -> tuple[float, float]:
     """Return contraction at a stress while the phases stay, and how much of it a pascal takes away."""
-    strain = total_strain(
-        constants, stress_pa, state.martensite_fraction, state.r_phase_fraction, state.temperature_k
-    )
+    strain = total_strain(constants, stress_pa, state.martensite_fraction, state.r_phase_fraction, state.temperature_k)
     taken = compliance_per_pa(constants, stress_pa, state.martensite_fraction) / (1.0 + constants.cold_strain)
     return contraction_of(constants, strain + freshness.residual_strain), taken
 
@@ -269,8 +269,6 @@ def advance_pair_plain(
 
 def no_grip() -> Grip:
     """Return a grip on nothing, for wires on one connector."""
-    import numpy as np
-
     nothing = np.zeros(2)
     return Grip(0.0, 0.0, 1.0, nothing, nothing, nothing)
 
@@ -289,10 +287,8 @@ def advance_pair(
     The states given are left as they were. The circuit's shunt and leads are the first wire's.
     """
     # As for one wire, only plain tuples cross into compiled code and back.
-    numbers = [tuple(state[:NUMBERS]) for state in states]
-    grains = [
-        (state.grain_martensite.copy(), state.grain_r_phase.copy(), state.seen_drives.copy()) for state in states
-    ]
+    numbers: list[tuple[Any, ...]] = [tuple(state[:NUMBERS]) for state in states]
+    grains = [(state.grain_martensite.copy(), state.grain_r_phase.copy(), state.seen_drives.copy()) for state in states]
     first, second, means = advance_pair_plain(
         numbers[0],
         grains[0],

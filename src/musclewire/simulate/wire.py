@@ -38,8 +38,9 @@ def constants_from(
 ) -> WireConstants:
     """Return the constants of a wire on a rig; the cold reference strain is found by cooling it there.
 
-    ``load`` takes the place of the rig's bias spring. A new wire has yet to see its first cycles; otherwise its shakedown is over and leaves no trace.
-    Raises CallerError where the numbers cannot belong to a wire (no length, no grains).
+    ``load`` takes the place of the rig's bias spring. A new wire has yet to see its first cycles; otherwise its
+    shakedown is over and leaves no trace. Raises CallerError where the numbers cannot belong to a wire (no length, no
+    grains).
     """
     return constants_of(alloy.values(), wire.values(), rig.values(), load=load, new_wire=new_wire)
 

@@ -1,0 +1,143 @@
+"""The wires of a simulated rig, one or two, behind the same few calls."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, Protocol
+
+from musclewire.simulate.kernel import advance
+from musclewire.simulate.pairs import Grip, Pair, advance_pair
+from musclewire.simulate.state import WireConstants, WireState
+from musclewire.simulate.wire import resting_state
+
+__all__ = ["Means", "OneWire", "SimulatedWires", "TwoWires"]
+
+
+class Means(NamedTuple):
+    """Means over a sample: what averaging instruments see; the partner's are None where there is none.
+
+    Force is that of both wires where they pull together, of the first one otherwise.
+    """
+
+    wire_voltage_v: float
+    shunt_voltage_v: float
+    displacement_m: float
+    force_n: float
+    partner_displacement_m: float | None = None
+    grip_n: float | None = None
+
+
+class SimulatedWires(Protocol):
+    """One wire or two, in the state they are in."""
+
+    @property
+    def state(self) -> WireState:
+        """State of the wire whose voltages are measured, the first of two."""
+        ...
+
+    @property
+    def constants(self) -> WireConstants:
+        """Constants of that wire."""
+        ...
+
+    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> Means:
+        """Go on by some steps at one drive voltage."""
+        ...
+
+    def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
+        """Change the air from here on."""
+        ...
+
+    def age_like(self, before: SimulatedWires) -> None:
+        """Take over clock and cycles from the wires of the setting before."""
+        ...
+
+
+def aged(constants: WireConstants, before: WireState) -> tuple[WireConstants, WireState]:
+    """Return a wire at rest that has been through what another had: its clock and cycles, instruments zeroed here."""
+    # What a new wire has gained in length by now belongs to the new zero.
+    fresh = math.exp(-before.cycles / constants.shakedown_cycles)
+    gained = constants.shakedown_strain * (1.0 - fresh)
+    zeroed = constants._replace(cold_strain=constants.cold_strain + gained)
+    return zeroed, resting_state(zeroed)._replace(time_s=before.time_s, cycles=before.cycles)
+
+
+class OneWire:
+    """A wire on its load."""
+
+    def __init__(self, constants: WireConstants) -> None:
+        """Cool the wire under its pretension."""
+        self.constants = constants
+        self.state = resting_state(constants)
+        self._still_factor = constants.convection_factor
+
+    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> Means:
+        """Go on by some steps at one drive voltage."""
+        self.state, means = advance(self.state, self.constants, drive_voltage_v, dt_s, steps)
+        return Means(*means)
+
+    def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
+        """Change the air from here on."""
+        self.constants = self.constants._replace(
+            ambient_temperature_k=ambient_temperature_k, convection_factor=self._still_factor * convection_ratio
+        )
+
+    def age_like(self, before: SimulatedWires) -> None:
+        """Take over clock and cycles from the wire of the setting before."""
+        self.constants, self.state = aged(self.constants, before.state)
+
+
+class TwoWires:
+    """Two wires that meet; the load and the circuit are the first one's."""
+
+    def __init__(self, constants: tuple[WireConstants, WireConstants], pair: Pair, grip: Grip) -> None:
+        """Cool both wires under their pretension."""
+        self._both = constants
+        self._states = (resting_state(constants[0]), resting_state(constants[1]))
+        self._pair, self._grip = pair, grip
+        self._still_factors = tuple(one.convection_factor for one in constants)
+
+    @property
+    def state(self) -> WireState:
+        """State of the first wire."""
+        return self._states[0]
+
+    @property
+    def partner_state(self) -> WireState:
+        """State of the second wire."""
+        return self._states[1]
+
+    @property
+    def constants(self) -> WireConstants:
+        """Constants of the first wire."""
+        return self._both[0]
+
+    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> Means:
+        """Go on by some steps at one drive voltage."""
+        self._states, means = advance_pair(
+            self._states, self._both, self._pair, self._grip, drive_voltage_v, dt_s, steps
+        )
+        together_n = means.force_n + means.partner_force_n if self._pair.direction > 0.0 else means.force_n
+        return Means(
+            means.wire_voltage_v,
+            means.shunt_voltage_v,
+            means.displacement_m,
+            together_n,
+            means.partner_displacement_m,
+            means.grip_n,
+        )
+
+    def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
+        """Change the air from here on, around both wires alike."""
+        first, second = (
+            one._replace(ambient_temperature_k=ambient_temperature_k, convection_factor=factor * convection_ratio)
+            for one, factor in zip(self._both, self._still_factors, strict=True)
+        )
+        self._both = (first, second)
+
+    def age_like(self, before: SimulatedWires) -> None:
+        """Take over clock and cycles from the wires of the setting before."""
+        others = before.partner_state if isinstance(before, TwoWires) else before.state
+        first, state = aged(self._both[0], before.state)
+        second, other = aged(self._both[1], others)
+        self._both, self._states = (first, second), (state, other)

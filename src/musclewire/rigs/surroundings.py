@@ -1,0 +1,94 @@
+"""The air around a simulated wire: how its temperature swings and how draughts carry heat away."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from musclewire.errors import CallerError
+from musclewire.signals.units import parse_quantity
+
+__all__ = ["Air", "Surroundings", "Weather"]
+
+# A draught stronger than this many of its standard deviations is cut off, so that convection never turns negative.
+STRONGEST = 3.0
+LEAST_CONVECTION = 0.2
+STREAM = 7919
+
+
+def seconds(given: object) -> object:
+    """Take a time as a number in seconds or as text with a unit."""
+    return converted(given, "s")
+
+
+def kelvins(given: object) -> object:
+    """Take a temperature difference as a number in kelvins or as text with a unit."""
+    return converted(given, "K")
+
+
+def converted(given: object, unit: str) -> object:
+    """Return text with a unit in SI, anything else as it is."""
+    if not isinstance(given, str):
+        return given
+    try:
+        return parse_quantity(given, unit)
+    except CallerError as error:
+        raise ValueError(str(error)) from None
+
+
+Seconds = Annotated[float, BeforeValidator(seconds), Field(gt=0.0, allow_inf_nan=False)]
+Kelvins = Annotated[float, BeforeValidator(kelvins), Field(ge=0.0, allow_inf_nan=False)]
+
+
+class Surroundings(BaseModel):
+    """What a rig file may say about the air: all of it is still air at the bench's temperature by default.
+
+    The air's temperature swings by ``ambient_swing`` to both sides with ``ambient_period``, from a random phase.
+    Draughts change convection by the share ``draught`` (standard deviation) and last about ``draught_time``.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    ambient_swing: Kelvins = 0.0
+    ambient_period: Seconds = 600.0
+    draught: float = Field(default=0.0, ge=0.0, le=0.25, allow_inf_nan=False)
+    draught_time: Seconds = 3.0
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing ever changes."""
+        return self.ambient_swing == 0.0 and self.draught == 0.0
+
+
+class Air(NamedTuple):
+    """The air at one time: its temperature above the bench's, and convection over that of still air."""
+
+    warmer_k: float
+    convection_ratio: float
+
+
+class Weather:
+    """The air through time, repeatable for one seed: a slow sine, and draughts as a first-order random process."""
+
+    def __init__(self, surroundings: Surroundings, seed: int) -> None:
+        """Draw where in its swing the air's temperature begins; the first draught is drawn like any other."""
+        self._of = surroundings
+        # A stream of its own: weather does not change the noise of the instruments.
+        self._random = np.random.default_rng([seed, STREAM])
+        self._phase = float(self._random.uniform(0.0, 2.0 * math.pi))
+        self._draught = float(self._random.standard_normal())
+
+    def after(self, time_s: float, dt_s: float) -> Air:
+        """Return the air ``dt_s`` after it was last asked for, at a time on the rig's clock."""
+        # Exact for any step: an Ornstein-Uhlenbeck process sampled at the ends of steps.
+        kept = math.exp(-dt_s / self._of.draught_time)
+        self._draught = kept * self._draught + math.sqrt(1.0 - kept * kept) * float(self._random.standard_normal())
+        strength = min(max(self._draught, -STRONGEST), STRONGEST)
+        swing = math.sin(2.0 * math.pi * time_s / self._of.ambient_period + self._phase)
+        return Air(
+            warmer_k=self._of.ambient_swing * swing,
+            convection_ratio=max(1.0 + self._of.draught * strength, LEAST_CONVECTION),
+        )
