@@ -191,6 +191,7 @@ def catalogue_wire(name: str, shift_wire: Wire, reference_wire: Wire) -> Wire:
         "resistivity_factor": resistivity_factor(row, reference_wire),
         "temperature_shift_k": temperature_shift(wire_class, shift_wire, rules),
         "r_phase_shift_k": given(0.0, "K", "assumed", "the alloy's own R-phase temperature"),
+        "martensite_barrier_shift_k": given(0.0, "K", "assumed", "the alloy's own hysteresis"),
         "maximum_force_n": given(
             1e6 * rules.largest_stress_mpa * row.area_m2, "N", "derived", rules.largest_stress_source
         ),

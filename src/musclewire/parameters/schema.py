@@ -128,6 +128,9 @@ class Wire(ParameterGroup):
     r_phase_shift_k: Parameter = parameter(
         "K", "this spool's R-phase temperature over the alloy's, on top of temperature_shift_k", "any"
     )
+    martensite_barrier_shift_k: Parameter = parameter(
+        "K", "half width of this spool's hysteresis between austenite and martensite over the alloy's", "any"
+    )
     maximum_force_n: Parameter = parameter("N", "largest force allowed, one leg pair as the paper's Table 1 has it")
     nominal_force_n: Parameter = parameter("N", "force that stretches the cold wire")
     convection_factor: Parameter = parameter("1", "measured or fitted convection over Churchill and Chu's")

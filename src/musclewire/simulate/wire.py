@@ -77,6 +77,7 @@ def constants_of(
     for name in ("martensite", "r_phase"):
         same[f"{name}_temperature_k"] += spool["temperature_shift_k"]
     same["r_phase_temperature_k"] += spool["r_phase_shift_k"]
+    same["martensite_barrier_k"] += spool["martensite_barrier_shift_k"]
     constants = WireConstants(
         **same,
         wire_length_m=length,

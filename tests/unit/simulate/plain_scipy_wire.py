@@ -107,7 +107,8 @@ class PlainWire:
             - temperature_k
             + p["r_phase_spread_k"] * self.edges
         )
-        h_m = max(p["martensite_barrier_k"] + p["martensite_barrier_per_pa"] * stress_pa, 0.0)
+        barrier = p["martensite_barrier_k"] + p["martensite_barrier_shift_k"]
+        h_m = max(barrier + p["martensite_barrier_per_pa"] * stress_pa, 0.0)
         h_r = p["r_phase_barrier_k"]
         h_rm = min(p["r_to_m_barrier_k"], h_m + h_r)
         left_austenite = np.maximum(share_due(f_m - h_m), share_due(f_r - h_r))
