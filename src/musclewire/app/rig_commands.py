@@ -130,6 +130,9 @@ def characterize(
 def pretension(
     rig: RigName,
     at: Annotated[list[str] | None, typer.Option("--at", help="A pretension to try, as '1.9 N'. Repeatable.")] = None,
+    quantity: Annotated[
+        str, typer.Option("--quantity", help="What is to be sensed: strain, displacement or force.")
+    ] = "strain",
     amplitude: Amplitude = None,
     period: Period = 90.0,
     cycles: Annotated[int, typer.Option("--cycles", help="Cycles at each setting.", min=1)] = 2,
@@ -138,7 +141,7 @@ def pretension(
     seed: Seed = None,
     json: Json = False,
 ) -> None:
-    """Sweep the pretension, compare the hysteresis gaps, name the best."""
+    """Sweep the pretension, compare the hysteresis gaps, name the best for the quantity."""
     from musclewire.experiment.pretension import pretension_sweep
     from musclewire.rigs.configuration import open_rig
 
@@ -148,6 +151,7 @@ def pretension(
         sweep = pretension_sweep(
             opened,
             forces,
+            quantity=quantity,
             amplitude_v=quantity_option(amplitude, "V"),
             period_s=period,
             cycles=cycles,
@@ -164,6 +168,7 @@ def pretension(
             "pretension_n": row.pretension_n,
             "strain_gap_pct": row.strain_gap_pct,
             "force_gap_pct": row.force_gap_pct,
+            "displacement_gap_pct": row.displacement_gap_pct,
             "stroke_pct": row.stroke_pct,
         }
         for row in sweep.rows
@@ -172,8 +177,9 @@ def pretension(
         emit_json({"rows": rows, "best_pretension_n": sweep.best.pretension_n, "failures": list(sweep.failures)})
         return
     for row in sweep.rows:
-        force_gap = "-" if row.force_gap_pct is None else f"{row.force_gap_pct:6.3f}"
-        show(f"{row.pretension_n:6.2f} N   strain gap {row.strain_gap_pct:6.3f} %   force gap {force_gap} %")
+        gaps = {name: row.gap_pct(name) for name in dict.fromkeys((quantity, "strain", "force"))}
+        shown = (f"{name} gap {'-' if gap is None else format(gap, '6.3f')} %" for name, gap in gaps.items())
+        show(f"{row.pretension_n:6.2f} N   {'   '.join(shown)}")
     show(f"best: {sweep.best.pretension_n:.2f} N")
 
 

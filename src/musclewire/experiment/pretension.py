@@ -1,4 +1,4 @@
-"""The pretension sweep: which F_p closes the loop best (Figs. 4 to 6)."""
+"""The pretension sweep: which F_p closes the loop best (Figs. 4 to 6, and 17 for a finger)."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from musclewire.errors import CallerError, RecordingError
+from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.run import OnSample, file_in
-from musclewire.identify.loop_gaps import loop_gaps
+from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
+from musclewire.identify.recordings import QUANTITIES
 from musclewire.rigs.protocol import HasStage, Rig
 from musclewire.signals.recording import Recording
 
@@ -24,6 +25,9 @@ __all__ = ["PretensionRow", "PretensionSweep", "default_pretensions_n", "pretens
 # The paper's Fig. 6 spans force ratios from about a quarter to two thirds of the allowed force.
 FORCE_RATIOS = (0.20, 0.65)
 DEFAULT_POINTS = 8
+# A stage set below that range carries something softer than a bias spring: the sweep then goes around its setting.
+SETTING_RATIOS = (0.25, 2.0)
+COLOURS = {"strain": "#1f6f8b", "force": "#c8553d", "displacement": "#4f7d3a"}
 
 
 @dataclass(frozen=True)
@@ -33,33 +37,47 @@ class PretensionRow:
     pretension_n: float
     strain_gap_pct: float
     force_gap_pct: float | None
+    displacement_gap_pct: float | None
     stroke_pct: float
     recording: Recording
+
+    def gap_pct(self, quantity: str) -> float | None:
+        """Return the gap of strain, force or displacement; None where the recording lacks the instrument."""
+        gaps = {
+            "strain": self.strain_gap_pct,
+            "force": self.force_gap_pct,
+            "displacement": self.displacement_gap_pct,
+        }
+        return gaps[quantity]
 
 
 @dataclass(frozen=True)
 class PretensionSweep:
-    """All settings, and the best: the one with the smallest strain gap."""
+    """All settings, and the best: the one with the smallest gap of the quantity that is to be sensed."""
 
     rows: tuple[PretensionRow, ...]
     failures: tuple[str, ...]
+    quantity: str = "strain"
 
     @property
     def best(self) -> PretensionRow:
-        """The setting with the smallest strain gap."""
-        return min(self.rows, key=lambda row: row.strain_gap_pct)
+        """The setting with the smallest gap of the sweep's quantity."""
+        gaps = [row.gap_pct(self.quantity) for row in self.rows]
+        return self.rows[int(np.argmin([np.inf if gap is None else gap for gap in gaps]))]
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Plot both gaps against pretension; returns the axes."""
+        """Plot the gaps against pretension, that of the sweep's quantity first; returns the axes."""
         if axes is None:
             import matplotlib.pyplot as plt
 
             axes = plt.figure(figsize=(6.0, 4.0), layout="constrained").add_subplot()
         forces = [row.pretension_n for row in self.rows]
-        axes.plot(forces, [row.strain_gap_pct for row in self.rows], "o-", color="#1f6f8b", label="strain gap")
-        with_force = [(row.pretension_n, row.force_gap_pct) for row in self.rows if row.force_gap_pct is not None]
-        if with_force:
-            axes.plot(*zip(*with_force, strict=True), "s--", color="#c8553d", label="force gap")
+        for quantity in dict.fromkeys((self.quantity, "force")):
+            gaps = [row.gap_pct(quantity) for row in self.rows]
+            shown = [(force, gap) for force, gap in zip(forces, gaps, strict=True) if gap is not None]
+            style = "o-" if quantity == self.quantity else "s--"
+            if shown:
+                axes.plot(*zip(*shown, strict=True), style, color=COLOURS[quantity], label=f"{quantity} gap")
         axes.axvline(self.best.pretension_n, color="0.7", linewidth=1.0, zorder=0)
         axes.annotate(
             f"best {self.best.pretension_n:.2f} N",
@@ -76,18 +94,24 @@ class PretensionSweep:
 
 
 def default_pretensions_n(rig: Rig) -> list[float]:
-    """Return eight settings from 0.20 to 0.65 of the wire's allowed force, rounded to 0.01 N."""
-    allowed = rig.metadata().get("maximum_force_n")
+    """Return eight settings, rounded to 0.01 N: from 0.20 to 0.65 of the wire's allowed force.
+
+    A rig whose stage is set below that range is swept from a quarter of its setting to twice it.
+    """
+    allowed, setting = (rig.metadata().get(name) for name in ("maximum_force_n", "pretension_n"))
     if not isinstance(allowed, float):
         raise CallerError("this rig does not state maximum_force_n: say which pretensions to try")
-    low, high = FORCE_RATIOS
-    return [round(float(force), 2) for force in np.linspace(low * allowed, high * allowed, DEFAULT_POINTS)]
+    low, high = (ratio * allowed for ratio in FORCE_RATIOS)
+    if isinstance(setting, float) and 0.0 < setting < low:
+        low, high = (ratio * setting for ratio in SETTING_RATIOS)
+    return [round(float(force), 2) for force in np.linspace(low, high, DEFAULT_POINTS)]
 
 
 def pretension_sweep(
     rig: Rig,
     pretensions_n: Sequence[float] | None = None,
     *,
+    quantity: str = "strain",
     amplitude_v: float | None = None,
     period_s: float = 90.0,
     cycles: int = 2,
@@ -95,13 +119,15 @@ def pretension_sweep(
     on_setting: Callable[[float], None] | None = None,
     on_sample: OnSample | None = None,
 ) -> PretensionSweep:
-    """Characterise the wire at each pretension and compare the gaps.
+    """Characterise the wire at each pretension and compare the gaps; the best is the one of ``quantity``.
 
     With ``folder`` each setting is recorded there as it runs, replacing an earlier sweep's. ``on_setting`` hears each
     pretension once it is set. A setting whose loop cannot be used (slack, or no transformation left at high stress) is
-    kept as a failure with its reason. Raises CallerError for a rig without a stage that software can move,
-    RecordingError when no setting gives a loop.
+    kept as a failure with its reason. Raises CallerError for a rig without a stage that software can move or an
+    unknown quantity, RecordingError when no setting gives a loop, or none an instrument for the quantity.
     """
+    if quantity not in QUANTITIES:
+        raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
     if not isinstance(rig, HasStage):
         raise CallerError(
             "the stage of this rig is moved by hand: set each pretension, run 'musclewire characterize', and "
@@ -127,15 +153,21 @@ def pretension_sweep(
         except RecordingError as error:
             failures.append(f"{pretension} N: {error}")
             continue
-        rows.append(
-            PretensionRow(
-                pretension_n=float(pretension),
-                strain_gap_pct=100.0 * gaps.strain_gap,
-                force_gap_pct=None if gaps.force_gap is None else 100.0 * gaps.force_gap,
-                stroke_pct=100.0 * gaps.segments.strain_max,
-                recording=recording,
-            )
-        )
+        rows.append(row_of(float(pretension), gaps, recording))
     if not rows:
         raise RecordingError(f"no pretension gave a usable loop; the last: {failures[-1] if failures else 'none'}")
-    return PretensionSweep(tuple(rows), tuple(failures))
+    if all(row.gap_pct(quantity) is None for row in rows):
+        raise RecordingError(f"this rig has no instrument for {quantity}: sweep for another quantity")
+    return PretensionSweep(tuple(rows), tuple(failures), quantity)
+
+
+def row_of(pretension_n: float, gaps: LoopGaps, recording: Recording) -> PretensionRow:
+    """Return one setting's row, in percent."""
+    return PretensionRow(
+        pretension_n=pretension_n,
+        strain_gap_pct=100.0 * gaps.strain_gap,
+        force_gap_pct=None if gaps.force_gap is None else 100.0 * gaps.force_gap,
+        displacement_gap_pct=None if gaps.displacement_gap is None else 100.0 * gaps.displacement_gap,
+        stroke_pct=100.0 * gaps.segments.strain_max,
+        recording=recording,
+    )
