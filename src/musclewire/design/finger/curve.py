@@ -82,9 +82,9 @@ def beam_stress_pa(geometry: FingerGeometry, at: Equilibrium) -> FloatArray:
 
 
 def bent_per_m(at: Equilibrium) -> FloatArray:
-    """Return the change of curvature of each element, (n_elements,) [1/m]."""
+    """Return the change of curvature of each element, its moment over EI, (n_elements,) [1/m]."""
     chain = at.placed.chain
-    return np.asarray((chain.turns @ at.angles_rad - chain.natural_turn_rad) / chain.element_length_m)
+    return np.asarray((chain.turns @ at.angles_rad - chain.natural_turn_rad) / chain.yielding_m)
 
 
 def travel_for_endpoint_m(chain: Chain, stiffness_n_m2: float, endpoint_m: float, longest_m: float) -> Equilibrium:

@@ -15,7 +15,7 @@ from musclewire.design.finger.closed_forms import bending_stiffness_n_m2
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.schema import Parameter
 
-__all__ = ["UNITS", "FingerGeometry"]
+__all__ = ["HOLE_RADIUS_M", "UNITS", "FingerGeometry"]
 
 UNITS = {
     "overall_length_m": "m",
@@ -31,6 +31,8 @@ UNITS = {
     "youngs_modulus_pa": "Pa",
 }
 MOST_COLUMNS = 40
+# Holes for the two legs of the tendon: as fine as is drilled by hand, 0.3 mm.
+HOLE_RADIUS_M = 0.15e-3
 # Beyond this the unloaded finger already points backwards.
 MOST_INWARD_RAD = 0.5 * math.pi
 
@@ -78,10 +80,10 @@ class FingerGeometry:
                 f"tendon_offset_m is {1e3 * self.tendon_offset_m:g} mm: the tendon would run inside the beam of "
                 f"{1e3 * self.beam_thickness_m:g} mm, give more than half of that"
             )
-        if self.column_height_m <= self.tendon_offset_m:
+        if self.column_height_m <= self.tendon_offset_m + HOLE_RADIUS_M:
             raise CallerError(
-                f"column_height_m is {1e3 * self.column_height_m:g} mm: the holes at {1e3 * self.tendon_offset_m:g} mm "
-                "would not be inside the column, give more"
+                f"column_height_m is {1e3 * self.column_height_m:g} mm: holes of 0.3 mm at "
+                f"{1e3 * self.tendon_offset_m:g} mm would not be inside the column, give more"
             )
 
     @property

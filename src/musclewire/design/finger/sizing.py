@@ -10,15 +10,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from musclewire.design.finger.chain import finger_chain
 from musclewire.design.finger.closed_forms import pure_moment_tip_m
-from musclewire.design.finger.curve import bent_per_m, column_gap_m, travel_for_endpoint_m
-from musclewire.design.finger.geometry import FingerGeometry
-from musclewire.design.finger.statics import equilibria, equilibrium, sensitivity
+from musclewire.design.finger.curve import beam_stress_pa, column_gap_m, travel_for_endpoint_m
+from musclewire.design.finger.geometry import HOLE_RADIUS_M, FingerGeometry
+from musclewire.design.finger.statics import Equilibrium, equilibria, equilibrium, sensitivity
 from musclewire.errors import CallerError, NumericsError
 from musclewire.parameters.materials import Material
 
@@ -29,8 +30,8 @@ ROUNDED_M = 1e-5
 TRAVEL_SHARE = 0.95
 # Beyond a right angle and a half the endpoint only comes back.
 MOST_ANGLE_RAD = 0.75 * math.pi
-# Least wall between a hole and the beam, and the hole's radius: 0.3 mm holes, as fine as is drilled by hand.
-HOLE_RADIUS_M, WALL_M = 0.15e-3, 0.1e-3
+# Least wall between a hole and the beam.
+WALL_M = 0.1e-3
 # Two legs of tendon side by side want this depth.
 LEAST_DEPTH_M = 2e-3
 # Columns stand out twice as far as their holes: the holes are in the middle, the outer half is the isolator.
@@ -78,26 +79,22 @@ def design_finger(request: FingerRequest, material: Material) -> FingerGeometry:
             raise CallerError(f"{name} is {value:g}: give a number above 0")
     offset = rounded(offset_for(request), down=True)
     shape = shape_of(request, offset, material.youngs_modulus_pa.value)
-    wanted = shape.stiffness_n_m2 * request.stiffness_n_per_m / finger_stiffness_n_per_m(shape)
-    at = travel_for_endpoint_m(finger_chain(shape), shape.stiffness_n_m2, request.endpoint_m, request.travel_m)
-    gap = column_gap_m(shape, at)
-    if gap <= 0.0:
-        raise CallerError(
-            f"columns of {1e3 * shape.column_height_m:g} mm would overlap by {-1e3 * gap:.3f} mm at an endpoint of "
-            f"{1e3 * request.endpoint_m:g} mm: fewer columns, or less travel for the same endpoint"
-        )
-    curvature = float(np.abs(bent_per_m(at)).max())
-    force = at.tendon_force_n * wanted / shape.stiffness_n_m2
-    thickness, depth = section_for(request, material, wanted, curvature, force)
-    hole = 0.5 * thickness + WALL_M + HOLE_RADIUS_M
+    chosen = section_for(request, material, shape)
+    section = shape.with_(beam_thickness_m=chosen.thickness_m, beam_depth_m=chosen.depth_m)
+    hole = 0.5 * chosen.thickness_m + WALL_M + HOLE_RADIUS_M
     if offset < hole:
         raise CallerError(
-            f"the tendon would run {1e3 * offset:.2f} mm from the middle of a beam of {1e3 * thickness:.2f} mm, and its "
-            f"hole wants {1e3 * hole:.2f} mm: a travel of {1e3 * request.travel_m:.2f} mm is "
+            f"the tendon would run {1e3 * offset:.2f} mm from the middle of a {1e3 * chosen.thickness_m:.2f} mm beam, "
+            f"and its hole wants {1e3 * hole:.2f} mm: a travel of {1e3 * request.travel_m:.2f} mm is "
             f"{100 * (1 - offset / hole):.0f} % too little for this endpoint"
         )
-    plate = max(PLATE_THICKNESSES * thickness, shape.column_width_m)
-    return shape.with_(beam_thickness_m=thickness, beam_depth_m=depth, plate_thickness_m=rounded(plate))
+    gap = column_gap_m(section, chosen.at)
+    if gap <= 0.0:
+        raise CallerError(
+            f"columns of {1e3 * shape.column_height_m:.2f} mm would overlap by {-1e3 * gap:.3f} mm at an endpoint of "
+            f"{1e3 * request.endpoint_m:g} mm: fewer columns, or less travel for the same endpoint"
+        )
+    return section.with_(plate_thickness_m=rounded(PLATE_THICKNESSES * chosen.thickness_m))
 
 
 def offset_for(request: FingerRequest) -> float:
@@ -139,13 +136,13 @@ def equilibrium_of(shape: FingerGeometry, travel_m: float) -> float:
 
 def shape_of(request: FingerRequest, offset_m: float, youngs_modulus_pa: float) -> FingerGeometry:
     """Return a finger with all lengths along it, and a beam that has yet to get its section."""
-    thin = min(0.1 * offset_m, request.least_thickness_m)
+    thin = min(0.1 * offset_m, request.least_thickness_m)  # of no weight yet: lengths decide where the endpoint goes
     return FingerGeometry(
         overall_length_m=request.overall_length_m,
         plate_length_m=request.plate_length_m,
         columns=request.columns,
         column_width_m=request.column_width_m,
-        column_height_m=COLUMN_HEIGHT_OFFSETS * offset_m,
+        column_height_m=max(COLUMN_HEIGHT_OFFSETS * offset_m, rounded(offset_m + HOLE_RADIUS_M + WALL_M)),
         tendon_offset_m=offset_m,
         beam_thickness_m=thin,
         beam_depth_m=request.depth_m,
@@ -155,43 +152,85 @@ def shape_of(request: FingerRequest, offset_m: float, youngs_modulus_pa: float) 
     )
 
 
-def section_for(
-    request: FingerRequest, material: Material, stiffness_n_m2: float, curvature_per_m: float, force_n: float
-) -> tuple[float, float]:
-    """Return thickness and depth [m] of a beam of this bending stiffness: the depth nearest to the one wished for.
+def section_for(request: FingerRequest, material: Material, shape: FingerGeometry) -> Section:
+    """Return the section that gives the stiffness without yielding: the depth nearest to the one wished for.
 
-    Raises CallerError where no section is thick enough to make, shallow enough, and unyielding at this curvature.
+    Raises CallerError where no section is thick enough to make, shallow enough, and unyielding at the endpoint.
     """
-    modulus, limit = material.youngs_modulus_pa.value, material.yield_stress_pa.value
-    at_depth = 12.0 * stiffness_n_m2 / modulus  # b t^3
-    thinnest = max((at_depth / request.most_depth_m) ** (1.0 / 3.0), request.least_thickness_m)
-    thickest = (at_depth / LEAST_DEPTH_M) ** (1.0 / 3.0)
-    if thickest < request.least_thickness_m:
+    if request.most_depth_m < LEAST_DEPTH_M:
         raise CallerError(
-            f"a finger of {request.stiffness_n_per_m:g} N/m wants a beam of at most {1e3 * thickest:.3f} mm, even if "
-            f"only {1e3 * LEAST_DEPTH_M:g} mm deep; the thinnest to be made is {1e3 * request.least_thickness_m:g} mm, "
-            f"{request.least_thickness_m / thickest:.2f} times that: another process, or a softer material"
+            f"a depth of at most {1e3 * request.most_depth_m:g} mm has no room for two tendon legs side by side: "
+            f"{1e3 * (LEAST_DEPTH_M - request.most_depth_m):g} mm more are needed"
         )
-    if thinnest > thickest:
+    found = sections(request, shape)
+    if not found:
+        thinnest = rounded(request.least_thickness_m, up=True)
+        depth = depth_at(request, shape.with_(beam_thickness_m=thinnest))
         raise CallerError(
-            f"a depth of at most {1e3 * request.most_depth_m:g} mm has no room for two tendon legs side by side: give "
-            f"{1e3 * LEAST_DEPTH_M:g} mm or more"
+            f"a beam of {1e3 * thinnest:.2f} mm, the thinnest to be made, would have to be {1e3 * depth:.3f} mm deep "
+            f"for {request.stiffness_n_per_m:g} N/m; two tendon legs want {1e3 * LEAST_DEPTH_M:g} mm, "
+            f"{LEAST_DEPTH_M / depth:.1f} times that: another process, a softer material, or a stiffer finger"
         )
-    grid = ROUNDED_M * np.arange(math.ceil(thinnest / ROUNDED_M - 1e-9), math.floor(thickest / ROUNDED_M + 1e-9) + 1)
-    sections = [(rounded(float(t)), rounded(at_depth / t**3)) for t in grid]
-    stresses = [0.5 * modulus * t * curvature_per_m + force_n / (t * b) for t, b in sections]
-    fitting = [(t, b) for (t, b), stress in zip(sections, stresses, strict=True) if stress <= limit]
-    if not sections or not fitting:
-        stress = min(stresses, default=0.5 * modulus * thinnest * curvature_per_m)
+    roomy = [section for section in found if section.depth_m <= request.most_depth_m]
+    if not roomy:
         raise CallerError(
-            f"the beam would bear {1e-6 * stress:.1f} MPa at an endpoint of {1e3 * request.endpoint_m:g} mm, "
-            f"{100 * (stress / limit - 1):.0f} % above the {1e-6 * limit:g} MPa at which {material.name} yields, with "
-            f"the thinnest beam that fits ({1e3 * thinnest:.2f} mm): more length to bend, more depth, or less stiffness"
+            f"for {request.stiffness_n_per_m:g} N/m the beam would be {1e3 * found[-1].depth_m:.2f} mm deep, "
+            f"{1e3 * (found[-1].depth_m - request.most_depth_m):.2f} mm more than there is room for"
         )
-    return min(fitting, key=lambda section: abs(section[1] - request.depth_m))
+    limit = material.yield_stress_pa.value
+    fitting = [section for section in roomy if section.stress_pa <= limit]
+    if not fitting:
+        least = min(roomy, key=lambda section: section.stress_pa)
+        raise CallerError(
+            f"the beam would bear {1e-6 * least.stress_pa:.1f} MPa at an endpoint of {1e3 * request.endpoint_m:g} mm, "
+            f"{100 * (least.stress_pa / limit - 1):.0f} % above the {1e-6 * limit:g} MPa at which {material.name} "
+            f"yields ({1e3 * least.thickness_m:.2f} mm thick, {1e3 * least.depth_m:.2f} mm deep): more length, more depth, or "
+            "a softer finger"
+        )
+    return min(fitting, key=lambda section: abs(section.depth_m - request.depth_m))
 
 
-def rounded(length_m: float, *, down: bool = False) -> float:
+class Section(NamedTuple):
+    """A beam's section that gives the stiffness asked for, the finger at its endpoint, and its stress there."""
+
+    thickness_m: float
+    depth_m: float
+    at: Equilibrium
+    stress_pa: float
+
+
+def sections(request: FingerRequest, shape: FingerGeometry) -> list[Section]:
+    """Return all sections of the wanted stiffness that can be made and are deep enough, thinnest first.
+
+    Of those too deep only the least deep one is kept, for the message.
+    """
+    found: list[Section] = []
+    thickness = rounded(request.least_thickness_m, up=True)
+    while thickness < 2.0 * shape.tendon_offset_m:
+        depth = depth_at(request, shape.with_(beam_thickness_m=thickness))
+        if depth < LEAST_DEPTH_M:
+            break
+        if depth <= 1.2 * request.most_depth_m:
+            found.append(section_at(request, shape.with_(beam_thickness_m=thickness, beam_depth_m=rounded(depth))))
+        thickness = rounded(thickness + ROUNDED_M)
+    return found
+
+
+def section_at(request: FingerRequest, geometry: FingerGeometry) -> Section:
+    """Return a section with what happens in it at the endpoint."""
+    chain = finger_chain(geometry)
+    at = travel_for_endpoint_m(chain, geometry.stiffness_n_m2, request.endpoint_m, request.travel_m)
+    stress = float(beam_stress_pa(geometry, at).max())
+    return Section(geometry.beam_thickness_m, geometry.beam_depth_m, at, stress)
+
+
+def depth_at(request: FingerRequest, geometry: FingerGeometry) -> float:
+    """Return the depth [m] that gives the stiffness asked for: both are proportional."""
+    return geometry.beam_depth_m * request.stiffness_n_per_m / finger_stiffness_n_per_m(geometry)
+
+
+def rounded(length_m: float, *, down: bool = False, up: bool = False) -> float:
     """Return a length as a drawing says it: in hundredths of a millimetre."""
     count = length_m / ROUNDED_M
-    return round((math.floor(count + 1e-9) if down else round(count)) * ROUNDED_M, 8)
+    whole = math.floor(count + 1e-9) if down else math.ceil(count - 1e-9) if up else round(count)
+    return round(whole * ROUNDED_M, 8)

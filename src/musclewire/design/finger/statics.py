@@ -1,8 +1,8 @@
 """Equilibrium of a finger at a given tendon travel: large deflection in the plane, endpoint force, contact.
 
-The energy of bending, EI/2 sum (turn - natural turn)^2 / h, is least under the constraint that the chords of the tendon
-have become shorter by the travel. The multiplier of the constraint is the tendon's force, both legs together. Newton's
-method on angles and multiplier, with exact second derivatives; small systems, solved densely.
+The energy of bending, EI/2 sum (turn - natural turn)^2 / length, is least under the constraint that the chords of the
+tendon have become shorter by the travel. The multiplier of the constraint is the tendon's force, both legs together.
+Newton's method on angles and multiplier, with exact second derivatives; small systems, solved densely.
 """
 
 from __future__ import annotations
@@ -73,8 +73,8 @@ class Problem:
     ) -> None:
         """Remember loads; ``chord_weights`` (n_chords,) are the chords' shares of the tendon's force at the palm."""
         self.chain = chain
-        self.bending = chain.turns.T @ ((stiffness_n_m2 / chain.element_length_m)[:, None] * chain.turns)
-        self.natural = chain.turns.T @ (stiffness_n_m2 / chain.element_length_m * chain.natural_turn_rad)
+        self.bending = chain.turns.T @ ((stiffness_n_m2 / chain.yielding_m)[:, None] * chain.turns)
+        self.natural = chain.turns.T @ (stiffness_n_m2 / chain.yielding_m * chain.natural_turn_rad)
         self.resting = place(chain, chain.resting_angles_rad)
         self.endpoint_force_n, self.foam = endpoint_force_n, foam
         self.weights = np.ones(chain.chords_m.shape[0]) if chord_weights is None else chord_weights
