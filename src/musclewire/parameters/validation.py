@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
@@ -31,10 +31,21 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
     place = ".".join(str(part) for part in problem["loc"])
     if problem["type"] == "extra_forbidden":
         return f"unknown key '{place}'{nearest_hint(str(problem['loc'][-1]), known_keys(model, problem['loc']))}"
+    if problem["type"] in ("union_tag_invalid", "union_tag_not_found"):
+        return tag_problem(place, {name: str(text) for name, text in problem["ctx"].items()})
     message = str(problem["msg"]).removeprefix("Value error, ").replace("\n", " ")
     if problem["type"] == "missing":
         return f"the key '{place}' is missing"
     return f"{place}: {message}" if place else message
+
+
+def tag_problem(place: str, context: Mapping[str, str]) -> str:
+    """Return what is wrong with the key that tells which model of a union is meant."""
+    key = context["discriminator"].strip("'")
+    if "tag" not in context:
+        return f"the key '{place}.{key}' is missing"
+    known = [name.strip(" '") for name in context["expected_tags"].split(",")]
+    return f"{place}: there is no {key} '{context['tag']}'{nearest_hint(context['tag'], known)}"
 
 
 def known_keys(model: type[BaseModel], place: Iterable[Any]) -> list[str]:

@@ -11,7 +11,7 @@ finger = "lan-fan-2010"
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -144,7 +144,8 @@ class Parts(BaseModel):
     def _parts_fit_together(self) -> Parts:
         for kind in ONCE:
             if self.count(kind) > 1:
-                raise ValueError(f"there are {self.count(kind)} parts '{kind.model_fields['part'].annotation}', 1 fits")
+                name = get_args(kind.model_fields["part"].annotation)[0]
+                raise ValueError(f"there are {self.count(kind)} parts '{name}', 1 fits")
         if sum(self.count(kind) for kind in SECOND_WIRES) > 1:
             raise ValueError("a rig has room for one second wire: antagonist, parallel wire or second finger")
         if self.count(SecondFinger) and not (self.count(Finger) and self.count(Contact)):

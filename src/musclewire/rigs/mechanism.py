@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve, load_finger
-from musclewire.rigs.load_parts import Blocked, Contact, Finger, Part, Pretensioner, Spring, Weight
+from musclewire.rigs.load_parts import Antagonist, Blocked, Contact, Finger, Part, Pretensioner, Spring, Weight
 from musclewire.simulate.loads import Load, spring_load, with_table
 
 __all__ = ["Mechanism", "Tendon", "mechanism_of"]
@@ -28,7 +28,8 @@ SOLVE_POINTS = 20001
 class Tendon:
     """A finger at a connector, from the connector's displacement [m] to what the finger does; arrays of any shape.
 
-    ``start_m`` is the tendon travel that a pretension without pretensioner has already taken up.
+    ``start_m`` is the tendon travel that is taken up before the connector moves: by a pretension without pretensioner,
+    or by a stage that pulls the finger back.
     """
 
     curve: FingerCurve
@@ -69,10 +70,13 @@ class Tendon:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """A load for the simulator, what it adds to the stage's pretension, and the finger, if there is one."""
+    """A load for the simulator, what it adds to the stage's pretension, and the finger, if there is one.
+
+    ``added_n`` is the pull of hanging weights, and of a tendon that its own stage has drawn taut.
+    """
 
     load: Load
-    weight_n: float
+    added_n: float
     stage: bool
     tendon: Tendon | None
 
@@ -83,38 +87,45 @@ def of_kind(parts: Sequence[Part], kind: type[Kind]) -> list[Kind]:
 
 
 def mechanism_of(
-    parts: Sequence[Part], *, pretension_n: float, leg_length_m: float, object_between: bool = False
+    parts: Sequence[Part],
+    *,
+    pretension_n: float,
+    leg_length_m: float,
+    object_between: bool = False,
+    tendon_slack_m: float | None = None,
 ) -> Mechanism:
     """Return what the parts at a connector are together, at a setting of the stage.
 
-    A pretensioner, spring or mount carries the stage's pretension; with none of them the finger must, and is bent
-    before anything is heated. ``object_between`` leaves the contact to the pair of fingers that share it.
+    A pretensioner, spring, mount or antagonist carries the stage's pretension; with none of them the finger must, and
+    is bent before anything is heated. ``object_between`` leaves the contact to the pair of fingers that share it.
     Raises CallerError where the finger cannot carry the pretension.
     """
     carrying = [part.stiffness for part in of_kind(parts, Pretensioner)]
     carrying += [part.stiffness for part in of_kind(parts, Spring) if part.slack == 0.0]
     carrying += [part.mount_stiffness for part in of_kind(parts, Blocked)]
-    weight_n = sum(part.force for part in of_kind(parts, Weight))
+    stiffness = sum(carrying, start=0.0)
+    against = of_kind(parts, Antagonist)
+    weight_n = sum((part.force for part in of_kind(parts, Weight)), start=0.0)
     contact = None if object_between else next(iter(of_kind(parts, Contact)), None)
     finger = next(iter(of_kind(parts, Finger)), None)
     tendon = None
     if finger is not None:
         curve = load_finger(finger.finger).curve
         tendon = Tendon(curve, finger.slack, 0.0, contact)
-        if not carrying:
+        if not (carrying or against):
             tendon = Tendon(curve, 0.0, travel_at_force(tendon, pretension_n, finger.finger), contact)
-    stage = bool(carrying) or finger is not None or not weight_n
+    stage = bool(carrying or against) or finger is not None or not weight_n
     late = [part for part in of_kind(parts, Spring) if part.slack > 0.0]
     if tendon is None and not late and contact is None:
-        return Mechanism(spring_load(sum(carrying)), weight_n, stage, None)
+        return Mechanism(spring_load(stiffness), weight_n, stage, None)
     load = with_table(
-        sum(carrying),
+        stiffness,
         lambda x: beyond_spring_n(x, late, tendon, contact),
         lambda x: np.zeros_like(x) if tendon is None else tendon_friction_n(tendon, x),
         reach_m=LARGEST_CONTRACTION * leg_length_m,
         points=TABLE_POINTS,
     )
-    return Mechanism(load, weight_n, stage, tendon)
+    return Mechanism(load, added_n, stage, tendon)
 
 
 def beyond_spring_n(

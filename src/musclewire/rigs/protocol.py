@@ -7,7 +7,7 @@ from typing import Protocol, Self, runtime_checkable
 
 from musclewire.signals.samples import RawSample
 
-__all__ = ["HasStage", "Metadata", "Rig"]
+__all__ = ["HasStage", "HasTendonStage", "Metadata", "Rig"]
 
 Metadata = dict[str, str | int | float | bool | None]
 
@@ -95,4 +95,13 @@ class HasStage(Protocol):
 
     def set_pretension(self, pretension_n: float) -> None:
         """Move the stage until the cold wire carries this force, both legs together."""
+        ...
+
+
+@runtime_checkable
+class HasTendonStage(Protocol):
+    """A rig whose second stage carries the finger: it lets the tendon hang through or draws it taut."""
+
+    def set_tendon_slack(self, slack_m: float) -> None:
+        """Move the finger's stage until the tendon hangs through by this much; below 0 it is drawn taut."""
         ...

@@ -59,7 +59,8 @@ class SimulatedRig:
         air = surroundings or Surroundings()
         self._weather = None if air.still else Weather(air, seed)
         self._check_pretension(self._bench["pretension_n"])
-        self._mechanism = self._mechanism_now()
+        self._tendon_slack_m: float | None = None
+        self._mechanism = self._mechanism_at(self._bench["pretension_n"])
         self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
         self._drive_voltage_v = 0.0
         self._off_for_good = False
@@ -71,15 +72,16 @@ class SimulatedRig:
         self._next_due_s: float | None = None
         self._steps = self._steps_of_a_sample()
 
-    def _mechanism_now(self) -> Mechanism:
-        """Return what the wire pulls at the bench's pretension."""
+    def _mechanism_at(self, pretension_n: float) -> Mechanism:
+        """Return what the wire pulls at a pretension of the stage."""
         if not self._parts:
             return Mechanism(spring_load(self._bench["spring_stiffness_n_per_m"]), 0.0, True, None)
         return mechanism_of(
             self._parts,
-            pretension_n=self._bench["pretension_n"],
+            pretension_n=pretension_n,
             leg_length_m=self.leg_length_m,
             object_between=any(isinstance(part, SecondFinger) for part in self._parts),
+            tendon_slack_m=self._tendon_slack_m,
         )
 
     def _steps_of_a_sample(self) -> int:
@@ -170,7 +172,7 @@ class SimulatedRig:
     @property
     def _pretension_n(self) -> float:
         """Force of the cold wire: the stage's and what hangs on it."""
-        return (self._bench["pretension_n"] if self._mechanism.stage else 0.0) + self._mechanism.weight_n
+        return (self._bench["pretension_n"] if self._mechanism.stage else 0.0) + self._mechanism.added_n
 
     def _load_metadata(self) -> Metadata:
         """Return what a recording should say about what the wire pulls."""
@@ -193,10 +195,11 @@ class SimulatedRig:
         self._drive_voltage_v = 0.0
         changed = self._around.pretension_n.model_copy(update={"value": pretension_n})
         around = self._around.model_copy(update={"pretension_n": changed})
-        self._around, self._bench, before = around, around.values(), self._wires
-        self._mechanism = self._mechanism_now()
-        self._wires = wires_of(self._alloy, self._wire, around, self._parts, self._mechanism, new_wire=self._new_wire)
-        self._wires.age_like(before)
+        # All that may be refused comes first: a refused setting leaves the rig at the one before.
+        mechanism = self._mechanism_at(pretension_n)
+        wires = wires_of(self._alloy, self._wire, around, self._parts, mechanism, new_wire=self._new_wire)
+        wires.age_like(self._wires)
+        self._around, self._bench, self._mechanism, self._wires = around, around.values(), mechanism, wires
 
     def _check_pretension(self, pretension_n: float) -> None:
         allowed = self._wire_values["maximum_force_n"]
@@ -251,11 +254,12 @@ class SimulatedRig:
         tendon = self._mechanism.tendon
         assert tendon is not None
         end_m = tendon.curve.tendon_travel_m[-1]
-        if means.displacement_m + tendon.start_m - tendon.slack_m > end_m:
+        travel_m = means.displacement_m + tendon.start_m - tendon.slack_m
+        if travel_m > end_m:
             self.close()
             raise RigError(
-                f"the connector has moved {1e3 * means.displacement_m:.3f} mm, beyond what the finger's file tells "
-                f"(tendon travel up to {1e3 * end_m:.3f} mm); the drive is off: drive less, or compute the finger on"
+                f"the tendon has travelled {1e3 * travel_m:.3f} mm, {1e3 * (travel_m - end_m):.3f} mm more than the "
+                f"finger's file tells ({1e3 * end_m:.3f} mm); the drive is off: drive less, or compute the finger on"
             )
         force = means.grip_n if means.grip_n is not None else float(tendon.endpoint_force_n(means.displacement_m))
         return float(tendon.endpoint_m(means.displacement_m, force)), force

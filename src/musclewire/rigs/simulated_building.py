@@ -25,10 +25,18 @@ def wires_of(
 ) -> SimulatedWires:
     """Return the wires of a rig, cold and at rest under the stage's pretension and whatever hangs on the connector.
 
-    Raises CallerError for numbers that cannot belong to a wire, or an unknown second wire.
+    Raises CallerError for numbers that cannot belong to a wire, for a force or voltage that one does not allow, and
+    for an unknown second wire.
     """
 
     def made(spool: Wire, metal: Alloy, load: Load, *, rubs: bool, pretension_n: float) -> WireConstants:
+        allowed_n = spool.maximum_force_n.value
+        if pretension_n > allowed_n:
+            raise CallerError(
+                f"stage and weight pull the cold wire {spool.name} with {pretension_n:g} N, "
+                f"{pretension_n - allowed_n:.3g} N more than the {allowed_n:g} N it allows: a lighter weight, less "
+                "pretension or a thicker wire"
+            )
         around = bench.model_copy(
             update={
                 "pretension_n": bench.pretension_n.model_copy(update={"value": pretension_n}),
@@ -38,7 +46,7 @@ def wires_of(
         return constants_from(metal, spool, around, load=load, new_wire=new_wire)
 
     stage_n = bench.pretension_n.value if mechanism.stage else 0.0
-    cold_n = stage_n + mechanism.weight_n
+    cold_n = stage_n + mechanism.added_n
     partner = next((part for part in parts if isinstance(part, (Antagonist, ParallelWire, SecondFinger))), None)
     if partner is None:
         return OneWire(made(wire, alloy, mechanism.load, rubs=True, pretension_n=cold_n))
@@ -53,6 +61,11 @@ def wires_of(
         return TwoWires((both[0], both[1]), pair, grip_between(parts, mechanism.tendon, both[0]))
     alone = spring_load(0.0)
     if isinstance(partner, Antagonist):
+        if partner.voltage > other.maximum_voltage_v.value:
+            raise CallerError(
+                f"the antagonist's voltage of {partner.voltage:g} V is above the {other.maximum_voltage_v.value:g} V "
+                f"that wire {other.name} allows"
+            )
         first = made(wire, alloy, mechanism.load, rubs=True, pretension_n=cold_n)
         second = made(other, metal, alone, rubs=False, pretension_n=stage_n)
         pair = Pair(-1.0, OWN_SUPPLY, partner.voltage, first.series_resistance_ohm)

@@ -17,6 +17,8 @@ __all__ = ["Air", "Surroundings", "Weather"]
 STRONGEST = 3.0
 LEAST_CONVECTION = 0.2
 STREAM = 7919
+# The convection table stands at the bench's own air; further from it the table would no longer be of that air.
+LARGEST_SWING_K = 20.0
 
 
 def seconds(given: object) -> object:
@@ -26,6 +28,8 @@ def seconds(given: object) -> object:
 
 def kelvins(given: object) -> object:
     """Take a temperature difference as a number in kelvins or as text with a unit."""
+    if isinstance(given, str) and given.rstrip().endswith(("degC", "degF", "°C", "°F", "celsius", "fahrenheit")):
+        raise ValueError(f"'{given}': a difference of temperatures is needed, like '3 K'")
     return converted(given, "K")
 
 
@@ -40,7 +44,7 @@ def converted(given: object, unit: str) -> object:
 
 
 Seconds = Annotated[float, BeforeValidator(seconds), Field(gt=0.0, allow_inf_nan=False)]
-Kelvins = Annotated[float, BeforeValidator(kelvins), Field(ge=0.0, allow_inf_nan=False)]
+Kelvins = Annotated[float, BeforeValidator(kelvins), Field(ge=0.0, le=LARGEST_SWING_K, allow_inf_nan=False)]
 
 
 class Surroundings(BaseModel):

@@ -102,6 +102,22 @@ def contraction_at(
 
 
 @compiled
+def connectors_m(
+    first: WireNumbers,
+    second: WireNumbers,
+    first_constants: WireConstants,
+    second_constants: WireConstants,
+    direction: float,
+) -> tuple[float, float]:
+    """Return how far both connectors have moved, each the way its wire pulls; a slack wire does not tell."""
+    own, other = first.contraction * first_constants.leg_length_m, second.contraction * second_constants.leg_length_m
+    if direction == APART:
+        return own, other
+    x = own if first.stress_pa > 0.0 or second.stress_pa <= 0.0 else direction * other
+    return x, direction * x
+
+
+@compiled
 def shared_stresses(
     first: WireNumbers,
     second: WireNumbers,
@@ -114,27 +130,31 @@ def shared_stresses(
     """Return the stresses of two wires on one connector in balance with its load: Newton on its displacement.
 
     N_1 s_1 + d N_2 s_2 = F_p1 + d F_p2 + k x + what the table adds + friction, x = S_1 l_1 = d S_2 l_2; a wire that
-    the connector leaves slack carries nothing.
+    the connector leaves slack carries nothing, and either may be.
     """
     one, other = first_constants, second_constants
     section, other_section = one.legs * one.area_m2, other.legs * other.area_m2
     stress, other_stress = first.stress_pa, second.stress_pa
+    x, _ = connectors_m(first, second, one, other, direction)
     for _ in range(NEWTON_STEPS):
         shortened, taken = contraction_at(first, one, first_freshness, stress)
         other_shortened, other_taken = contraction_at(second, other, second_freshness, other_stress)
         per_m, other_per_m = 1.0 / (one.leg_length_m * taken), 1.0 / (other.leg_length_m * other_taken)
         # Linear in the displacement x from here on: both stresses and the load.
-        x = shortened * one.leg_length_m
+        pulled = stress - (x - shortened * one.leg_length_m) * per_m
+        other_pulled = other_stress - (direction * x - other_shortened * other.leg_length_m) * other_per_m
         beyond_n, beyond_n_per_m = load_beyond_spring(one, x)
         stiffness = one.spring_stiffness_n_per_m + beyond_n_per_m
         load_n = one.pretension_n + direction * other.pretension_n + one.spring_stiffness_n_per_m * x + beyond_n
-        other_lag_m = direction * x - other_shortened * other.leg_length_m
-        pulled_stress = other_stress - other_lag_m * other_per_m
-        holds = 1.0 if pulled_stress > 0.0 else 0.0
-        missing_n = section * stress + direction * other_section * max(pulled_stress, 0.0) - load_n - first.friction_n
-        move_m = missing_n / (section * per_m + holds * other_section * other_per_m + stiffness)
-        stress = max(stress - move_m * per_m, 0.0)
-        other_stress = max(pulled_stress - direction * move_m * other_per_m, 0.0)
+        missing_n = section * max(pulled, 0.0) + direction * other_section * max(other_pulled, 0.0)
+        missing_n -= load_n + first.friction_n
+        slack = pulled <= 0.0 and other_pulled <= 0.0
+        holding = section * per_m if pulled > 0.0 or slack else 0.0
+        other_holding = other_section * other_per_m if other_pulled > 0.0 or slack else 0.0
+        move_m = missing_n / (holding + other_holding + stiffness)
+        x += move_m
+        stress = max(pulled - move_m * per_m, 0.0)
+        other_stress = max(other_pulled - direction * move_m * other_per_m, 0.0)
     return stress, other_stress
 
 
@@ -226,6 +246,7 @@ def advance_pair_plain(
     first, second = WireNumbers(*first_numbers), WireNumbers(*second_numbers)
     first_freshness, second_freshness = freshness_of(one, first.cycles), freshness_of(other, second.cycles)
     wire_v, shunt_v, moved, force, other_moved, other_force, grip_sum = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    x, y = connectors_m(first, second, one, other, pair.direction)
     for _ in range(steps):
         first_ohm = first.resistance_ohm + 0.5 * dt_s * first.resistance_rate_ohm_per_s
         second_ohm = second.resistance_ohm + 0.5 * dt_s * second.resistance_rate_ohm_per_s
@@ -245,9 +266,11 @@ def advance_pair_plain(
         first, second, grip_n = settled_pair(
             first, second, one, other, first_freshness, second_freshness, (rise, other_rise), dt_s, pair, grip
         )
-        moved += 0.5 * (before.contraction + first.contraction) * one.leg_length_m
+        x_before, y_before = x, y
+        x, y = connectors_m(first, second, one, other, pair.direction)
+        moved += 0.5 * (x_before + x)
         force += 0.5 * (before.stress_pa + first.stress_pa) * one.legs * one.area_m2
-        other_moved += 0.5 * (other_before.contraction + second.contraction) * other.leg_length_m
+        other_moved += 0.5 * (y_before + y)
         other_force += 0.5 * (other_before.stress_pa + second.stress_pa) * other.legs * other.area_m2
         grip_sum += grip_n
     means = (
