@@ -98,6 +98,7 @@ def mechanism_of(
 
     A pretensioner, spring, mount or antagonist carries the stage's pretension; with none of them the finger must, and
     is bent before anything is heated. ``object_between`` leaves the contact to the pair of fingers that share it.
+    ``tendon_slack_m`` takes the place of the finger's own; below 0 the finger's stage pulls the tendon taut by as much.
     Raises CallerError where the finger cannot carry the pretension.
     """
     carrying = [part.stiffness for part in of_kind(parts, Pretensioner)]
@@ -105,19 +106,21 @@ def mechanism_of(
     carrying += [part.mount_stiffness for part in of_kind(parts, Blocked)]
     stiffness = sum(carrying, start=0.0)
     against = of_kind(parts, Antagonist)
-    weight_n = sum((part.force for part in of_kind(parts, Weight)), start=0.0)
+    added_n = weight_n = sum((part.force for part in of_kind(parts, Weight)), start=0.0)
     contact = None if object_between else next(iter(of_kind(parts, Contact)), None)
     finger = next(iter(of_kind(parts, Finger)), None)
     tendon = None
     if finger is not None:
         curve = load_finger(finger.finger).curve
-        tendon = Tendon(curve, finger.slack, 0.0, contact)
+        slack_m = finger.slack if tendon_slack_m is None else tendon_slack_m
+        tendon = Tendon(curve, max(slack_m, 0.0), max(-slack_m, 0.0), contact)
+        added_n += float(tendon.force_n(0.0, float(tendon.endpoint_force_n(0.0))))
         if not (carrying or against):
             tendon = Tendon(curve, 0.0, travel_at_force(tendon, pretension_n, finger.finger), contact)
     stage = bool(carrying or against) or finger is not None or not weight_n
     late = [part for part in of_kind(parts, Spring) if part.slack > 0.0]
     if tendon is None and not late and contact is None:
-        return Mechanism(spring_load(stiffness), weight_n, stage, None)
+        return Mechanism(spring_load(stiffness), added_n, stage, None)
     load = with_table(
         stiffness,
         lambda x: beyond_spring_n(x, late, tendon, contact),

@@ -60,7 +60,7 @@ class SimulatedRig:
         self._weather = None if air.still else Weather(air, seed)
         self._check_pretension(self._bench["pretension_n"])
         self._tendon_slack_m: float | None = None
-        self._mechanism = self._mechanism_at(self._bench["pretension_n"])
+        self._mechanism = self._mechanism_at(self._bench["pretension_n"], None)
         self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
         self._drive_voltage_v = 0.0
         self._off_for_good = False
@@ -72,8 +72,8 @@ class SimulatedRig:
         self._next_due_s: float | None = None
         self._steps = self._steps_of_a_sample()
 
-    def _mechanism_at(self, pretension_n: float) -> Mechanism:
-        """Return what the wire pulls at a pretension of the stage."""
+    def _mechanism_at(self, pretension_n: float, tendon_slack_m: float | None) -> Mechanism:
+        """Return what the wire pulls at a setting of the stages."""
         if not self._parts:
             return Mechanism(spring_load(self._bench["spring_stiffness_n_per_m"]), 0.0, True, None)
         return mechanism_of(
@@ -81,7 +81,7 @@ class SimulatedRig:
             pretension_n=pretension_n,
             leg_length_m=self.leg_length_m,
             object_between=any(isinstance(part, SecondFinger) for part in self._parts),
-            tendon_slack_m=self._tendon_slack_m,
+            tendon_slack_m=tendon_slack_m,
         )
 
     def _steps_of_a_sample(self) -> int:
@@ -192,14 +192,31 @@ class SimulatedRig:
         self._check_pretension(pretension_n)
         if not self._mechanism.stage:
             raise CallerError("a hanging weight is the pretension: change the part 'weight' instead of the stage")
-        self._drive_voltage_v = 0.0
         changed = self._around.pretension_n.model_copy(update={"value": pretension_n})
-        around = self._around.model_copy(update={"pretension_n": changed})
+        self._cool_at(self._around.model_copy(update={"pretension_n": changed}), self._tendon_slack_m)
+
+    def set_tendon_slack(self, slack_m: float) -> None:
+        """Let the wire cool, then move the finger's stage: the tendon hangs through by this, or is taut below 0.
+
+        Raises CallerError where there is no finger on a pretensioner, or the tendon would be drawn beyond the
+        finger's curve.
+        """
+        tendon = self._mechanism.tendon
+        if tendon is None or not self._mechanism.load.stiffness_n_per_m:
+            raise CallerError("there is no tendon to set: this rig has no finger beside a pretensioner")
+        if not -slack_m <= tendon.curve.tendon_travel_m[-1]:
+            raise CallerError(f"the tendon cannot be drawn {-1e3 * slack_m:g} mm: the finger's curve ends before")
+        self._cool_at(self._around, slack_m)
+
+    def _cool_at(self, around: Bench, tendon_slack_m: float | None) -> None:
+        """Let the wires cool at another setting of the stages."""
+        self._drive_voltage_v = 0.0
         # All that may be refused comes first: a refused setting leaves the rig at the one before.
-        mechanism = self._mechanism_at(pretension_n)
+        mechanism = self._mechanism_at(around.pretension_n.value, tendon_slack_m)
         wires = wires_of(self._alloy, self._wire, around, self._parts, mechanism, new_wire=self._new_wire)
         wires.age_like(self._wires)
-        self._around, self._bench, self._mechanism, self._wires = around, around.values(), mechanism, wires
+        self._around, self._bench, self._tendon_slack_m = around, around.values(), tendon_slack_m
+        self._mechanism, self._wires = mechanism, wires
 
     def _check_pretension(self, pretension_n: float) -> None:
         allowed = self._wire_values["maximum_force_n"]
