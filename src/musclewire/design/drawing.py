@@ -1,0 +1,158 @@
+"""Drawings that a cutter or a slicer reads: closed outlines of lines and arcs, one to one in millimetres.
+
+An outline is a ring of vertices; the way from each to the next is straight, or an arc that is told by its bulge, the
+tangent of a quarter of the angle it turns by, left positive: DXF's own way to say it, exact at any scale.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+from xml.sax.saxutils import escape
+
+from musclewire.errors import CallerError
+
+__all__ = ["Circle", "Drawing", "Vertex", "ring_area_m2", "rounded", "write_dxf", "write_svg"]
+
+MM = 1e3
+MARGIN_MM = 2.0
+# Hairlines cut, by the usage of common laser cutters.
+LINE_MM = 0.1
+
+
+class Vertex(NamedTuple):
+    """A vertex of an outline [m] and the bulge of the way to the next."""
+
+    x_m: float
+    y_m: float
+    bulge: float = 0.0
+
+
+class Circle(NamedTuple):
+    """A hole: centre and diameter [m]."""
+
+    x_m: float
+    y_m: float
+    diameter_m: float
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A part: its outline counter-clockwise, its holes, its name, and what else is to be known of it."""
+
+    outline: tuple[Vertex, ...]
+    holes: tuple[Circle, ...]
+    title: str
+    note: str = ""
+
+    @property
+    def area_m2(self) -> float:
+        """Area of the part [m^2]."""
+        return ring_area_m2(self.outline) - sum(math.pi * hole.diameter_m**2 / 4.0 for hole in self.holes)
+
+
+def ring_area_m2(ring: Sequence[Vertex]) -> float:
+    """Return the area inside a ring [m^2]: polygon and the segments of circle that its arcs add; clockwise negative."""
+    area = 0.0
+    for start, end in zip(ring, [*ring[1:], ring[0]], strict=True):
+        area += 0.5 * (start.x_m * end.y_m - end.x_m * start.y_m)
+        angle = 4.0 * math.atan(start.bulge)
+        if angle:
+            radius = math.dist(start[:2], end[:2]) / (2.0 * math.sin(abs(angle) / 2.0))
+            area += math.copysign(0.5 * radius**2 * (abs(angle) - math.sin(abs(angle))), angle)
+    return area
+
+
+def rounded(
+    corner: tuple[float, float], into: tuple[float, float], out: tuple[float, float], radius_m: float
+) -> list[Vertex]:
+    """Return a square corner with a rounding: two vertices and the arc between them.
+
+    ``into`` and ``out`` are the unit vectors of the ways to and from the corner.
+    """
+    if radius_m <= 0.0:
+        return [Vertex(*corner)]
+    turn = math.copysign(1.0, into[0] * out[1] - into[1] * out[0])
+    begin = (corner[0] - radius_m * into[0], corner[1] - radius_m * into[1])
+    end = (corner[0] + radius_m * out[0], corner[1] + radius_m * out[1])
+    return [Vertex(*begin, turn * math.tan(math.pi / 8.0)), Vertex(*end)]
+
+
+def bounds_m(ring: Sequence[Vertex]) -> tuple[float, float, float, float]:
+    """Return the box around a ring's vertices [m]: least x and y, largest x and y."""
+    xs, ys = [vertex.x_m for vertex in ring], [vertex.y_m for vertex in ring]
+    return min(xs), min(ys), max(xs), max(ys)
+
+
+def svg_path(ring: Sequence[Vertex], left_mm: float, top_mm: float) -> str:
+    """Return a ring as an SVG path in millimetres; SVG's y points down, so a left turn becomes a right one."""
+    words: list[str] = []
+    for start, end in zip(ring, [*ring[1:], ring[0]], strict=True):
+        if not words:
+            words.append(f"M {start.x_m * MM - left_mm:.4f} {top_mm - start.y_m * MM:.4f}")
+        x, y = end.x_m * MM - left_mm, top_mm - end.y_m * MM
+        angle = 4.0 * math.atan(start.bulge)
+        if angle:
+            radius = MM * math.dist(start[:2], end[:2]) / (2.0 * math.sin(abs(angle) / 2.0))
+            large, sweep = int(abs(angle) > math.pi), int(angle < 0.0)
+            words.append(f"A {radius:.4f} {radius:.4f} 0 {large} {sweep} {x:.4f} {y:.4f}")
+        else:
+            words.append(f"L {x:.4f} {y:.4f}")
+    return " ".join([*words, "Z"])
+
+
+def svg_text(drawing: Drawing) -> str:
+    """Return the drawing as SVG: width and height in millimetres, so that it prints and imports one to one."""
+    least_x, least_y, most_x, most_y = bounds_m(drawing.outline)
+    left, top = least_x * MM - MARGIN_MM, most_y * MM + MARGIN_MM
+    width, height = (most_x - least_x) * MM + 2 * MARGIN_MM, (most_y - least_y) * MM + 2 * MARGIN_MM
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.3f}mm" height="{height:.3f}mm" '
+        f'viewBox="0 0 {width:.3f} {height:.3f}">',
+        f"  <title>{escape(drawing.title)}</title>",
+        f"  <desc>{escape(drawing.note)}</desc>",
+        f'  <g fill="none" stroke="#d0021b" stroke-width="{LINE_MM}">',
+        f'    <path d="{svg_path(drawing.outline, left, top)}"/>',
+        *(
+            f'    <circle cx="{hole.x_m * MM - left:.4f}" cy="{top - hole.y_m * MM:.4f}" '
+            f'r="{0.5 * hole.diameter_m * MM:.4f}"/>'
+            for hole in drawing.holes
+        ),
+        "  </g>",
+        "</svg>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def write_svg(drawing: Drawing, path: Path) -> None:
+    """Write the drawing as SVG. Raises CallerError where the file cannot be written."""
+    try:
+        path.write_text(svg_text(drawing), encoding="utf-8")
+    except OSError as error:
+        raise CallerError(f"{path} cannot be written: {error.strerror}") from None
+
+
+def write_dxf(drawing: Drawing, path: Path) -> None:
+    """Write the drawing as DXF (R2010, millimetres): one closed polyline with arcs, and circles, on the layer CUT.
+
+    Raises CallerError where the file cannot be written.
+    """
+    from ezdxf import units
+    from ezdxf.filemanagement import new
+
+    document = new("R2010", units=units.MM)
+    document.layers.add("CUT", color=1)
+    space = document.modelspace()
+    points = [(vertex.x_m * MM, vertex.y_m * MM, vertex.bulge) for vertex in drawing.outline]
+    space.add_lwpolyline(points, format="xyb", close=True, dxfattribs={"layer": "CUT"})
+    for hole in drawing.holes:
+        space.add_circle((hole.x_m * MM, hole.y_m * MM), 0.5 * hole.diameter_m * MM, dxfattribs={"layer": "CUT"})
+    document.header["$PROJECTNAME"] = drawing.title
+    try:
+        document.saveas(path)
+    except OSError as error:
+        raise CallerError(f"{path} cannot be written: {error.strerror}") from None

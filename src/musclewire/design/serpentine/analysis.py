@@ -1,0 +1,244 @@
+"""Forwards: what a serpentine does by closed form, beam elements and plane stress, and whether it may be used."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.design.frame import chain_stiffness_n_per_m
+from musclewire.design.serpentine import closed_form
+from musclewire.design.serpentine.geometry import Envelope, SerpentineGeometry
+from musclewire.design.serpentine.strip import FINEST, MESHES, ForceCurve, LinearAnswer, force_curve, linear_answer
+from musclewire.errors import CallerError
+from musclewire.parameters.materials import Material
+
+__all__ = ["Check", "Duty", "Pretensioner", "analyse", "finger_problem"]
+
+# How near to each other two ways to the same number must be.
+BEAMS_TOLERANCE, STRIP_TOLERANCE, MESH_TOLERANCE, CORNER_TOLERANCE = 0.005, 0.03, 0.005, 0.08
+WANTED_TOLERANCE = 0.01
+# Thickness over pitch up to which a strip is thin.
+THIN = 0.1
+# Searle's parameter beyond which a strip bends more like a plate than like a beam.
+PLATE = 10.0
+
+
+class Check(NamedTuple):
+    """A number beside the one it is judged by.
+
+    ``rule`` is "about" (within ``tolerance`` of it, relative), "below", "above", or "shown" where nothing is judged.
+    """
+
+    name: str
+    value: float
+    reference: float
+    unit: str
+    rule: str
+    tolerance: float = 0.0
+
+    @property
+    def ok(self) -> bool:
+        """Whether the rule is kept; rounding in the last digits breaks none."""
+        if self.rule == "shown":
+            return True
+        slack = 1e-9 * abs(self.reference)
+        if self.rule == "below":
+            return self.value <= self.reference + slack
+        if self.rule == "above":
+            return self.value >= self.reference - slack
+        return abs(self.value - self.reference) <= self.tolerance * abs(self.reference)
+
+
+@dataclass(frozen=True)
+class Duty:
+    """What a pretensioner is for: pretension F_p [N], the wire's stroke [m], the finger it works beside [N/m].
+
+    ``travel_m`` is what the connector travels in all, pretension and stroke; without it, it follows from both.
+    """
+
+    pretension_n: float | None = None
+    stroke_m: float = 0.0
+    travel_m: float | None = None
+    finger_stiffness_n_per_m: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that cannot be."""
+        for name in ("pretension_n", "travel_m", "finger_stiffness_n_per_m"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 < value < math.inf:
+                raise CallerError(f"{name} is {value:g}: it must be above 0")
+        if not 0.0 <= self.stroke_m < math.inf:
+            raise CallerError(f"stroke_m is {self.stroke_m:g}: it must be 0 or more")
+
+    def travel_with(self, stiffness_n_per_m: float) -> float | None:
+        """Return the connector's whole travel [m] for a stiffness; None where nothing says how far it goes."""
+        if self.travel_m is not None:
+            return self.travel_m
+        return None if self.pretension_n is None else self.pretension_n / stiffness_n_per_m + self.stroke_m
+
+
+@dataclass(frozen=True)
+class Pretensioner:
+    """A serpentine with all that was computed of it.
+
+    ``linear`` holds one answer per mesh, coarse to fine; ``travel_m`` the connector's travel it was judged at and
+    ``stress_pa`` the largest von Mises stress there, both None where nothing says how far it goes.
+    """
+
+    geometry: SerpentineGeometry
+    material: Material
+    process: str
+    duty: Duty
+    linear: tuple[LinearAnswer, ...]
+    guided: LinearAnswer
+    curve: ForceCurve
+    travel_m: float | None
+    stress_pa: float | None
+    checks: tuple[Check, ...]
+
+    @property
+    def stiffness_n_per_m(self) -> float:
+        """Stiffness along the wire for small travel [N/m], of the finest mesh."""
+        return self.linear[-1].stiffness_n_per_m
+
+    @property
+    def holds(self) -> bool:
+        """Whether every check does."""
+        return all(check.ok for check in self.checks)
+
+    @property
+    def mass_kg(self) -> float:
+        """Mass of the strip without pad and connector [kg]."""
+        length = sum(piece.length_m for piece in self.geometry.centre_line())
+        return length * self.geometry.thickness_m * self.geometry.depth_m * self.material.density_kg_per_m3.value
+
+
+def analyse(
+    geometry: SerpentineGeometry,
+    material: Material,
+    process: str | None = None,
+    duty: Duty | None = None,
+    envelope: Envelope | None = None,
+    wanted_n_per_m: float | None = None,
+) -> Pretensioner:
+    """Return what a serpentine does, and every check of it.
+
+    Raises CallerError for a process that is not known for the material, NumericsError where the strip finds no balance.
+    """
+    asked = duty or Duty()
+    process = material.processes[0] if process is None else process
+    least = material.minimum_thickness_by(process)
+    linear = tuple(linear_answer(geometry, material, across) for across in MESHES)
+    guided = linear_answer(geometry, material, FINEST, guided=True)
+    travel = asked.travel_with(linear[-1].stiffness_n_per_m)
+    curve = force_curve(geometry, material, travel or 0.0)
+    stress = None if travel is None else curve.stress_at(travel)
+    checks = [
+        *model_checks(geometry, material, linear, guided),
+        *use_checks(geometry, asked, linear[-1].stiffness_n_per_m, curve, travel, stress, material),
+        *making_checks(geometry, least, envelope),
+    ]
+    if wanted_n_per_m is not None:
+        checks.insert(
+            0, Check("stiffness", linear[-1].stiffness_n_per_m, wanted_n_per_m, "N/m", "about", WANTED_TOLERANCE)
+        )
+    return Pretensioner(geometry, material, process, asked, linear, guided, curve, travel, stress, tuple(checks))
+
+
+def model_checks(
+    geometry: SerpentineGeometry, material: Material, linear: tuple[LinearAnswer, ...], guided: LinearAnswer
+) -> list[Check]:
+    """Return closed form, beam elements and plane stress beside each other."""
+    modulus, ratio = material.youngs_modulus_pa.value, material.poisson_ratio.value
+    formula = closed_form.stiffness_n_per_m(geometry, modulus)
+    rounded = closed_form.rounded_stiffness_n_per_m(geometry, modulus, ratio)
+    joints = np.array(geometry.vertices_m())
+    section = modulus * geometry.second_moment_m4, modulus * geometry.depth_m * geometry.thickness_m
+    finest = linear[-1].stiffness_n_per_m
+    stiffest = closed_form.guided_factor(geometry) * formula
+    stretched = chain_stiffness_n_per_m(joints, *section)
+    led = chain_stiffness_n_per_m(joints, *section, guided=True)
+    # Square corners count the whole length of beams and links; what rounding takes from it grows with the thickness, so
+    # only thin strips are held to that formula.
+    thin = geometry.thickness_m <= THIN * geometry.pitch_m
+    checks = [
+        Check("beam elements against 3EI/[N a^2 (2a+3p)]", stretched, formula, "N/m", "about", BEAMS_TOLERANCE),
+        Check("beam elements, guided end, against its closed form", led, stiffest, "N/m", "about", BEAMS_TOLERANCE),
+        Check(
+            "plane stress against 3EI/[N a^2 (2a+3p)]",
+            *(finest, formula, "N/m", "about" if thin else "shown", STRIP_TOLERANCE),
+        ),
+        Check("plane stress against rounded corners and shear", finest, rounded, "N/m", "about", STRIP_TOLERANCE),
+    ]
+    for across, answer in zip(MESHES[:-1], linear[:-1], strict=True):
+        name = f"plane stress, {across} across, {answer.unknowns} unknowns, against {FINEST} across"
+        rule = "shown" if across == MESHES[0] else "about"
+        checks.append(Check(name, answer.stiffness_n_per_m, finest, "N/m", rule, MESH_TOLERANCE))
+    factor = linear[-1].stress_pa_per_n / closed_form.nominal_stress_pa(geometry, 1.0)
+    curved = closed_form.corner_stress_factor(geometry)
+    if math.isfinite(curved):
+        checks.append(
+            Check("stress over 6Fa/(bt^2) against a curved beam's", factor, curved, "1", "about", CORNER_TOLERANCE)
+        )
+    checks.append(
+        Check("plane stress, guided end, over the free end", guided.stiffness_n_per_m, finest, "N/m", "above")
+    )
+    return checks
+
+
+def use_checks(
+    geometry: SerpentineGeometry,
+    duty: Duty,
+    stiffness: float,
+    curve: ForceCurve,
+    travel: float | None,
+    stress: float | None,
+    material: Material,
+) -> list[Check]:
+    """Return whether it is strong enough, stiff enough for the pretension, and softer than the finger."""
+    checks = []
+    if travel is not None and stress is not None:
+        allowed = material.allowable_stress_pa.value
+        checks.append(Check("largest stress at the whole travel", stress, allowed, "Pa", "below"))
+        checks.append(Check("travel until the allowed stress", curve.safe_travel_m, travel, "m", "above"))
+        moment = curve.force_at(travel) * geometry.half_length_m
+        width = closed_form.width_parameter(geometry, moment, material.youngs_modulus_pa.value)
+        checks.append(Check("b^2/(R t) against that of a plate", width, PLATE, "1", "below"))
+    if duty.pretension_n is not None:
+        left = max(curve.safe_travel_m - duty.stroke_m, 0.0)
+        checks.append(Check("pull that leaves the stroke safe", curve.force_at(left), duty.pretension_n, "N", "above"))
+        if duty.travel_m is not None:
+            reached = curve.force_at(duty.travel_m)
+            checks.append(Check("pull at the whole travel", reached, duty.pretension_n, "N", "above"))
+    if duty.finger_stiffness_n_per_m is not None:
+        checks.append(Check("softer than the finger", stiffness, duty.finger_stiffness_n_per_m, "N/m", "below"))
+    return checks
+
+
+def making_checks(geometry: SerpentineGeometry, least_m: float, envelope: Envelope | None) -> list[Check]:
+    """Return whether the process makes it and the envelope holds it."""
+    checks = [
+        Check("thickness", geometry.thickness_m, least_m, "m", "above"),
+        Check("gap between beams", geometry.gap_m, least_m, "m", "above"),
+    ]
+    if envelope is not None:
+        sizes = (geometry.across_m, geometry.along_m, geometry.depth_m)
+        names = ("size across the wire", "size along the wire", "size out of plane")
+        checks += [
+            Check(name, size, room, "m", "below") for name, size, room in zip(names, sizes, envelope, strict=True)
+        ]
+    return checks
+
+
+def finger_problem(stiffness_n_per_m: float, finger_n_per_m: float | None) -> str | None:
+    """Return why a pretensioner is too stiff beside a finger, or None: most of the force should go to the finger."""
+    if finger_n_per_m is None or stiffness_n_per_m < finger_n_per_m:
+        return None
+    return (
+        f"a pretensioner of {stiffness_n_per_m:.1f} N/m is no softer than the finger of {finger_n_per_m:.1f} N/m: "
+        f"it is {stiffness_n_per_m - finger_n_per_m:.1f} N/m too stiff, and would take "
+        f"{100 * stiffness_n_per_m / (stiffness_n_per_m + finger_n_per_m):.0f} % of the contraction force"
+    )

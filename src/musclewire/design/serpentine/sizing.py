@@ -1,0 +1,249 @@
+"""Backwards: the serpentine that has a wanted stiffness, fits its envelope, can be made, and lasts its travel.
+
+For a number of beams and a width the envelope gives half length and pitch, and the closed form gives the thickness. The
+fewest beams that keep every limit win, from four up: with two, the stiffness depends by a quarter and more on how the
+connector is guided. Even numbers only: an odd serpentine turns its connector. Then the dimensions are rounded to what a
+drawing says, and plane stress sets the half length, which trims finer than the thickness can.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from scipy.optimize import brentq
+
+from musclewire.design.serpentine import closed_form
+from musclewire.design.serpentine.analysis import WANTED_TOLERANCE, Duty, Pretensioner, analyse, finger_problem
+from musclewire.design.serpentine.geometry import (
+    SHORTEST_HALF_BEAM,
+    USUAL_CORNER,
+    Envelope,
+    Fittings,
+    SerpentineGeometry,
+)
+from musclewire.design.serpentine.strip import linear_answer
+from musclewire.errors import CallerError
+from musclewire.parameters.materials import Material
+
+__all__ = ["PretensionerRequest", "design_pretensioner"]
+
+STEP_M = 1e-5
+BEAM_NUMBERS = (*range(4, 41, 2), 2)
+WIDTH_SHARES = (1.0, 0.85, 0.7, 0.55, 0.4, 0.3)
+# Thinner than a hair is out of every process's reach; it only bounds the search.
+THINNEST_M = 5e-6
+
+
+@dataclass(frozen=True)
+class PretensionerRequest:
+    """What is wanted: a stiffness [N/m] and a duty, of a material, by a process, within an envelope."""
+
+    stiffness_n_per_m: float
+    duty: Duty
+    material: Material
+    envelope: Envelope
+    process: str | None = None
+
+    @property
+    def least_m(self) -> float:
+        """Thinnest strip and slot that the process makes [m]."""
+        return self.material.minimum_thickness_by(self.process)
+
+    @property
+    def travel_m(self) -> float:
+        """Whole travel of the connector [m]."""
+        return self.duty.travel_with(self.stiffness_n_per_m) or 0.0
+
+
+class Candidate(NamedTuple):
+    """A serpentine of the wanted stiffness by the closed form, and the limit it breaks worst, if any."""
+
+    geometry: SerpentineGeometry
+    excess: float
+    problem: str
+
+
+def design_pretensioner(request: PretensionerRequest) -> Pretensioner:
+    """Return a serpentine whose plane-stress stiffness is within 1 % of what is wanted, all limits kept.
+
+    Raises CallerError, naming the limit that binds and by how much, where there is none.
+    """
+    require_sense(request)
+    found = [
+        candidate for beams in BEAM_NUMBERS for share in WIDTH_SHARES for candidate in tried(request, beams, share)
+    ]
+    if not found:
+        raise CallerError(out_of_reach(request))
+    for candidate in found:
+        if candidate.excess <= 0.0:
+            trimmed = trim(request, candidate.geometry)
+            if trimmed is None:
+                continue
+            made = analyse(
+                trimmed, request.material, request.process, request.duty, request.envelope, request.stiffness_n_per_m
+            )
+            if made.holds:
+                return made
+    raise CallerError(min(found, key=lambda candidate: candidate.excess).problem or close_call(request))
+
+
+def require_sense(request: PretensionerRequest) -> None:
+    """Raise CallerError for a request that no geometry can meet."""
+    wanted, duty = request.stiffness_n_per_m, request.duty
+    if not 0.0 < wanted < math.inf:
+        raise CallerError(f"a stiffness of {wanted:g} N/m is not possible: it must be above 0")
+    if min(request.envelope) <= 0.0:
+        raise CallerError("an envelope has three sizes above 0: across the wire, along it, out of plane")
+    if duty.pretension_n is None and duty.travel_m is None:
+        raise CallerError("say what the pretensioner is for: a pretension (N) or its whole travel (mm)")
+    if duty.pretension_n is not None and duty.travel_m is not None and wanted * duty.travel_m < duty.pretension_n:
+        reached = wanted * duty.travel_m
+        raise CallerError(
+            f"{wanted:g} N/m gives {reached:.3f} N at a travel of {1e3 * duty.travel_m:g} mm, "
+            f"{duty.pretension_n - reached:.3f} N less than the pretension of {duty.pretension_n:g} N: "
+            f"{1e3 * duty.pretension_n / wanted:.2f} mm would do, or {duty.pretension_n / duty.travel_m:.1f} N/m"
+        )
+    if problem := finger_problem(wanted, duty.finger_stiffness_n_per_m):
+        raise CallerError(problem)
+
+
+def shape(request: PretensionerRequest, beams: int, share: float, thickness_m: float) -> SerpentineGeometry:
+    """Return the serpentine that fills the envelope along the wire, and a share of its width."""
+    fittings = Fittings()
+    room = request.envelope.along_m - fittings.pad_height_m - fittings.connector_height_m
+    pitch = (room + thickness_m) / (beams + 2)
+    half = 0.5 * share * (request.envelope.across_m - thickness_m)
+    return SerpentineGeometry.of(beams, half, pitch, thickness_m, request.envelope.depth_m)
+
+
+def thickest_m(request: PretensionerRequest, beams: int, share: float) -> float:
+    """Return the largest thickness [m] with slots wide enough and beams long enough; 0 or less where none does."""
+    fittings = Fittings()
+    room = request.envelope.along_m - fittings.pad_height_m - fittings.connector_height_m
+    slots = (room - (beams + 2) * request.least_m) / (beams + 1)
+    across = request.envelope.across_m
+    if across < max(fittings.pad_width_m, fittings.connector_width_m):
+        return 0.0
+    beam = share * across / (2.0 * (SHORTEST_HALF_BEAM + USUAL_CORNER + 0.5) + share)
+    return min(slots, beam) * (1.0 - 1e-9)
+
+
+def estimate_n_per_m(request: PretensionerRequest, geometry: SerpentineGeometry) -> float:
+    """Return the stiffness by the closed form with rounded corners and shear [N/m]."""
+    material = request.material
+    return closed_form.rounded_stiffness_n_per_m(
+        geometry, material.youngs_modulus_pa.value, material.poisson_ratio.value
+    )
+
+
+def tried(request: PretensionerRequest, beams: int, share: float) -> list[Candidate]:
+    """Return the serpentine of so many beams that has the wanted stiffness; nothing where none fits."""
+    most = thickest_m(request, beams, share)
+    if most <= THINNEST_M:
+        return []
+
+    def miss(thickness: float) -> float:
+        return math.log(estimate_n_per_m(request, shape(request, beams, share, thickness)) / request.stiffness_n_per_m)
+
+    if miss(most) < 0.0 or miss(THINNEST_M) > 0.0:
+        return []
+    geometry = shape(request, beams, share, brentq(miss, THINNEST_M, most, xtol=1e-9))
+    return [judged(request, geometry)]
+
+
+def judged(request: PretensionerRequest, geometry: SerpentineGeometry) -> Candidate:
+    """Return a serpentine with the limit it breaks worst."""
+    least, allowed = request.least_m, request.material.allowable_stress_pa.value
+    process = request.process or request.material.processes[0]
+    stress = closed_form.nominal_stress_pa(geometry, request.stiffness_n_per_m * request.travel_m)
+    stress *= closed_form.corner_stress_factor(geometry)
+    where = f"{request.stiffness_n_per_m:g} N/m of {request.material.name} with {geometry.beams} beams in this envelope"
+    thin = (
+        least / geometry.thickness_m - 1.0,
+        f"too thin to make: {where} would be {1e3 * geometry.thickness_m:.3f} mm thick, "
+        f"{1e3 * (least - geometry.thickness_m):.3f} mm below the {1e3 * least:g} mm that '{process}' makes; "
+        "give a larger envelope, less depth, a softer material or another process",
+    )
+    weak = (
+        stress / allowed - 1.0,
+        f"too much stress: {where} has {1e-6 * stress:.1f} MPa at a travel of {1e3 * request.travel_m:.2f} mm, "
+        f"{1e-6 * (stress - allowed):.1f} MPa above the {1e-6 * allowed:g} MPa it may have for long (yield "
+        f"{1e-6 * request.material.yield_stress_pa.value:g} MPa); give a larger envelope, less travel or a stronger "
+        "material",
+    )
+    excess, problem = max(thin, weak)
+    return Candidate(geometry, excess, problem)
+
+
+def out_of_reach(request: PretensionerRequest) -> str:
+    """Return why no serpentine has the wanted stiffness: the envelope holds none, or none that stiff or that soft."""
+    fittings, envelope = Fittings(), request.envelope
+    least_across = max(fittings.pad_width_m, fittings.connector_width_m)
+    least_along = fittings.pad_height_m + fittings.connector_height_m + 4.0 * request.least_m + 3.0 * request.least_m
+    for name, room, need in (
+        ("across", envelope.across_m, least_across),
+        ("along", envelope.along_m, least_along),
+    ):
+        if room < need:
+            return (
+                f"the envelope is too small: pad, connector and two beams take {1e3 * need:.2f} mm {name} the wire, "
+                f"{1e3 * (need - room):.2f} mm more than the {1e3 * room:.2f} mm there are"
+            )
+    stiffest = 0.0
+    for beams in BEAM_NUMBERS:
+        for share in WIDTH_SHARES:
+            most = thickest_m(request, beams, share)
+            if most > THINNEST_M:
+                stiffest = max(stiffest, estimate_n_per_m(request, shape(request, beams, share, most)))
+    wanted = request.stiffness_n_per_m
+    if stiffest < wanted:
+        return (
+            f"stiffness out of reach: the stiffest serpentine of {request.material.name} in this envelope has "
+            f"{stiffest:.4g} N/m, {wanted - stiffest:.4g} N/m less than the {wanted:g} N/m wanted"
+        )
+    return (
+        f"stiffness out of reach: no serpentine of {request.material.name} is as soft as {wanted:g} N/m in this "
+        "envelope"
+    )
+
+
+def close_call(request: PretensionerRequest) -> str:
+    """Return what to say where closed forms kept every limit by less than they are off."""
+    return (
+        f"no serpentine of {request.material.name} keeps every limit at {request.stiffness_n_per_m:g} N/m in this "
+        "envelope, by a few percent: give a little more room, a little less travel or another material"
+    )
+
+
+def trim(request: PretensionerRequest, geometry: SerpentineGeometry) -> SerpentineGeometry | None:
+    """Return the geometry in steps of 0.01 mm whose plane-stress stiffness is the nearest to what is wanted.
+
+    Thickness and pitch are rounded down, which makes it softer or leaves it; a shorter half length makes up for it.
+    None where even that misses by more than 1 %.
+    """
+    thickness = max(down(geometry.thickness_m), request.least_m)
+    radius = max(down(USUAL_CORNER * thickness), 0.0)
+    pitch = down(geometry.pitch_m)
+    rounded = geometry.with_(thickness_m=thickness, pitch_m=pitch, corner_radius_m=radius)
+    wanted = request.stiffness_n_per_m
+
+    def stiffness(half: float) -> float:
+        return linear_answer(rounded.with_(half_length_m=half), request.material).stiffness_n_per_m
+
+    # Stiffness falls with a power of the half length between 2 and 3; a few secants in logarithms land within a step.
+    half, power = geometry.half_length_m, -2.7
+    most = 0.5 * (request.envelope.across_m - thickness)
+    for _ in range(4):
+        half = min(half * (wanted / stiffness(half)) ** (1.0 / power), most)
+    steps = [down(half), down(half) + STEP_M]
+    best = min((step for step in steps if step <= most + 1e-12), key=lambda step: abs(stiffness(step) - wanted))
+    best = round(best, 9)
+    found = rounded.with_(half_length_m=best)
+    return found if abs(stiffness(best) / wanted - 1.0) <= WANTED_TOLERANCE else None
+
+
+def down(length_m: float) -> float:
+    """Return a length rounded down to 0.01 mm [m]."""
+    return round(math.floor(length_m / STEP_M + 1e-6) * STEP_M, 9)

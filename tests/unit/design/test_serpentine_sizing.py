@@ -1,0 +1,144 @@
+"""Backwards: what is wanted becomes a part that can be made, or one line says which limit binds and by how much."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+
+from musclewire.design.serpentine.analysis import Check, Duty, Pretensioner, analyse
+from musclewire.design.serpentine.geometry import Envelope, SerpentineGeometry
+from musclewire.design.serpentine.sizing import PretensionerRequest, design_pretensioner
+from musclewire.errors import CallerError
+from musclewire.parameters.materials import load_material
+
+PAPER = Envelope(24.6e-3, 27.6e-3, 10e-3)
+# Lan and Fan 2010, sections 4.1 and 4.3: pretensioner and finger, pretension; a leg of 35 mm contracts by 3 %.
+STIFFNESS, FINGER, PRETENSION, STROKE = 386.2, 1084.4, 0.71, 1.05e-3
+
+
+def request(
+    stiffness: float = STIFFNESS,
+    material: str = "pom",
+    envelope: Envelope = PAPER,
+    process: str | None = None,
+    duty: Duty | None = None,
+) -> PretensionerRequest:
+    usual = Duty(PRETENSION, STROKE, None, FINGER)
+    return PretensionerRequest(stiffness, duty or usual, load_material(material), envelope, process)
+
+
+@cache
+def papers() -> Pretensioner:
+    return design_pretensioner(request())
+
+
+def test_the_papers_pretensioner_is_found_within_a_percent_and_inside_its_envelope() -> None:
+    found = papers()
+    assert found.stiffness_n_per_m == pytest.approx(STIFFNESS, rel=0.01)
+    found.geometry.require_room(PAPER)
+    assert found.holds, [check for check in found.checks if not check.ok]
+
+
+def test_its_dimensions_are_hundredths_of_a_millimetre() -> None:
+    geometry = papers().geometry
+    for name in ("half_length_m", "pitch_m", "thickness_m", "depth_m", "corner_radius_m"):
+        hundredths = 1e5 * getattr(geometry, name)
+        assert hundredths == pytest.approx(round(hundredths), abs=1e-6), name
+
+
+def test_it_gives_the_pretension_and_the_stroke_below_the_allowed_stress() -> None:
+    found = papers()
+    assert found.travel_m == pytest.approx(PRETENSION / found.stiffness_n_per_m + STROKE)
+    assert found.curve.safe_travel_m > found.travel_m
+    assert found.stress_pa is not None
+    assert found.stress_pa < found.material.allowable_stress_pa.value
+    assert found.curve.force_at(found.curve.safe_travel_m - STROKE) > PRETENSION
+
+
+def test_the_same_request_gives_the_same_part() -> None:
+    assert design_pretensioner(request()).geometry == papers().geometry
+
+
+@pytest.mark.parametrize("material", ["pla", "spring-steel"])
+def test_other_materials_give_other_parts_of_the_same_stiffness(material: str) -> None:
+    found = design_pretensioner(request(material=material))
+    assert found.stiffness_n_per_m == pytest.approx(STIFFNESS, rel=0.01)
+    assert found.holds
+    assert found.geometry.thickness_m >= found.material.minimum_thickness_by(None)
+
+
+def test_weighed_by_its_length() -> None:
+    geometry = papers().geometry
+    around = 4 * 2 * geometry.half_length_m + 4 * geometry.pitch_m
+    strip = around * geometry.thickness_m * geometry.depth_m * 1410.0
+    assert papers().mass_kg == pytest.approx(strip, rel=0.15)
+
+
+IMPOSSIBLE = {
+    "far too stiff": (
+        request(1e6, duty=Duty(PRETENSION, STROKE)),
+        ("stiffness out of reach", "N/m less than the 1e+06 N/m wanted"),
+    ),
+    "far too soft": (
+        request(0.01, duty=Duty(0.001)),
+        ("too thin to make", "mm below the 1 mm that 'laser-cut' makes"),
+    ),
+    "too much travel": (
+        request(duty=Duty(PRETENSION, travel_m=32e-3)),
+        ("too much stress", "at a travel of 32.00 mm", "MPa above the 32.5 MPa", "yield 65 MPa"),
+    ),
+    "too narrow": (request(envelope=Envelope(5e-3, 27.6e-3, 10e-3)), ("12.00 mm across the wire, 7.00 mm more",)),
+    "too short": (request(envelope=Envelope(24.6e-3, 12e-3, 10e-3)), ("16.00 mm along the wire, 4.00 mm more",)),
+    "too little travel for the pretension": (
+        request(duty=Duty(PRETENSION, travel_m=1e-3)),
+        ("0.386 N at a travel of 1 mm", "0.324 N less than the pretension of 0.71 N"),
+    ),
+    "stiffer than the finger": (
+        request(duty=Duty(PRETENSION, STROKE, None, 300.0)),
+        ("no softer than the finger of 300.0 N/m", "86.2 N/m too stiff", "56 % of the contraction force"),
+    ),
+    "no duty": (request(duty=Duty()), ("say what the pretensioner is for",)),
+    "no stiffness": (request(0.0), ("must be above 0",)),
+    "an unknown process": (request(process="forge"), ("pom is not made by 'forge'",)),
+    "a flat envelope": (request(envelope=Envelope(24.6e-3, 27.6e-3, 0.0)), ("three sizes above 0",)),
+}
+
+
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+def test_what_cannot_be_is_one_line_with_the_limit_and_by_how_much(name: str) -> None:
+    asked, words = IMPOSSIBLE[name]
+    with pytest.raises(CallerError) as caught:
+        design_pretensioner(asked)
+    message = str(caught.value)
+    assert "\n" not in message
+    for word in words:
+        assert word in message
+
+
+def test_a_given_serpentine_that_breaks_a_rule_says_which() -> None:
+    stiff = SerpentineGeometry.of(2, 6e-3, 4e-3, 1.5e-3, 10e-3)
+    found = analyse(stiff, load_material("pom"), None, Duty(PRETENSION, STROKE, None, FINGER), PAPER)
+    assert not found.holds
+    assert "softer than the finger" in [check.name for check in found.checks if not check.ok]
+
+
+def test_without_a_duty_nothing_is_said_of_stress() -> None:
+    found = analyse(SerpentineGeometry.of(2, 6e-3, 4e-3, 1e-3, 5e-3), load_material("pom"))
+    assert found.travel_m is None
+    assert found.stress_pa is None
+
+
+@pytest.mark.parametrize("numbers", [{"pretension_n": -1.0}, {"travel_m": 0.0}, {"stroke_m": -1e-3}])
+def test_a_duty_that_cannot_be_is_refused(numbers: dict[str, float]) -> None:
+    with pytest.raises(CallerError, match="must be"):
+        Duty(**numbers)
+
+
+def test_a_check_holds_by_its_rule() -> None:
+    assert Check("x", 1.004, 1.0, "1", "about", 0.005).ok
+    assert not Check("x", 1.006, 1.0, "1", "about", 0.005).ok
+    assert Check("x", 1.0, 1.0, "1", "below").ok
+    assert not Check("x", 1.1, 1.0, "1", "below").ok
+    assert not Check("x", 0.9, 1.0, "1", "above").ok
+    assert Check("x", 9.0, 1.0, "1", "shown").ok
