@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
 from musclewire.simulate import switching
 from musclewire.simulate.kernel import advance
+from musclewire.simulate.loads import Load
 from musclewire.simulate.state import Drives, Sums, WireConstants, WireState
 from musclewire.simulate.wire import constants_from
 
@@ -88,9 +89,11 @@ def constants(
     *,
     new_wire: bool = False,
     bench_values: dict[str, float] | None = None,
+    load: Load | None = None,
     **alloy_values: float,
 ) -> WireConstants:
-    return constants_from(alloy(kind, **alloy_values), wire_100um(), bench(**(bench_values or {})), new_wire=new_wire)
+    around = bench(**(bench_values or {}))
+    return constants_from(alloy(kind, **alloy_values), wire_100um(), around, load=load, new_wire=new_wire)
 
 
 def cool(wire: WireConstants, drives: Drives, martensite: Array, r_phase: Array) -> None:
