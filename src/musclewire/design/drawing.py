@@ -13,10 +13,27 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.sax.saxutils import escape
 
+import numpy as np
+from numpy.typing import NDArray
+
 from musclewire.errors import CallerError
+from musclewire.signals.whole_files import write_whole
 
-__all__ = ["Circle", "Drawing", "Vertex", "ring_area_m2", "rounded", "write_dxf", "write_svg"]
+__all__ = [
+    "FORMATS",
+    "Circle",
+    "Drawing",
+    "Vertex",
+    "polyline_m",
+    "ring_area_m2",
+    "rounded",
+    "svg_text",
+    "write_drawing",
+    "write_dxf",
+    "write_svg",
+]
 
+FORMATS = (".svg", ".dxf")
 MM = 1e3
 MARGIN_MM = 2.0
 # Hairlines cut, by the usage of common laser cutters.
@@ -81,6 +98,24 @@ def rounded(
     return [Vertex(*begin, turn * math.tan(math.pi / 8.0)), Vertex(*end)]
 
 
+def polyline_m(ring: Sequence[Vertex], turn_rad: float = 0.1) -> NDArray[np.float64]:
+    """Return a ring as a closed polyline (n, 2) [m] for pictures, its arcs cut into chords of at most ``turn_rad``."""
+    points: list[tuple[float, float]] = []
+    for start, end in zip(ring, [*ring[1:], ring[0]], strict=True):
+        points.append((start.x_m, start.y_m))
+        angle = 4.0 * math.atan(start.bulge)
+        if not angle:
+            continue
+        middle = complex(start.x_m + end.x_m, start.y_m + end.y_m) / 2.0
+        chord = complex(end.x_m - start.x_m, end.y_m - start.y_m)
+        centre = middle + 1j * chord / (2.0 * math.tan(angle / 2.0))
+        arm, count = complex(*start[:2]) - centre, math.ceil(abs(angle) / turn_rad)
+        for step in range(1, count):
+            place = centre + arm * complex(math.cos(angle * step / count), math.sin(angle * step / count))
+            points.append((place.real, place.imag))
+    return np.array([*points, points[0]])
+
+
 def bounds_m(ring: Sequence[Vertex]) -> tuple[float, float, float, float]:
     """Return the box around a ring's vertices [m]: least x and y, largest x and y."""
     xs, ys = [vertex.x_m for vertex in ring], [vertex.y_m for vertex in ring]
@@ -128,19 +163,37 @@ def svg_text(drawing: Drawing) -> str:
     return "\n".join(lines) + "\n"
 
 
+def write_drawing(drawing: Drawing, path: Path) -> None:
+    """Write a drawing as what its name says: .svg or .dxf.
+
+    Raises CallerError for another kind of file, or where it cannot be written.
+    """
+    writers = {".svg": write_svg, ".dxf": write_dxf}
+    if path.suffix not in writers:
+        raise CallerError(f"{path}: a drawing is one of {', '.join(writers)}")
+    writers[path.suffix](drawing, path)
+
+
 def write_svg(drawing: Drawing, path: Path) -> None:
-    """Write the drawing as SVG. Raises CallerError where the file cannot be written."""
-    try:
-        path.write_text(svg_text(drawing), encoding="utf-8")
-    except OSError as error:
-        raise CallerError(f"{path} cannot be written: {error.strerror}") from None
+    """Write the drawing as SVG, whole or not at all. Raises CallerError where the file cannot be written."""
+    write_whole(path, lambda part: svg_file(drawing, part))
 
 
 def write_dxf(drawing: Drawing, path: Path) -> None:
-    """Write the drawing as DXF (R2010, millimetres): one closed polyline with arcs, and circles, on the layer CUT.
+    """Write the drawing as DXF (R2010, mm): one closed polyline with arcs, and circles, on the layer CUT.
 
     Raises CallerError where the file cannot be written.
     """
+    write_whole(path, lambda part: dxf_file(drawing, part))
+
+
+def svg_file(drawing: Drawing, path: Path) -> None:
+    """Fill a file with the drawing as SVG."""
+    path.write_text(svg_text(drawing), encoding="utf-8")
+
+
+def dxf_file(drawing: Drawing, path: Path) -> None:
+    """Fill a file with the drawing as DXF."""
     from ezdxf import units
     from ezdxf.filemanagement import new
 
@@ -151,8 +204,5 @@ def write_dxf(drawing: Drawing, path: Path) -> None:
     space.add_lwpolyline(points, format="xyb", close=True, dxfattribs={"layer": "CUT"})
     for hole in drawing.holes:
         space.add_circle((hole.x_m * MM, hole.y_m * MM), 0.5 * hole.diameter_m * MM, dxfattribs={"layer": "CUT"})
-    document.header["$PROJECTNAME"] = drawing.title
-    try:
-        document.saveas(path)
-    except OSError as error:
-        raise CallerError(f"{path} cannot be written: {error.strerror}") from None
+    document.header.custom_vars.append("Title", drawing.title)
+    document.saveas(path)

@@ -13,14 +13,23 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.design.elasticity import Equilibrium, Load, load_path, solve_linear
+from musclewire.design.elasticity import Equilibrium, Load, load_path, solve_large, solve_linear
 from musclewire.design.plane_body import PlaneBody
 from musclewire.design.serpentine.closed_form import places_on
 from musclewire.design.serpentine.geometry import Arc, SerpentineGeometry
 from musclewire.errors import CallerError
 from musclewire.parameters.materials import Material
 
-__all__ = ["MESHES", "ForceCurve", "LinearAnswer", "force_curve", "linear_answer", "strip_body"]
+__all__ = [
+    "FINEST",
+    "MESHES",
+    "ForceCurve",
+    "LinearAnswer",
+    "force_curve",
+    "linear_answer",
+    "pulled_strip",
+    "strip_body",
+]
 
 FloatArray = NDArray[np.float64]
 # Elements across the strip: the meshes whose answers are compared.
@@ -190,3 +199,9 @@ def force_curve(
     if (np.diff(stress) > 0.0).all() and stress[-1] >= allowed:
         safe = interpolated(stress, travel, allowed)
     return ForceCurve(travel, force, stress, safe, states[-1])
+
+
+def pulled_strip(geometry: SerpentineGeometry, material: Material, force_n: float, across: int = FINEST) -> Equilibrium:
+    """Return the balance under a pull [N] along the wire. Raises NumericsError where there is none."""
+    body = strip_body(geometry, material, across)
+    return solve_large(body, Ends.of(body, geometry).pulling(body, force_n), steps=2)

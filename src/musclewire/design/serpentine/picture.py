@@ -1,0 +1,170 @@
+"""A pretensioner as a picture: at rest and pulled, with the stress in it, beside its force and stress over travel."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.design.drawing import Circle, polyline_m
+from musclewire.design.serpentine.analysis import Pretensioner
+from musclewire.design.serpentine.outline import serpentine_drawing
+from musclewire.design.serpentine.strip import pulled_strip
+from musclewire.pages import AVERAGE, COOLING, HEATING, STYLE, TARGET
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from musclewire.design.elasticity import Equilibrium
+
+__all__ = ["draw_pretensioner"]
+
+FloatArray = NDArray[np.float64]
+SIZE_INCHES = (10.4, 5.6)
+MM, MPA = 1e3, 1e-6
+# Stress is drawn on a mesh coarser than the one that is judged: the eye sees no more.
+DRAWN_MESH = 3
+STEEL = "#d5d9de"
+
+
+def draw_pretensioner(made: Pretensioner) -> Axes:
+    """Draw a pretensioner at its whole travel, and its curve; return the axes of the part."""
+    import matplotlib as mpl
+    import matplotlib.pyplot as plt
+
+    with mpl.rc_context(dict(STYLE)):  # type: ignore[arg-type]
+        figure = plt.figure(figsize=SIZE_INCHES, layout="constrained")
+        part, curve = figure.subplots(1, 2, width_ratios=(1.12, 1.0))
+        draw_part(part, made)
+        draw_curve(curve, made)
+    return part  # type: ignore[no-any-return]
+
+
+def draw_part(axes: Axes, made: Pretensioner) -> None:
+    """Draw the part at rest as an outline, and pulled with the stress as colour."""
+    from matplotlib.patches import FancyArrowPatch
+
+    geometry, fittings = made.geometry, made.geometry.fittings
+    travel = made.travel_m if made.travel_m is not None else made.curve.safe_travel_m
+    state = pulled_strip(geometry, made.material, made.curve.force_at(travel), DRAWN_MESH)
+    drawing = serpentine_drawing(geometry, "")
+    rest = MM * polyline_m(drawing.outline)
+    axes.plot(*rest.T, color=TARGET, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
+    end = MM * (state.displacement_m[end_node(state, geometry.connector_m)])
+    pad, (left, right, connector) = 0.5 * MM * geometry.pad_width_m, drawing.holes
+    block(axes, (-pad, 0.0), (2 * pad, MM * fittings.pad_height_m), [left, right], (0.0, 0.0))
+    width = MM * fittings.connector_width_m
+    corner = (-0.5 * width, MM * geometry.connector_m)
+    block(axes, corner, (width, MM * fittings.connector_height_m), [connector], (end[0], end[1]))
+    shades = stress_mesh(axes, state)
+    top = MM * geometry.along_m + end[1]
+    arrow = FancyArrowPatch(
+        (end[0], top + 0.4), (end[0], top + 4.2), arrowstyle="-|>", mutation_scale=14, color=AVERAGE
+    )
+    axes.add_patch(arrow)
+    force = made.curve.force_at(travel)
+    axes.text(end[0] + 0.8, top + 2.4, f"{force:.2f} N\n{MM * travel:.2f} mm", va="center", fontsize=9)
+    axes.set(aspect="equal", xlabel="across the wire [mm]", ylabel="along the wire [mm]", ylim=(-1.5, top + 5.2))
+    axes.set_title(part_title(made), loc="left", fontsize=10)
+    axes.grid(visible=False)
+    bar = axes.figure.colorbar(shades, ax=axes, location="bottom", shrink=0.75, pad=0.02, aspect=34)
+    bar.set_label(f"von Mises stress [MPa]; {MPA * made.material.allowable_stress_pa.value:g} MPa are allowed")
+    bar.outline.set_visible(False)
+
+
+def part_title(made: Pretensioner) -> str:
+    """Return the line above the part."""
+    g = made.geometry
+    return (
+        f"{g.beams} beams of {made.material.name}, {MM * g.thickness_m:.2f} mm thick, {MM * g.depth_m:g} mm deep\n"
+        f"half length {MM * g.half_length_m:.2f} mm, pitch {MM * g.pitch_m:.2f} mm: {made.stiffness_n_per_m:.1f} N/m"
+    )
+
+
+def end_node(state: Equilibrium, connector_m: float) -> int:
+    """Return the node in the middle of the strip's upper end."""
+    return int(np.argmin(np.hypot(state.body.nodes_m[:, 0], state.body.nodes_m[:, 1] - connector_m)))
+
+
+def block(
+    axes: Axes, corner: tuple[float, float], size: tuple[float, float], holes: list[Circle], moved: tuple[float, float]
+) -> None:
+    """Draw a thick block with its holes [mm]."""
+    import matplotlib.patches as shapes
+
+    x, y = corner[0] + moved[0], corner[1] + moved[1]
+    rounding = "round,pad=0,rounding_size=0.8"
+    axes.add_patch(
+        shapes.FancyBboxPatch((x, y), *size, boxstyle=rounding, facecolor=STEEL, edgecolor="#8a9099", linewidth=0.8)
+    )
+    for hole in holes:
+        centre = (MM * hole.x_m + moved[0], MM * hole.y_m + moved[1])
+        axes.add_patch(
+            shapes.Circle(centre, 0.5 * MM * hole.diameter_m, facecolor="white", edgecolor="#8a9099", linewidth=0.8)
+        )
+
+
+def stress_mesh(axes: Axes, state: Equilibrium) -> Any:
+    """Draw the stress on the pulled strip; each element of nine nodes as a ring of triangles around its middle."""
+    from matplotlib.tri import Triangulation
+
+    places = MM * (state.body.nodes_m + state.displacement_m)
+    ring = state.body.elements[:, [0, 4, 1, 5, 2, 6, 3, 7]]
+    middle = np.broadcast_to(state.body.elements[:, 8:9], ring.shape)
+    triangles = np.stack([middle, ring, np.roll(ring, -1, axis=1)], axis=-1).reshape(-1, 3)
+    mesh = Triangulation(places[:, 0], places[:, 1], triangles)
+    return axes.tripcolor(mesh, MPA * state.von_mises_pa, shading="gouraud", cmap="YlOrRd", vmin=0.0, zorder=3)
+
+
+def draw_curve(axes: Axes, made: Pretensioner) -> None:
+    """Draw pull and stress over travel, with what they are judged by."""
+    curve, duty = made.curve, made.duty
+    travel = np.linspace(0.0, curve.travel_m[-1], 200)
+    axes.plot(MM * travel, [curve.force_at(at) for at in travel], color=COOLING, label="pull")
+    axes.plot(
+        MM * travel, made.stiffness_n_per_m * travel, color=TARGET, linewidth=1.0, linestyle=":", label="at first"
+    )
+    axes.set(xlabel="travel of the connector [mm]", ylabel="pull [N]", xlim=(0.0, None), ylim=(0.0, None))
+    axes.yaxis.label.set_color(COOLING)
+    if duty.pretension_n is not None and duty.travel_m is None and made.travel_m is not None:
+        start = made.travel_m - duty.stroke_m
+        axes.axvspan(MM * start, MM * made.travel_m, color="#1f6f8b", alpha=0.12, linewidth=0.0)
+        axes.plot(MM * start, duty.pretension_n, "o", color=COOLING, markersize=5)
+        axes.annotate(
+            f"pretension {duty.pretension_n:g} N",
+            (MM * start, duty.pretension_n),
+            textcoords="offset points",
+            xytext=(-6, 10),
+            ha="right",
+            fontsize=9,
+        )
+        axes.text(MM * (start + 0.5 * duty.stroke_m), 0.02, "stroke", transform=axes.get_xaxis_transform(), ha="center")
+    draw_stress(axes, made)
+
+
+def draw_stress(axes: Axes, made: Pretensioner) -> None:
+    """Draw the largest stress over travel on an axis of its own, up to what is allowed."""
+    curve, allowed = made.curve, made.material.allowable_stress_pa.value
+    travel = np.linspace(0.0, curve.travel_m[-1], 200)
+    right = axes.twinx()
+    right.grid(visible=False)
+    right.spines["right"].set_visible(True)
+    right.plot(MM * travel, [MPA * curve.stress_at(at) for at in travel], color=HEATING, linestyle="--")
+    right.axhline(MPA * allowed, color=HEATING, linewidth=0.9, alpha=0.6)
+    right.text(0.02, MPA * allowed, "allowed ", transform=right.get_yaxis_transform(), va="bottom", color=HEATING)
+    right.axvline(MM * curve.safe_travel_m, color=HEATING, linewidth=0.9, linestyle=":")
+    right.text(
+        MM * curve.safe_travel_m,
+        0.03,
+        f"safe to {MM * curve.safe_travel_m:.2f} mm ",
+        transform=right.get_xaxis_transform(),
+        rotation=90,
+        ha="right",
+        color=HEATING,
+        fontsize=9,
+    )
+    right.set(
+        ylabel="largest von Mises stress [MPa]", ylim=(0.0, 1.12 * MPA * max(allowed, float(curve.stress_pa.max())))
+    )
+    right.yaxis.label.set_color(HEATING)
