@@ -1,0 +1,362 @@
+"""Two wires that meet, held to one wire done by hand, to Newton's laws and to Kirchhoff's."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from wire_makers import Array, alloy, bench, changed, constants, slow_sine_v, wire_100um
+
+from musclewire.simulate.kernel import advance
+from musclewire.simulate.loads import Load, spring_load, with_table
+from musclewire.simulate.pairs import (
+    APART,
+    OWN_SUPPLY,
+    PARALLEL,
+    SERIES,
+    Grip,
+    Pair,
+    PairSums,
+    advance_pair,
+    no_grip,
+)
+from musclewire.simulate.state import WireConstants, WireState
+from musclewire.simulate.wire import constants_from, resting_state, with_pretension
+
+SMOOTH = {"guide_friction_n": 0.0}
+ALONE = spring_load(0.0)
+CYCLE_V = [slow_sine_v(t) for t in np.arange(0.05, 90.0, 0.1)]
+States = tuple[WireState, WireState]
+Both = tuple[WireConstants, WireConstants]
+
+# A finger of round numbers: 6 mm of endpoint for 1 mm of tendon, a newton at the endpoint is 5 N at the tendon and
+# takes 2 mm away; 1000 N/m along the tendon beside a pretensioner of 400 N/m.
+RATIO, LEVER, GIVE_M_PER_N, ALONG_N_PER_M, BESIDE_N_PER_M = 6.0, 5.0, 2e-3, 1000.0, 400.0
+FOAM_N_PER_M, CLEARANCE_M = 150.0, 3e-3
+REACH_M, POINTS = 7e-3, 701
+
+
+def wire(load: Load = ALONE, pretension_n: float = 0.9, **bench_values: float) -> WireConstants:
+    return constants(load=load, bench_values={**SMOOTH, "pretension_n": pretension_n, **bench_values})
+
+
+def thick(load: Load = ALONE, pretension_n: float = 0.9) -> WireConstants:
+    """Return a wire of twice the section, otherwise the same."""
+    spool = changed(wire_100um(), diameter_m=100e-6 * 2**0.5)
+    return constants_from(alloy(), spool, bench(**SMOOTH, pretension_n=pretension_n), load=load)
+
+
+def at_rest(both: Both) -> States:
+    return resting_state(both[0]), resting_state(both[1])
+
+
+def course(
+    both: Both,
+    pair: Pair,
+    voltages_v: list[float],
+    grip: Grip | None = None,
+    *,
+    dt_s: float = 1e-3,
+    hold_s: float = 0.1,
+) -> tuple[list[States], list[PairSums]]:
+    """Hold each voltage for a while; return states and means after each."""
+    states, visited, means = at_rest(both), [], []
+    for voltage in voltages_v:
+        states, mean = advance_pair(states, both, pair, grip or no_grip(), voltage, dt_s, round(hold_s / dt_s))
+        visited.append(states)
+        means.append(mean)
+    return visited, means
+
+
+def pulls_n(state: WireState, of: WireConstants) -> float:
+    return state.stress_pa * of.legs * of.area_m2
+
+
+def moved_m(state: WireState, of: WireConstants) -> float:
+    return state.contraction * of.leg_length_m
+
+
+def finger_load(contact_n_per_m: float = 0.0, clearance_m: float = 0.0) -> Load:
+    """Return finger and pretensioner, with an object in the endpoint's way."""
+
+    def force_n(x: Array) -> Array:
+        inside = np.maximum(RATIO * x - clearance_m, 0.0)
+        return ALONG_N_PER_M * x + LEVER * contact_n_per_m * inside / (1.0 + contact_n_per_m * GIVE_M_PER_N)
+
+    return with_table(BESIDE_N_PER_M, force_n, np.zeros_like, reach_m=REACH_M, points=POINTS)
+
+
+def grip() -> Grip:
+    x = np.linspace(0.0, REACH_M, POINTS)
+    return Grip(FOAM_N_PER_M, CLEARANCE_M, float(x[1]), RATIO * x, GIVE_M_PER_N + 0.0 * x, LEVER + 0.0 * x)
+
+
+class Case(NamedTuple):
+    both: Both
+    pair: Pair
+    grip: Grip
+
+
+CASES = {
+    "parallel": Case((wire(spring_load(800.0)), wire()), Pair(1.0, PARALLEL, 0.0, 1.0), no_grip()),
+    "antagonist": Case((wire(spring_load(200.0)), wire()), Pair(-1.0, OWN_SUPPLY, 1.5, 1.0), no_grip()),
+    "grip": Case((wire(finger_load()), wire(finger_load())), Pair(APART, SERIES, 0.0, 1.0), grip()),
+}
+
+
+def test_two_equal_wires_on_one_connector_are_one_wire_with_half_the_load() -> None:
+    """By hand: each carries half of pretension and spring; half the current flows in it, so the shunt counts twice.
+
+    Step by step from one state: the pair's Newton steps against the single wire's one.
+    """
+    both = (wire(spring_load(800.0)), wire())
+    half = wire(spring_load(400.0), shunt_resistance_ohm=2.0)
+    states, single, contracted = at_rest(both), resting_state(half), []
+    for voltage in CYCLE_V:
+        states, means = advance_pair(states, both, Pair(1.0, PARALLEL, 0.0, 1.0), no_grip(), voltage, 1e-3, 1)
+        single, mean = advance(single, half, voltage, 1e-3, 1)
+        for state in states:
+            assert state.stress_pa == pytest.approx(single.stress_pa, rel=1e-9)
+            assert state.temperature_k == pytest.approx(single.temperature_k, rel=1e-9)
+        assert means.wire_voltage_v == pytest.approx(mean.wire_voltage_v, rel=1e-9)
+        assert means.shunt_voltage_v == pytest.approx(mean.shunt_voltage_v, rel=1e-9)
+        assert means.force_n + means.partner_force_n == pytest.approx(2.0 * mean.force_n, rel=1e-9)
+        # On from where the single wire will be after a tenth of a second.
+        single, _ = advance(single, half, voltage, 1e-3, 99)
+        states = (single, single)
+        contracted.append(single.contraction)
+    assert max(contracted) > 0.03
+
+
+def test_two_equal_wires_go_through_a_whole_cycle_like_one_with_half_the_load() -> None:
+    both = (wire(spring_load(800.0)), wire())
+    half = wire(spring_load(400.0), shunt_resistance_ohm=2.0)
+    visited, _ = course(both, Pair(1.0, PARALLEL, 0.0, 1.0), CYCLE_V)
+    single, far = resting_state(half), []
+    for voltage, (first, second) in zip(CYCLE_V, visited, strict=True):
+        single, _ = advance(single, half, voltage, 1e-3, 100)
+        assert first.contraction == pytest.approx(second.contraction, abs=1e-6)
+        far.append(abs(first.contraction - single.contraction))
+    assert float(np.median(far)) < 1e-6
+    assert max(far) < 1e-4
+
+
+def test_equal_antagonists_in_equal_heat_hold_the_connector_where_it_is() -> None:
+    both = (wire(), wire())
+    states = at_rest(both)
+    for voltage in CYCLE_V:
+        pair = Pair(-1.0, OWN_SUPPLY, voltage, both[0].series_resistance_ohm)
+        states, means = advance_pair(states, both, pair, no_grip(), voltage, 1e-3, 100)
+        assert means.displacement_m == pytest.approx(0.0, abs=1e-12)
+        assert means.force_n == pytest.approx(means.partner_force_n, rel=1e-12)
+    assert max(pulls_n(state, of) for state, of in zip(states, both, strict=True)) > 0.0
+
+
+@pytest.mark.parametrize("stiffness_n_per_m", [0.0, 500.0])
+def test_antagonists_pull_alike_but_for_the_spring_between_them_and_move_as_one(stiffness_n_per_m: float) -> None:
+    both = (wire(spring_load(stiffness_n_per_m)), wire())
+    visited, means = course(both, Pair(-1.0, OWN_SUPPLY, 1.0, 1.0), CYCLE_V)
+    taut = 0
+    for (first, second), mean in zip(visited, means, strict=True):
+        x = moved_m(first, both[0])
+        assert pulls_n(first, both[0]) - pulls_n(second, both[1]) == pytest.approx(stiffness_n_per_m * x, abs=1e-6)
+        if second.stress_pa > 0.0:
+            assert moved_m(second, both[1]) == pytest.approx(-x, abs=1e-9)
+            taut += 1
+        assert mean.partner_displacement_m == -mean.displacement_m
+    assert taut > 800
+    # Cold martensite is stretched with little force: that is what lets the hot wire shorten.
+    assert max(mean.displacement_m for mean in means) > 3e-4
+
+
+def test_antagonists_that_change_places_mirror_the_motion() -> None:
+    both = (wire(), wire())
+    ends = []
+    for own_v, other_v in ((2.6, 0.5), (0.5, 2.6)):
+        ends.append(course(both, Pair(-1.0, OWN_SUPPLY, other_v, 1.0), [own_v] * 60)[1][-1])
+    assert ends[0].displacement_m > 2e-4
+    assert ends[0].displacement_m == pytest.approx(-ends[1].displacement_m, abs=1e-8)
+    assert ends[0].force_n == pytest.approx(ends[1].partner_force_n, rel=1e-5)
+
+
+def test_wires_in_series_carry_one_current_and_share_power_by_resistance() -> None:
+    both = (wire(), thick())
+    pair = Pair(APART, SERIES, 0.0, 1.0)
+    states = course(both, pair, CYCLE_V[:300])[0][-1]
+    assert states[0].resistance_ohm > 1.5 * states[1].resistance_ohm
+    after, means = advance_pair(states, both, pair, no_grip(), 4.0, 1e-3, 1)
+    # Over a step a wire's resistance is the one half a step ahead.
+    ohm = [state.resistance_ohm + 0.5e-3 * state.resistance_rate_ohm_per_s for state in states]
+    current = means.shunt_voltage_v / both[0].shunt_resistance_ohm
+    assert current == pytest.approx(4.0 / (sum(ohm) + both[0].series_resistance_ohm), rel=1e-12)
+    assert means.wire_voltage_v == pytest.approx(current * sum(ohm), rel=1e-12)
+    heat = [now.heat_in_j - before.heat_in_j for now, before in zip(after, states, strict=True)]
+    assert heat == pytest.approx([current**2 * each * 1e-3 for each in ohm], rel=1e-9)
+
+
+def test_wires_in_parallel_share_the_shunts_current_by_conductance() -> None:
+    both = (wire(), thick())
+    pair = Pair(1.0, PARALLEL, 0.0, 1.0)
+    states = course(both, pair, CYCLE_V[:100])[0][-1]
+    after, means = advance_pair(states, both, pair, no_grip(), 1.0, 1e-3, 1)
+    ohm = [state.resistance_ohm + 0.5e-3 * state.resistance_rate_ohm_per_s for state in states]
+    assert means.shunt_voltage_v / 1.0 == pytest.approx(sum(means.wire_voltage_v / each for each in ohm), rel=1e-12)
+    assert means.wire_voltage_v + means.shunt_voltage_v == pytest.approx(1.0, rel=1e-12)
+    heat = [now.heat_in_j - before.heat_in_j for now, before in zip(after, states, strict=True)]
+    assert heat == pytest.approx([means.wire_voltage_v**2 / each * 1e-3 for each in ohm], rel=1e-9)
+
+
+def test_wires_that_share_nothing_are_two_single_wires() -> None:
+    """Each on its own spring, fed by its own supply: to the bit what the kernel of one wire does."""
+    both = (wire(spring_load(588.6)), thick(spring_load(300.0)))
+    pair = Pair(APART, OWN_SUPPLY, 1.9, both[1].series_resistance_ohm)
+    states = alone = at_rest(both)
+    for voltage in CYCLE_V[::3]:
+        states, means = advance_pair(states, both, pair, no_grip(), voltage, 1e-3, 100)
+        first, mean = advance(alone[0], both[0], voltage, 1e-3, 100)
+        second, other = advance(alone[1], both[1], 1.9, 1e-3, 100)
+        alone = (first, second)
+        for together, single in zip(states, alone, strict=True):
+            for one, same in zip(together, single, strict=True):
+                assert np.array_equal(one, same)
+        assert tuple(means[:4]) == pytest.approx(tuple(mean), rel=1e-12)
+        partner = (means.partner_displacement_m, means.partner_force_n)
+        assert partner == pytest.approx((other.displacement_m, other.force_n), rel=1e-12)
+        assert means.grip_n == 0.0
+
+
+def endpoint_force_n(state: WireState, of: WireConstants) -> float:
+    """Return what pushes a finger's endpoint back, from the balance at its connector; a tendon does not push."""
+    x = moved_m(state, of)
+    asked = of.pretension_n + BESIDE_N_PER_M * x + ALONG_N_PER_M * max(x, 0.0)
+    return (pulls_n(state, of) - asked) / LEVER
+
+
+def test_what_two_fingers_hold_pushes_both_alike_and_nothing_before_they_touch_it() -> None:
+    """Newton's third law, for two unlike wires; the force is taken where the step before had ended."""
+    both = (wire(finger_load()), thick(finger_load(), pretension_n=1.1))
+    visited, means = course(both, Pair(APART, OWN_SUPPLY, 1.6, 1.0), CYCLE_V, grip())
+    touched = 0
+    for (first, second), mean in zip(visited, means, strict=True):
+        apart_m = CLEARANCE_M - RATIO * (moved_m(first, both[0]) + moved_m(second, both[1]))
+        push, other_push = endpoint_force_n(first, both[0]), endpoint_force_n(second, both[1])
+        if apart_m > 1e-4:
+            assert mean.grip_n == pytest.approx(0.0, abs=1e-12)
+            assert (push, other_push) == pytest.approx((0.0, 0.0), abs=1e-6)
+        elif apart_m < -1e-4:
+            touched += 1
+            soft = FOAM_N_PER_M / (1.0 + 2.0 * FOAM_N_PER_M * GIVE_M_PER_N)
+            assert push == pytest.approx(other_push, abs=1e-3)
+            assert push == pytest.approx(-soft * apart_m, abs=1e-3)
+            assert mean.grip_n == pytest.approx(push, abs=0.02)
+    assert 200 < touched < 850
+
+
+def test_two_like_fingers_are_one_finger_on_the_plane_between_them() -> None:
+    """Half the clearance to a plane, and half the foam before it: twice as stiff. Twice the voltage feeds both."""
+    both = (wire(finger_load()), wire(finger_load()))
+    alone = wire(finger_load(2.0 * FOAM_N_PER_M, CLEARANCE_M / 2.0), shunt_resistance_ohm=0.5)
+    pair = Pair(APART, SERIES, 0.0, 1.0)
+    visited, _ = course(both, pair, [2.0 * voltage for voltage in CYCLE_V], grip())
+    single, far, forces = resting_state(alone), [], []
+    for voltage, (first, second) in zip(CYCLE_V, visited, strict=True):
+        single, _ = advance(single, alone, voltage, 1e-3, 100)
+        assert first.contraction == pytest.approx(second.contraction, abs=1e-9)
+        far.append(abs(first.contraction - single.contraction))
+        forces.append(pulls_n(first, both[0]))
+    assert max(forces) > 3.0, "the fingers must have held it"
+    assert float(np.median(far)) < 2e-6
+    assert max(far) < 1e-4
+
+
+@pytest.mark.parametrize("name", sorted(CASES))
+def test_finer_steps_lead_to_one_answer_in_proportion(name: str) -> None:
+    """Root mean square of contraction and force over a sudden start, from a run with a much finer step."""
+    both, pair, between = CASES[name]
+    factor = 2.0 if pair.feed == SERIES else 1.0
+
+    def shown(dt_s: float) -> Array:
+        states, found = at_rest(both), []
+        for voltage in np.repeat((0.5, 3.0, 0.3), (10, 40, 60)):
+            states, _ = advance_pair(states, both, pair, between, factor * voltage, dt_s, round(0.04 / dt_s))
+            found.append((states[0].contraction, states[0].stress_pa / 1e10))
+        return np.array(found)
+
+    steps = (4e-3, 2e-3, 1e-3)
+    finest = shown(5e-5)
+    rms = np.array([np.sqrt(np.mean((shown(dt_s) - finest) ** 2, axis=0)) for dt_s in steps])
+    order = np.log2(rms[0] / rms[-1]) / 2.0
+    assert (rms[-1] < 1e-4).all(), rms
+    assert (order > 0.75).all(), (order, rms)
+
+
+@pytest.mark.parametrize("name", sorted(CASES))
+def test_the_states_given_are_left_as_they_were(name: str) -> None:
+    both, pair, between = CASES[name]
+    states = course(both, pair, CYCLE_V[:300], between)[0][-1]
+    before = [[np.copy(item) for item in state] for state in states]
+    advance_pair(states, both, pair, between, 3.0, 1e-3, 2000)
+    for state, old in zip(states, before, strict=True):
+        for field, item, same in zip(state._fields, state, old, strict=True):
+            assert np.array_equal(item, same), field
+
+
+@pytest.mark.parametrize("name", sorted(CASES))
+def test_a_run_cut_in_two_is_the_run_in_one_to_the_bit(name: str) -> None:
+    both, pair, between = CASES[name]
+    whole = halves = at_rest(both)
+    for voltage in CYCLE_V[::3]:
+        whole, _ = advance_pair(whole, both, pair, between, voltage, 1e-3, 200)
+        halves, _ = advance_pair(halves, both, pair, between, voltage, 1e-3, 77)
+        halves, _ = advance_pair(halves, both, pair, between, voltage, 1e-3, 123)
+    for one, same in zip(whole, halves, strict=True):
+        assert one.temperature_k == same.temperature_k
+        assert one.stress_pa == same.stress_pa
+        assert np.array_equal(one.grain_martensite, same.grain_martensite)
+
+
+@pytest.mark.parametrize("hot_first", [False, True])
+def test_a_cold_wire_beside_a_hot_one_goes_slack_and_the_other_carries_all(hot_first: bool) -> None:
+    """Each on a supply of its own, one left cold: the connector follows the wire that pulls."""
+    both = (wire(spring_load(300.0), 0.3), wire(ALONE, 0.3))
+    own_v, other_v = (3.2, 0.0) if hot_first else (0.0, 3.2)
+    visited, means = course(both, Pair(1.0, OWN_SUPPLY, other_v, 1.0), [own_v] * 80)
+    hot, cold = (0, 1) if hot_first else (1, 0)
+    end, mean = visited[-1], means[-1]
+    assert end[cold].stress_pa == 0.0
+    assert mean.displacement_m > 1e-3
+    assert mean.displacement_m == mean.partner_displacement_m
+    assert mean.displacement_m == pytest.approx(moved_m(end[hot], both[hot]), rel=1e-6)
+    assert pulls_n(end[hot], both[hot]) == pytest.approx(0.6 + 300.0 * mean.displacement_m, rel=1e-6)
+
+
+@settings(derandomize=True, deadline=None, max_examples=30)
+@given(
+    name=st.sampled_from(sorted(CASES)),
+    pretensions_n=st.tuples(st.floats(0.2, 2.5), st.floats(0.2, 2.5)),
+    partner_v=st.floats(0.0, 3.0),
+    history=st.lists(st.tuples(st.floats(0.0, 3.2), st.integers(1, 1500)), min_size=1, max_size=8),
+)
+def test_every_history_keeps_shares_energy_and_no_wire_pushes(
+    name: str, pretensions_n: tuple[float, float], partner_v: float, history: list[tuple[float, int]]
+) -> None:
+    given_wires, pair, between = CASES[name]
+    both = (with_pretension(given_wires[0], pretensions_n[0]), with_pretension(given_wires[1], pretensions_n[1]))
+    pair = pair._replace(partner_voltage_v=partner_v)
+    states = start = at_rest(both)
+    for voltage, steps in history:
+        states, means = advance_pair(states, both, pair, between, voltage, 1e-3, steps)
+        assert all(np.isfinite(means))
+        assert means.grip_n >= 0.0
+        for state, first, of in zip(states, start, both, strict=True):
+            assert state.stress_pa >= 0.0
+            assert state.grain_martensite.min() >= -1e-12
+            assert (state.grain_martensite + state.grain_r_phase).max() <= 1.0 + 1e-12
+            kept = state.heat_in_j - state.heat_out_j
+            assert state.enthalpy_j - first.enthalpy_j == pytest.approx(kept, abs=1e-6 * state.heat_in_j + 1e-9)
+            transformed = state.grain_martensite.mean() + of.r_phase_entropy_ratio * state.grain_r_phase.mean()
+            held = of.heat_capacity_j_per_k * (state.temperature_k - 293.15) - of.latent_heat_j * transformed
+            assert state.enthalpy_j == pytest.approx(held, abs=1e-6 * of.latent_heat_j)
