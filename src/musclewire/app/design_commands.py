@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import typer
 
+from musclewire.app.design.finger_command import finger
+from musclewire.app.design.pretensioner_command import pretensioner
+
 __all__ = ["add_design_commands"]
 
 
 def add_design_commands(app: typer.Typer) -> None:
     """Add the group and its commands."""
     design = typer.Typer(name="design", no_args_is_help=True, help="Size what a wire pulls: pretensioner, finger.")
+    design.command()(pretensioner)
+    design.command()(finger)
     app.add_typer(design)

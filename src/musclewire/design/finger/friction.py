@@ -16,9 +16,19 @@ from musclewire.design.finger.chain import Chain, FloatArray, Placed
 from musclewire.design.finger.statics import Equilibrium, equilibrium
 from musclewire.errors import CallerError, NumericsError
 
-__all__ = ["ASSUMED_FRICTION", "FRICTION_SOURCE", "Friction", "chord_tensions", "friction_at", "hole_turns_rad"]
+__all__ = [
+    "ASSUMED_FRICTION",
+    "FRICTION_SOURCE",
+    "MOST_FRICTION",
+    "Friction",
+    "chord_tensions",
+    "friction_at",
+    "hole_turns_rad",
+]
 
 ASSUMED_FRICTION = 0.15
+# Rubber on dry glass; no tendon runs so.
+MOST_FRICTION = 1.0
 FRICTION_SOURCE = (
     "acetal copolymer on steel, 0.15: Shackelford (ed.), Materials Science and Engineering Handbook 2001, table 399, "
     "after Lynch, CRC Handbook of Materials Science 3, 1975; a steel tendon is assumed, the paper names none"

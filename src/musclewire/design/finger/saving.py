@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,7 +14,17 @@ from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve, FingerFile, finger_file_text
 from musclewire.parameters.schema import Parameter
 
-__all__ = ["curve_of_file", "curve_travels_m", "finger_text", "geometry_of_file", "geometry_parameters"]
+if TYPE_CHECKING:
+    from musclewire.design.finger.question import FingerAnswer
+
+__all__ = [
+    "answer_file_text",
+    "curve_of_file",
+    "curve_travels_m",
+    "finger_text",
+    "geometry_of_file",
+    "geometry_parameters",
+]
 
 FRICTION_KEY = "friction_coefficient"
 CURVE_POINTS = 57
@@ -55,6 +66,20 @@ def finger_text(
     """Return the text of a finger's file, its curve computed afresh up to ``longest_m``."""
     curve = finger_curve(geometry, curve_travels_m(longest_m), friction)
     return finger_file_text(name, description, geometry_parameters(geometry, sources, friction), curve)
+
+
+def answer_file_text(name: str, answer: FingerAnswer) -> str:
+    """Return the text of a finger's file for an answer: dimensions and curve."""
+    geometry, question = answer.geometry, answer.question
+    sized = "musclewire design finger" if question.request else "given to musclewire design finger"
+    kind = "derived" if question.request else "assumed"
+    sources = dict.fromkeys(UNITS, (kind, sized))
+    sources["youngs_modulus_pa"] = ("datasheet", f"material {question.material.name}")
+    description = (
+        f"A finger of {question.material.name}, {answer.stiffness_n_per_m:.1f} N/m along the tendon, endpoint "
+        f"{1e3 * answer.at.endpoint_displacement_m:g} mm at {1e3 * answer.at.travel_m:.3f} mm"
+    )
+    return finger_file_text(name, description, geometry_parameters(geometry, sources, question.friction), answer.curve)
 
 
 def geometry_of_file(finger: FingerFile) -> FingerGeometry:

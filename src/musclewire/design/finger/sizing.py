@@ -9,6 +9,7 @@ depth, takes up what rounding did to the stiffness.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -23,7 +24,7 @@ from musclewire.design.finger.statics import Equilibrium, equilibria, equilibriu
 from musclewire.errors import CallerError, NumericsError
 from musclewire.parameters.materials import Material
 
-__all__ = ["FingerRequest", "design_finger", "finger_stiffness_n_per_m"]
+__all__ = ["FingerRequest", "design_finger", "finger_stiffness_n_per_m", "geometry_of_section"]
 
 ROUNDED_M = 1e-5
 # The finger reaches its endpoint with this share of the travel there is; the rest is reserve.
@@ -36,6 +37,8 @@ WALL_M = 0.1e-3
 LEAST_DEPTH_M = 2e-3
 # Columns stand out twice as far as their holes: the holes are in the middle, the outer half is the isolator.
 COLUMN_HEIGHT_OFFSETS = 2.0
+# The search for an offset begins so much further out than an even arc says, and goes inward in such steps.
+FURTHEST_GUESS, NEAREST_GUESS, GUESS_STEP = 1.6, 0.4, 1.08
 # Plates this much thicker than the beam bend a thousandth of what the beam does.
 PLATE_THICKNESSES = 5.0
 
@@ -78,16 +81,11 @@ def design_finger(request: FingerRequest, material: Material) -> FingerGeometry:
         if not 0.0 < value < math.inf:
             raise CallerError(f"{name} is {value:g}: give a number above 0")
     offset = rounded(offset_for(request), down=True)
+    require_hole_beside(request, offset, request.least_thickness_m)
     shape = shape_of(request, offset, material.youngs_modulus_pa.value)
     chosen = section_for(request, material, shape)
     section = shape.with_(beam_thickness_m=chosen.thickness_m, beam_depth_m=chosen.depth_m)
-    hole = 0.5 * chosen.thickness_m + WALL_M + HOLE_RADIUS_M
-    if offset < hole:
-        raise CallerError(
-            f"the tendon would run {1e3 * offset:.2f} mm from the middle of a {1e3 * chosen.thickness_m:.2f} mm beam, "
-            f"and its hole wants {1e3 * hole:.2f} mm: a travel of {1e3 * request.travel_m:.2f} mm is "
-            f"{100 * (1 - offset / hole):.0f} % too little for this endpoint"
-        )
+    require_hole_beside(request, offset, chosen.thickness_m)
     gap = column_gap_m(section, chosen.at)
     if gap <= 0.0:
         raise CallerError(
@@ -97,8 +95,21 @@ def design_finger(request: FingerRequest, material: Material) -> FingerGeometry:
     return section.with_(plate_thickness_m=rounded(PLATE_THICKNESSES * chosen.thickness_m))
 
 
+def require_hole_beside(request: FingerRequest, offset_m: float, thickness_m: float) -> None:
+    """Raise CallerError where the hole for the tendon would cut into the beam."""
+    hole = 0.5 * thickness_m + WALL_M + HOLE_RADIUS_M
+    if offset_m < hole:
+        raise CallerError(
+            f"the tendon would run {1e3 * offset_m:.2f} mm from the middle of a {1e3 * thickness_m:.2f} mm beam, and "
+            f"its hole wants {1e3 * hole:.2f} mm: a travel of {1e3 * request.travel_m:.2f} mm is "
+            f"{100 * (1 - offset_m / hole):.0f} % too little for this endpoint"
+        )
+
+
 def offset_for(request: FingerRequest) -> float:
     """Return the tendon's offset [m] at which the endpoint is reached with the share of the travel set aside for it."""
+    # Whatever is wrong with the lengths is said first, with an offset that cannot be wrong.
+    shape_of(request, request.overall_length_m, 1.0)
     flexible = request.overall_length_m - request.plate_length_m
     # Columns spread the bend, so an even arc over segments and columns is close.
     angles = np.linspace(0.0, MOST_ANGLE_RAD - request.inward_angle_rad, 400) + request.inward_angle_rad
@@ -111,24 +122,39 @@ def offset_for(request: FingerRequest) -> float:
             f"{100 * (1 - reached.max() / request.endpoint_m):.1f} % too little; make the finger longer"
         )
     turn = float(angles[np.argmax(reached >= request.endpoint_m)] - angles[0])
-    travel = TRAVEL_SHARE * request.travel_m
-
-    def too_far(offset: float) -> float:
-        shape = shape_of(request, offset, 1.0)
-        return equilibrium_of(shape, travel) - request.endpoint_m
-
-    guess = travel / turn
-    nearer, further = 0.8 * guess, 1.25 * guess
-    try:
-        return float(brentq(too_far, nearer, further, xtol=1e-9))
-    except (ValueError, NumericsError):
-        raise CallerError(
-            f"an endpoint displacement of {1e3 * request.endpoint_m:g} mm is nearly all that an overall length of "
-            f"{1e3 * request.overall_length_m:g} mm gives ({1e3 * reached.max():.2f} mm): make the finger longer"
-        ) from None
+    return bracketed_offset(request, TRAVEL_SHARE * request.travel_m, TRAVEL_SHARE * request.travel_m / turn)
 
 
-def equilibrium_of(shape: FingerGeometry, travel_m: float) -> float:
+def bracketed_offset(request: FingerRequest, travel_m: float, guess_m: float) -> float:
+    """Return the offset [m] at which a travel just moves the endpoint far enough, looked for around a guess.
+
+    The nearer the tendon is to the beam the more the same travel bends it, until it curls. Raises CallerError where the
+    endpoint turns back before it is where it shall go.
+    """
+    further, most = FURTHEST_GUESS * guess_m, 0.0
+
+    def too_far(offset_m: float) -> float:
+        return endpoint_at(shape_of(request, offset_m, 1.0), travel_m) - request.endpoint_m
+
+    while further > NEAREST_GUESS * guess_m:
+        nearer = further / GUESS_STEP
+        try:
+            missing = too_far(nearer)
+        except NumericsError:
+            break
+        if missing >= 0.0:
+            return float(brentq(too_far, nearer, further, xtol=1e-9))
+        if request.endpoint_m + missing < most:
+            break
+        further, most = nearer, request.endpoint_m + missing
+    raise CallerError(
+        f"{request.columns} columns on {1e3 * request.overall_length_m:g} mm move the endpoint {1e3 * most:.2f} mm at "
+        f"most before it curls back, {100 * (1 - most / request.endpoint_m):.1f} % less than the "
+        f"{1e3 * request.endpoint_m:g} mm asked for: make the finger longer, or its plate or columns smaller"
+    )
+
+
+def endpoint_at(shape: FingerGeometry, travel_m: float) -> float:
     """Return the endpoint's displacement [m] at a travel, approached in steps."""
     steps = np.linspace(0.0, travel_m, 9)[1:]
     return equilibria(finger_chain(shape), shape.stiffness_n_m2, steps)[-1].endpoint_displacement_m
@@ -142,7 +168,7 @@ def shape_of(request: FingerRequest, offset_m: float, youngs_modulus_pa: float) 
         plate_length_m=request.plate_length_m,
         columns=request.columns,
         column_width_m=request.column_width_m,
-        column_height_m=max(COLUMN_HEIGHT_OFFSETS * offset_m, rounded(offset_m + HOLE_RADIUS_M + WALL_M)),
+        column_height_m=column_height_m(offset_m),
         tendon_offset_m=offset_m,
         beam_thickness_m=thin,
         beam_depth_m=request.depth_m,
@@ -150,6 +176,35 @@ def shape_of(request: FingerRequest, offset_m: float, youngs_modulus_pa: float) 
         plate_thickness_m=PLATE_THICKNESSES * thin,
         youngs_modulus_pa=youngs_modulus_pa,
     )
+
+
+def geometry_of_section(
+    thickness_m: float,
+    depth_m: float,
+    offset_m: float,
+    lengths: Mapping[str, float],
+    columns: int,
+    youngs_modulus_pa: float,
+) -> FingerGeometry:
+    """Return a finger of given section and offset, with columns and plate as the sizing makes them.
+
+    ``lengths`` has overall_length_m, plate_length_m, column_width_m and inward_angle_rad.
+    """
+    return FingerGeometry(
+        columns=columns,
+        column_height_m=column_height_m(offset_m),
+        tendon_offset_m=offset_m,
+        beam_thickness_m=thickness_m,
+        beam_depth_m=depth_m,
+        plate_thickness_m=rounded(PLATE_THICKNESSES * thickness_m),
+        youngs_modulus_pa=youngs_modulus_pa,
+        **lengths,
+    )
+
+
+def column_height_m(offset_m: float) -> float:
+    """Return how far columns stand out from the beam's middle [m]: the holes in the middle, with room to spare."""
+    return max(COLUMN_HEIGHT_OFFSETS * offset_m, rounded(offset_m + HOLE_RADIUS_M + WALL_M))
 
 
 def section_for(request: FingerRequest, material: Material, shape: FingerGeometry) -> Section:
@@ -184,8 +239,8 @@ def section_for(request: FingerRequest, material: Material, shape: FingerGeometr
         raise CallerError(
             f"the beam would bear {1e-6 * least.stress_pa:.1f} MPa at an endpoint of {1e3 * request.endpoint_m:g} mm, "
             f"{100 * (least.stress_pa / limit - 1):.0f} % above the {1e-6 * limit:g} MPa at which {material.name} "
-            f"yields ({1e3 * least.thickness_m:.2f} mm thick, {1e3 * least.depth_m:.2f} mm deep): more length, more depth, or "
-            "a softer finger"
+            f"yields ({1e3 * least.thickness_m:.2f} mm thick, {1e3 * least.depth_m:.2f} mm deep): more length, more "
+            "depth, or a softer finger"
         )
     return min(fitting, key=lambda section: abs(section.depth_m - request.depth_m))
 

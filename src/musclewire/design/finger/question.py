@@ -1,0 +1,310 @@
+"""One question about a finger, answered: dimensions from what it shall do, or what given dimensions do, with checks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from musclewire.design.finger.chain import FOOT_THICKNESSES, finger_chain
+from musclewire.design.finger.closed_forms import pure_moment_stiffness_n_per_m
+from musclewire.design.finger.comparison import Scheme, compare_schemes
+from musclewire.design.finger.curve import (
+    beam_stress_pa,
+    column_gap_m,
+    finger_curve,
+    linear_error,
+    longest_free_travel_m,
+    reciprocity_error,
+    touch_curve,
+    travel_for_endpoint_m,
+)
+from musclewire.design.finger.friction import ASSUMED_FRICTION, MOST_FRICTION, Friction, friction_at
+from musclewire.design.finger.geometry import FingerGeometry
+from musclewire.design.finger.plane_stress import PlaneStressPoint, finger_body, plane_stress_path
+from musclewire.design.finger.saving import CURVE_REACH, curve_travels_m
+from musclewire.design.finger.sizing import FingerRequest, design_finger, finger_stiffness_n_per_m
+from musclewire.design.finger.statics import Equilibrium, Foam, Sensitivity, equilibria, sensitivity
+from musclewire.design.finger.wire import WireOnFinger, wire_on_finger
+from musclewire.errors import CallerError
+from musclewire.parameters.finger_file import FingerCurve
+from musclewire.parameters.materials import Material
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Check", "FingerAnswer", "FingerQuestion", "FoamAnswer", "WireQuestion", "ask_finger"]
+
+WORKING_STRESS_PA = 172e6
+# Endpoint forces over which the linear answer of the curve is judged: as many tendon newtons as wires have to spare.
+JUDGED_FORCES_N = (0.05, 0.1)
+JUDGED_TRAVELS = 9
+PLANE_STRESS_SHARES = (0.02, 0.5, 1.0)
+
+
+class Check(NamedTuple):
+    """A number of a design beside what it should be, or what another way to compute it gives."""
+
+    name: str
+    value: float
+    reference: float
+
+
+@dataclass(frozen=True)
+class WireQuestion:
+    """A wire to pull the finger with: its name, both legs' length, pretension and the pretensioner's stiffness."""
+
+    name: str
+    length_m: float
+    pretension_n: float
+    pretensioner_n_per_m: float
+
+
+@dataclass(frozen=True)
+class FingerQuestion:
+    """What is asked: a ``request`` to be sized, or a ``geometry`` as it is; the endpoint and the travel there is."""
+
+    material: Material
+    endpoint_m: float
+    travel_m: float
+    request: FingerRequest | None = None
+    geometry: FingerGeometry | None = None
+    friction: float = ASSUMED_FRICTION
+    foam: Foam | None = None
+    wire: WireQuestion | None = None
+    compare: bool = False
+    finite_elements: bool = True
+
+
+class FoamAnswer(NamedTuple):
+    """The finger on an object at the end of its travel: endpoint, its force, the tendon's; and the force by the curve.
+
+    ``linear_force_n`` is what the free curve with its compliance says; ``force_n`` is solved with contact;
+    ``stress_pa`` is the beam's.
+    """
+
+    endpoint_m: float
+    force_n: float
+    tendon_force_n: float
+    linear_force_n: float
+    stress_pa: float
+    at: Equilibrium
+
+
+@dataclass(frozen=True)
+class FingerAnswer:
+    """A finger with its numbers at the endpoint asked for."""
+
+    question: FingerQuestion
+    geometry: FingerGeometry
+    stiffness_n_per_m: float
+    at: Equilibrium
+    slope: Sensitivity
+    friction: Friction
+    stress_pa: float
+    curve: FingerCurve
+    checks: list[Check]
+    foam: FoamAnswer | None
+    wire: WireOnFinger | None
+    schemes: list[Scheme]
+    warnings: list[str] = field(default_factory=list)
+
+    def plot(self) -> Figure:
+        """Draw the finger unloaded and bent, its tendon and the stress in its beam."""
+        from musclewire.design.finger.plots import plot_finger
+
+        return plot_finger(self)
+
+
+def ask_finger(question: FingerQuestion) -> FingerAnswer:
+    """Answer a question about a finger.
+
+    Raises CallerError, in one line that names the limit and by how much it is missed: stiffness, endpoint, room,
+    stress, what can be made, what the wire gives.
+    """
+    require_sense(question)
+    geometry = geometry_for(question)
+    chain = finger_chain(geometry)
+    at = travel_for_endpoint_m(chain, geometry.stiffness_n_m2, question.endpoint_m, question.travel_m)
+    stress = float(beam_stress_pa(geometry, at).max())
+    require_unbroken(question, geometry, at, stress)
+    longest = longest_free_travel_m(geometry, CURVE_REACH * question.travel_m)
+    curve = finger_curve(geometry, curve_travels_m(longest), question.friction)
+    wire = None if question.wire is None else wire_for(question.wire, curve, at.travel_m)
+    stiffness = finger_stiffness_n_per_m(geometry)
+    foam = None if question.foam is None else foam_answer(question, geometry, question.foam)
+    return FingerAnswer(
+        question=question,
+        geometry=geometry,
+        stiffness_n_per_m=stiffness,
+        at=at,
+        slope=sensitivity(at),
+        friction=friction_at(chain, geometry.stiffness_n_m2, at, question.friction),
+        stress_pa=stress,
+        curve=curve,
+        checks=checks_of(question, geometry, at, stiffness, stress),
+        foam=foam,
+        wire=wire,
+        schemes=schemes_of(question, geometry) if question.compare else [],
+        warnings=[*warnings_of(question, geometry, stress), *warnings_of_loads(question, foam, wire)],
+    )
+
+
+def require_sense(question: FingerQuestion) -> None:
+    """Raise CallerError for numbers that mean nothing."""
+    foam = question.foam
+    numbers = {"endpoint": question.endpoint_m, "travel": question.travel_m}
+    numbers |= {} if foam is None else {"stiffness of the object": foam.stiffness_n_per_m}
+    for name, value in numbers.items():
+        if not 0.0 < value < math.inf:
+            raise CallerError(f"{name} is {value:g}: give a number above 0")
+    if foam is not None and not 0.0 <= foam.clearance_m < math.inf:
+        raise CallerError(f"the clearance is {foam.clearance_m:g} m: give 0 or more")
+    if not 0.0 <= question.friction <= MOST_FRICTION:
+        raise CallerError(f"a friction coefficient of {question.friction:g} is not one of 0 to {MOST_FRICTION:g}")
+
+
+def geometry_for(question: FingerQuestion) -> FingerGeometry:
+    """Return the geometry given, or the one sized for the request."""
+    if question.geometry is not None:
+        return question.geometry
+    if question.request is None:
+        raise CallerError("a finger is asked for by a stiffness, or by its dimensions: neither was given")
+    return design_finger(question.request, question.material)
+
+
+def require_unbroken(question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium, stress_pa: float) -> None:
+    """Raise CallerError where a finger yields or its columns collide before it is where it shall go."""
+    limit = question.material.yield_stress_pa.value
+    if stress_pa > limit:
+        raise CallerError(
+            f"the beam would bear {1e-6 * stress_pa:.1f} MPa at an endpoint of {1e3 * question.endpoint_m:g} mm, "
+            f"{100 * (stress_pa / limit - 1):.0f} % above the {1e-6 * limit:g} MPa at which {question.material.name} "
+            "yields: a thinner beam, more length, or less endpoint"
+        )
+    gap = column_gap_m(geometry, at)
+    if gap <= 0.0:
+        raise CallerError(
+            f"columns of {1e3 * geometry.column_height_m:.2f} mm would overlap by {-1e3 * gap:.3f} mm at an endpoint "
+            f"of {1e3 * question.endpoint_m:g} mm: shorter or fewer columns, or less endpoint"
+        )
+
+
+def wire_for(wire: WireQuestion, curve: FingerCurve, needed_travel_m: float) -> WireOnFinger:
+    """Return how far the wire asked about takes the finger."""
+    return wire_on_finger(
+        curve,
+        wire.name,
+        wire_length_m=wire.length_m,
+        pretension_n=wire.pretension_n,
+        pretensioner_n_per_m=wire.pretensioner_n_per_m,
+        needed_travel_m=needed_travel_m,
+    )
+
+
+def checks_of(
+    question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium, stiffness_n_per_m: float, stress_pa: float
+) -> list[Check]:
+    """Return the numbers of a design beside what they should be."""
+    feet = (2 * geometry.columns - 1) * FOOT_THICKNESSES * geometry.beam_thickness_m
+    bends_as = geometry.flexible_length_m + feet
+    closed = pure_moment_stiffness_n_per_m(geometry.stiffness_n_m2, geometry.tendon_offset_m, bends_as)
+    travels = np.linspace(0.0, question.travel_m, JUDGED_TRAVELS)[1:]
+    linear = linear_error(geometry, travels, np.array(JUDGED_FORCES_N))
+    checks = []
+    if question.request is not None:
+        checks.append(Check("stiffness asked for, N/m", stiffness_n_per_m, question.request.stiffness_n_per_m))
+    checks += [
+        Check("travel at the endpoint against the travel there is, m", at.travel_m, question.travel_m),
+        Check("stress against yield, Pa", stress_pa, question.material.yield_stress_pa.value),
+        Check("gap between columns against touching, m", column_gap_m(geometry, at), 0.0),
+        Check("stiffness against the closed form EI/(r^2 L), N/m", stiffness_n_per_m, closed),
+        Check("reciprocity: dT/df over dy/dx, from 1", reciprocity_error(geometry, travels), 0.0),
+        Check("displacement by the linear curve, off a direct solution, m", linear.displacement_m, 0.0),
+        Check("tendon force by the linear curve, off a direct solution, N", linear.tendon_force_n, 0.0),
+    ]
+    return checks + (plane_stress_checks(question, geometry, at) if question.finite_elements else [])
+
+
+def plane_stress_checks(question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium) -> list[Check]:
+    """Return force, endpoint and stress of the chain beside finite elements at the same travel."""
+    meshed = finger_body(geometry, question.material.poisson_ratio.value)
+    points = list(plane_stress_path(meshed, at.tendon_force_n, np.array(PLANE_STRESS_SHARES)))
+    chain = finger_chain(geometry)
+    ours = equilibria(chain, geometry.stiffness_n_m2, np.array([point.travel_m for point in points]))
+    return [*paired("stiffness", points[0], ours[0], geometry)[:1], *paired("endpoint", points[-1], ours[-1], geometry)]
+
+
+def paired(where: str, point: PlaneStressPoint, ours: Equilibrium, geometry: FingerGeometry) -> list[Check]:
+    """Return the chain's numbers beside those of finite elements at one travel."""
+    stress = float(beam_stress_pa(geometry, ours).max())
+    if where == "stiffness":
+        return [
+            Check(
+                "stiffness against plane stress, N/m",
+                ours.tendon_force_n / ours.travel_m,
+                point.tendon_force_n / point.travel_m,
+            )
+        ]
+    return [
+        Check("tendon force against plane stress, N", ours.tendon_force_n, point.tendon_force_n),
+        Check("endpoint against plane stress, m", ours.endpoint_displacement_m, point.endpoint_displacement_m),
+        Check("stress against plane stress, Pa", stress, point.stress_pa),
+    ]
+
+
+def foam_answer(question: FingerQuestion, geometry: FingerGeometry, foam: Foam) -> FoamAnswer:
+    """Return the finger on an object at the end of the travel there is."""
+    travels = np.linspace(0.0, question.travel_m, 40)
+    touching = touch_curve(geometry, travels, foam)[-1]
+    free = equilibria(finger_chain(geometry), geometry.stiffness_n_m2, travels)[-1]
+    compliance = sensitivity(free).endpoint_compliance_m_per_n
+    beyond = max(free.endpoint_displacement_m - foam.clearance_m, 0.0)
+    return FoamAnswer(
+        touching.endpoint_displacement_m,
+        touching.endpoint_force_n,
+        touching.tendon_force_n,
+        beyond / (compliance + 1.0 / foam.stiffness_n_per_m),
+        float(beam_stress_pa(geometry, touching).max()),
+        touching,
+    )
+
+
+def schemes_of(question: FingerQuestion, geometry: FingerGeometry) -> list[Scheme]:
+    """Return the ways to pull this finger, up to the travel there is and the material's yield."""
+    return compare_schemes(geometry, question.travel_m, question.material.yield_stress_pa.value)
+
+
+def warnings_of(question: FingerQuestion, geometry: FingerGeometry, stress_pa: float) -> list[str]:
+    """Return what the maker should hear about the finger."""
+    material, found = question.material, []
+    lasting = material.allowable_stress_pa.value
+    if stress_pa > lasting:
+        found.append(
+            f"{1e-6 * stress_pa:.0f} MPa at the endpoint is below yield, but above the {1e-6 * lasting:.0f} MPa that "
+            f"{material.name} should bear for long and often"
+        )
+    usual = material.minimum_thickness_by(None)
+    if geometry.beam_thickness_m < usual:
+        found.append(
+            f"a beam of {1e3 * geometry.beam_thickness_m:.2f} mm is thinner than {material.processes[0]} makes "
+            f"({1e3 * usual:g} mm): a strip of film, or micro-moulding"
+        )
+    return found
+
+
+def warnings_of_loads(question: FingerQuestion, foam: FoamAnswer | None, wire: WireOnFinger | None) -> list[str]:
+    """Return what the maker should hear about object and wire."""
+    found, limit = [], question.material.yield_stress_pa.value
+    if foam is not None and foam.stress_pa > limit:
+        found.append(
+            f"pulled to the end of its travel against the object, the beam would bear {1e-6 * foam.stress_pa:.0f} MPa "
+            f"and yield ({1e-6 * limit:g} MPa)"
+        )
+    if wire is not None and wire.wire_stress_pa > WORKING_STRESS_PA:
+        found.append(
+            f"{1e-6 * wire.wire_stress_pa:.0f} MPa in the wire is more than the vendor's 172 MPa for many cycles"
+        )
+    return found
