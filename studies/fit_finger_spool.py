@@ -24,7 +24,16 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 from finger_spool.bars import PAPER_N, PAPER_PCT, at_paper, bars, least_place_n, stands_out_pct, sweep
 from finger_spool.loops import OWN_WIRE, RIG, LoopRow, Trial, own_trial, read_gap_pct, slow_path
-from finger_spool.search import AMPLITUDE_V, ONE_MORE, Found, fitted, judged, sets_of_old_numbers, with_one_more
+from finger_spool.search import (
+    AMPLITUDE_V,
+    ONE_MORE,
+    Found,
+    fitted,
+    judged,
+    sets_of_old_numbers,
+    with_least_at_paper,
+    with_one_more,
+)
 
 from musclewire.experiment.pretension import pretension_sweep
 from musclewire.identify.loop_gaps import loop_gaps
@@ -33,6 +42,7 @@ from musclewire.rigs.configuration import open_rig
 RIG_PRETENSIONS_N = (0.20, 0.40, 0.56, 0.71, 0.86, 1.00, 1.30)
 RIG_SEEDS = (1, 2)
 QUICK_NUMBERS = 3
+FRONTIER_K = (0.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
 
 
 def show(title: str, rows: Sequence[LoopRow]) -> None:
@@ -93,6 +103,20 @@ def show_neighbours() -> None:
         )
 
 
+def show_frontier() -> None:
+    """Print what gap each barrier shift gives once the R-phase shift has put the least one at 0.71 N."""
+    print("\nBarrier shift, the R-phase shift that puts the least gap at 0.71 N, gap there, over slack, over too much")
+    for shift in FRONTIER_K:
+        trial = with_least_at_paper(own_trial(), shift)
+        rows = sweep(trial, time_step_s=0.005, grains=160)
+        path = slow_path(trial, PAPER_N, time_step_s=0.005, grains=160)
+        read = np.mean([read_gap_pct(path, seed) for seed in range(1, 9)])
+        print(
+            f"  {shift:4.1f} K  {trial.wire['r_phase_shift_k']:+6.2f} K  {at_paper(rows).gap_pct:5.2f} %, "
+            f"as read {read:.2f} %  {rows[0].gap_pct:5.2f} %  {rows[-1].gap_pct:5.2f} %  {bars(rows).met} of 5 bars"
+        )
+
+
 def show_readings(seeds: int) -> None:
     """Print how much the instruments' noise adds to the gap."""
     path = slow_path(own_trial(), PAPER_N, time_step_s=0.005, grains=160)
@@ -144,6 +168,8 @@ def main() -> int:
     show_neighbours()
     show_readings(8 if given.quick else 32)
     show_rig()
+    if not given.quick:
+        show_frontier()
     show_search(thin=given.quick)
     print(f"\n{time.monotonic() - began:.0f} s", file=sys.stderr)
     return 0 if bars(own).met == 5 else 1

@@ -21,6 +21,7 @@ Found = tuple[float, str, list[LoopRow]]
 AMPLITUDES_V = (1.65, 1.8, 1.95)
 TEMPERATURE_SHIFTS_K = (-10.0, 0.0, 10.0, 20.0)
 FRICTIONS_N = (0.0, 0.06, 0.2, 0.4)
+PLACES_N = (0.47, 0.55, 0.63, 0.67, 0.71, 0.75, 0.79, 0.87, 0.95)
 R_PHASE_SHIFTS_K = tuple(float(shift) for shift in np.arange(-12.0, 6.1, 1.5))
 # One number more of a spool's alloy: low and high as published (parameters/data/published/ranges.toml), or where
 # nothing is, the bounds of studies/paper_wires/unknowns.py.
@@ -76,6 +77,24 @@ def judged(sets: Iterable[tuple[str, Trial]]) -> list[Found]:
         rows = sweep(trial)
         found.append((distance(rows), label, rows))
     return sorted(found, key=lambda item: item[0])
+
+
+def with_least_at_paper(start: Trial, barrier_shift_k: float) -> Trial:
+    """Return the spool of a barrier shift with the R-phase shift that puts its least gap at 0.71 N, to 0.02 K."""
+
+    def trial_at(shift: float) -> Trial:
+        shifts = {"r_phase_shift_k": shift, "martensite_barrier_shift_k": barrier_shift_k}
+        return replace(start, wire={**start.wire, **shifts})
+
+    # The lower the R-phase's temperature, the lower the pretension that closes its window: the place falls with it.
+    low, high = -barrier_shift_k - 4.0, -barrier_shift_k + 3.0
+    while high - low > 0.02:
+        middle = 0.5 * (low + high)
+        if least_place_n(sweep(trial_at(middle), PLACES_N)) < PAPER_N:
+            low = middle
+        else:
+            high = middle
+    return trial_at(round(0.5 * (low + high), 2))
 
 
 def fitted(start: Trial, *, seeds: int) -> Trial:
