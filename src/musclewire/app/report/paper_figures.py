@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER, STYLE, mark_points, svg
+from musclewire.app.report.finger_figures import FINGER_FIGURES
+from musclewire.app.report.paper_drawing import SHADES, WHITE_BOX, one_panel, printed_line, ramp
 from musclewire.errors import MusclewireError
 from musclewire.experiment.metrics import elapsed
 from musclewire.experiment.reproduce.section2 import (
@@ -34,10 +36,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FIGURES", "drawn"]
 
-SIZE = (6.4, 4.7)
-SHADES = ("#1f6f8b", "#e0a030", "#5c6670")
 ZERO_CELSIUS_K = 273.15
-WHITE_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
 
 
 def drawn(subject: str, runs: Runs) -> str:
@@ -49,19 +48,6 @@ def drawn(subject: str, runs: Runs) -> str:
             return svg(FIGURES[subject](runs), subject)
         except MusclewireError as error:
             return f'<p class="note">Cannot be drawn: {escape(str(error))}</p>'
-
-
-def one_panel() -> tuple[Figure, Axes]:
-    """Return an empty figure of the page's size."""
-    figure = Figure(figsize=SIZE, layout="constrained")
-    return figure, figure.subplots()
-
-
-def printed_line(axes: Axes, place: float, text: str, rotation: float = 90.0) -> None:
-    """Draw a printed number as a vertical line with its text above the axes."""
-    axes.axvline(place, color=PAPER, linewidth=1.0, linestyle=":", zorder=1)
-    axes.annotate(text, (place, 1.01), xycoords=("data", "axes fraction"), color=PAPER, fontsize=8.5, rotation=rotation,
-                  ha="center", va="bottom")  # fmt: skip
 
 
 def fig3a(runs: Runs) -> Figure:
@@ -115,13 +101,6 @@ def draw_loop(
     dashes = ("-", "--") if colours[0] == colours[1] else ("-", "-")
     for part, colour, label, dash in zip(loop.halves(), colours, labels, dashes, strict=True):
         axes.plot(loop.resistance_ohm[part], values[part], color=colour, label=label, linestyle=dash, **style)
-
-
-def ramp(count: int) -> Iterable[str]:
-    """Return colours from light to dark."""
-    from matplotlib.colors import to_hex
-
-    return [to_hex(colour) for colour in mpl.colormaps["YlGnBu"](np.linspace(0.35, 1.0, count))]
 
 
 def pretension_figure(runs: Runs, quantity: str, factor: float, printed: dict[float, float], ylabel: str) -> Figure:
@@ -332,5 +311,6 @@ FIGURES: dict[str, Callable[[Runs], Figure]] = {
     "table2": table2,
     "fig11": fig11,
     "fig12": fig12,
+    **FINGER_FIGURES,
     "isobars": isobars,
 }

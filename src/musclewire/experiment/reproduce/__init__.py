@@ -1,7 +1,8 @@
 """Every printed number of the paper's sections II and III beside ours: checks, the runs they need, and the verdict."""
 
 from musclewire.experiment.reproduce.checks import Check, Row, judged, selected
+from musclewire.experiment.reproduce.loops import Loop
 from musclewire.experiment.reproduce.reproduction import Reproduction, all_checks, reproduce
-from musclewire.experiment.reproduce.runs import Loop, Runs
+from musclewire.experiment.reproduce.runs import Runs
 
 __all__ = ["Check", "Loop", "Reproduction", "Row", "Runs", "all_checks", "judged", "reproduce", "selected"]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.errors import RecordingError
-from musclewire.experiment.reproduce.runs import Loop
+from musclewire.experiment.reproduce.loops import Loop
 from musclewire.sensing.branches import Branch
 
 __all__ = [

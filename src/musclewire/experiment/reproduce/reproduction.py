@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from musclewire.experiment.reproduce import equations, isobars, section2, section3, table1
+from musclewire.experiment.reproduce import equations, isobars, section2, section3, section4, table1
 from musclewire.experiment.reproduce.checks import Check, Row, judged, selected
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.experiment.run import OnSample
@@ -42,7 +42,7 @@ class Reproduction:
 
 def all_checks() -> list[Check]:
     """Return every check in the order of the paper, the isobars last."""
-    modules = (table1, equations, section2, section3, isobars)
+    modules = (table1, equations, section2, section3, section4, isobars)
     return [check for module in modules for check in module.checks()]
 
 

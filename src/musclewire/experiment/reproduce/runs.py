@@ -2,84 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from musclewire.controllers.references import Staircase, staircase
 from musclewire.experiment.closed_loop import control
 from musclewire.experiment.metrics import ControlRun
 from musclewire.experiment.open_loop import characterize
+from musclewire.experiment.reproduce.finger_runs import FingerRuns
+from musclewire.experiment.reproduce.loops import CYCLES, Loop, loop_on
 from musclewire.experiment.run import OnSample
 from musclewire.identify.isobars import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
-from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
-from musclewire.identify.recordings import required_quantity, resistance_reading
 from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_alloy, load_bench, load_wire, read_published
 from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.sensing.branches import Branch, single_valued
 from musclewire.sensing.model import SensingModel
-from musclewire.signals.recording import Recording
 
-__all__ = ["CYCLES", "ISOBAR_WIRE", "Loop", "Runs"]
+__all__ = ["ISOBAR_WIRE", "Runs"]
 
-FloatArray = NDArray[np.float64]
-CYCLES = 2
 ISOBAR_WIRE = "isobar-sample"
 MAIN_WIRE = "paper-100um"
 COLD_SAMPLES = 40
-
-
-@dataclass(frozen=True, eq=False)
-class Loop:
-    """A slow sine with its gaps, and the simulated wire's own resistance at the end of each sample, (n_times,)."""
-
-    recording: Recording
-    gaps: LoopGaps
-    true_resistance_ohm: FloatArray
-
-    @cached_property
-    def resistance_ohm(self) -> FloatArray:
-        """Resistance by Eq. 1, (n_times,)."""
-        return resistance_reading(self.recording).resistance_ohm
-
-    def quantity(self, name: str) -> FloatArray:
-        """Return strain, displacement [m] or contraction force [N], (n_times,)."""
-        return required_quantity(self.recording, name)
-
-    @property
-    def strain_gap_pct(self) -> float:
-        """Eq. 2 for strain."""
-        return 100.0 * self.gaps.strain_gap
-
-    @property
-    def force_gap_pct(self) -> float:
-        """Eq. 2 for force; the simulated rig always has a load cell."""
-        return 100.0 * (self.gaps.force_gap or 0.0)
-
-    @property
-    def stroke_pct(self) -> float:
-        """Largest less cold strain."""
-        return 100.0 * (self.gaps.segments.strain_max - self.gaps.segments.strain_cold)
-
-    def halves(self) -> tuple[slice, slice]:
-        """Return heating A to C and cooling C to A of the analysed cycle, as row slices."""
-        found = self.gaps.segments
-        return slice(found.heating_a, found.heating_c + 1), slice(found.cooling_c, found.cooling_a + 1)
-
-    def sensing_branches(self, quantity: str) -> tuple[Branch, Branch]:
-        """Return heating and cooling from B to C as single-valued curves over resistance."""
-        found, values = self.gaps.segments, self.quantity(quantity)
-        heating = slice(found.heating_b, found.heating_c + 1)
-        cooling = slice(found.cooling_c, found.cooling_b + 1)
-        up, down = (
-            single_valued((self.resistance_ohm[part], values[part]), name)
-            for part, name in ((heating, "heating"), (cooling, "cooling"))
-        )
-        return up, down
 
 
 class Runs:
@@ -92,6 +36,7 @@ class Runs:
         self._loops: dict[tuple[str, float, float | None, float | None], Loop] = {}
         self._cold: dict[str, float] = {}
         self._isobars: dict[float, Isobar] = {}
+        self.finger = FingerRuns(seed, self._on_sample)
 
     def loop(
         self,
@@ -111,15 +56,8 @@ class Runs:
             settings: dict[str, float | str] = {"pretension_n": pretension_n}
             if stiffness_n_per_m is not None:
                 settings["spring_stiffness_n_per_m"] = stiffness_n_per_m
-            truth: list[float] = []
             with open_rig(RigConfiguration(wire=wire, seed=self._seed, settings=settings)) as rig:
-
-                def note(row: Mapping[str, float]) -> None:
-                    truth.append(rig.wire_state.resistance_ohm)
-                    self._on_sample(row)
-
-                recording = characterize(rig, amplitude_v=amplitude_v, cycles=CYCLES, on_sample=note)
-            self._loops[key] = Loop(recording, loop_gaps(recording), np.array(truth))
+                self._loops[key] = loop_on(rig, self._on_sample, amplitude_v)
         return self._loops[key]
 
     def main_loop(self) -> Loop:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.experiment.reproduce.checks import Check
+from musclewire.experiment.reproduce.loops import Loop
 from musclewire.experiment.reproduce.measures import (
     drive_gap_pct,
     falling_steps,
@@ -16,7 +17,7 @@ from musclewire.experiment.reproduce.measures import (
     lowest_place,
     outside_loop_pct,
 )
-from musclewire.experiment.reproduce.runs import Loop, Runs
+from musclewire.experiment.reproduce.runs import Runs
 from musclewire.experiment.reproduce.table1 import WIRES, diameter_label
 from musclewire.parameters.library import load_wire, read_published
 

@@ -1,0 +1,107 @@
+"""The runs on the finger of section IV, each made once."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+from musclewire.controllers.references import Staircase, staircase
+from musclewire.experiment.closed_loop import control
+from musclewire.experiment.metrics import ControlRun
+from musclewire.experiment.open_loop import characterize
+from musclewire.experiment.reproduce.loops import CYCLES, Loop, loop_on
+from musclewire.experiment.run import OnSample
+from musclewire.experiment.zero_tendon import TendonZero, zero_tendon
+from musclewire.identify.sensing_model import fit
+from musclewire.parameters.library import load_wire, read_published
+from musclewire.rigs.configuration import open_rig, rig_configuration
+from musclewire.rigs.load_parts import Pretensioner
+from musclewire.rigs.simulated import SimulatedRig
+from musclewire.sensing.model import SensingModel
+
+__all__ = ["COMMON_WIRE", "FINGER_RIG", "FINGER_WIRE", "FingerRuns", "pretension_n", "staircase_of_fig18"]
+
+FINGER_RIG = "finger"
+# The spool that the finger's wire is taken to be, and the one of section III.
+FINGER_WIRE, COMMON_WIRE = "finger-100um", "paper-100um"
+# What the finger's stage is off by when the search for its zero begins: a careful hand.
+STAGE_OFF_M = 40e-6
+
+
+def pretension_n() -> float:
+    """Return the pretension that the paper chose for the finger."""
+    return float(read_published("lan_fan_2010")["displacement_gap"]["pretension_n"])
+
+
+def staircase_of_fig18() -> Staircase:
+    """Return the steps of Fig. 18, in metres."""
+    printed = read_published("lan_fan_2010")["table3"]
+    levels = printed["desired_displacement_mm"]
+    return staircase(
+        levels[0] / 1000.0, levels[-1] / 1000.0, printed["step_mm"] / 1000.0, hold_s=float(printed["step_s"])
+    )
+
+
+class FingerRuns:
+    """Makes recordings on the rig "finger" and keeps them; every rig is opened with the same seed."""
+
+    def __init__(self, seed: int, on_sample: OnSample) -> None:
+        """Make nothing yet; ``on_sample`` is called after every sample of every run."""
+        self._seed = seed
+        self._on_sample = on_sample
+        self._loops: dict[tuple[str, float], Loop] = {}
+
+    def open(self, wire: str = FINGER_WIRE, force_n: float | None = None) -> SimulatedRig:
+        """Open the rig with a wire at a pretension; another wire gets the voltages that suit this length."""
+        own = load_wire(FINGER_WIRE).values()
+        return open_rig(
+            FINGER_RIG,
+            wire=wire,
+            seed=self._seed,
+            pretension_n=pretension_n() if force_n is None else force_n,
+            drive_amplitude_v=own["drive_amplitude_v"],
+            maximum_voltage_v=own["maximum_voltage_v"],
+        )
+
+    def loop(self, force_n: float, wire: str = FINGER_WIRE) -> Loop:
+        """Return the slow sine at a pretension. Raises RecordingError where the recording shows no loop."""
+        key = (wire, round(force_n, 6))
+        if key not in self._loops:
+            with self.open(wire, force_n) as rig:
+                self._loops[key] = loop_on(rig, self._on_sample)
+        return self._loops[key]
+
+    @cached_property
+    def control_run(self) -> ControlRun:
+        """The staircase of Fig. 18, on a rig that has just run its slow sine."""
+        with self.open() as rig:
+            model = fit(characterize(rig, cycles=CYCLES, on_sample=self._on_sample), quantity="displacement")
+            return control(rig, model, staircase_of_fig18(), on_sample=self._on_sample)
+
+    @cached_property
+    def model(self) -> SensingModel:
+        """The sixth-order model of the loop at the chosen pretension."""
+        return fit(self.loop(pretension_n()).recording, quantity="displacement")
+
+    @cached_property
+    def tendon_zero(self) -> TendonZero:
+        """The search for the zero of Linear Stage 2, from a setting that is off."""
+        with self.open() as rig:
+            return zero_tendon(rig, start_slack_m=STAGE_OFF_M)
+
+    @cached_property
+    def initial_deflection_m(self) -> dict[bool, float]:
+        """Where the endpoint is while the wire is cold, at the chosen pretension: with and without pretensioner.
+
+        By the laser, against the same finger with no pretension in the wire.
+        """
+        return {kept: self._cold_endpoint_m(kept) for kept in (True, False)}
+
+    def _cold_endpoint_m(self, with_pretensioner: bool) -> float:
+        configuration, _ = rig_configuration(FINGER_RIG)
+        parts = [part for part in configuration.load if with_pretensioner or not isinstance(part, Pretensioner)]
+        changed = configuration.model_copy(update={"load": parts, "seed": self._seed})
+        read = []
+        for force in (0.0, pretension_n()):
+            with open_rig(changed, pretension_n=force) as rig:
+                read.append(float(rig.exchange(rig.sense_voltage_v).endpoint_displacement_m or 0.0))
+        return read[1] - read[0]

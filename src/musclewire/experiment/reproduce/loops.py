@@ -1,0 +1,89 @@
+"""A slow sine with what is needed of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.experiment.open_loop import characterize
+from musclewire.experiment.run import OnSample
+from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
+from musclewire.identify.recordings import required_quantity, resistance_reading
+from musclewire.rigs.simulated import SimulatedRig
+from musclewire.sensing.branches import Branch, single_valued
+from musclewire.signals.recording import Recording
+
+__all__ = ["CYCLES", "Loop", "loop_on"]
+
+FloatArray = NDArray[np.float64]
+CYCLES = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A slow sine with its gaps, and the simulated wire's own resistance at the end of each sample, (n_times,)."""
+
+    recording: Recording
+    gaps: LoopGaps
+    true_resistance_ohm: FloatArray
+
+    @cached_property
+    def resistance_ohm(self) -> FloatArray:
+        """Resistance by Eq. 1, (n_times,)."""
+        return resistance_reading(self.recording).resistance_ohm
+
+    def quantity(self, name: str) -> FloatArray:
+        """Return strain, displacement [m] or contraction force [N], (n_times,)."""
+        return required_quantity(self.recording, name)
+
+    @property
+    def strain_gap_pct(self) -> float:
+        """Eq. 2 for strain."""
+        return 100.0 * self.gaps.strain_gap
+
+    @property
+    def force_gap_pct(self) -> float:
+        """Eq. 2 for force; the simulated rig always has a load cell."""
+        return 100.0 * (self.gaps.force_gap or 0.0)
+
+    @property
+    def displacement_gap_pct(self) -> float:
+        """Eq. 9: the gap of what is moved, a finger's endpoint where there is one."""
+        return 100.0 * (self.gaps.displacement_gap or 0.0)
+
+    @property
+    def stroke_pct(self) -> float:
+        """Largest less cold strain."""
+        return 100.0 * (self.gaps.segments.strain_max - self.gaps.segments.strain_cold)
+
+    def halves(self) -> tuple[slice, slice]:
+        """Return heating A to C and cooling C to A of the analysed cycle, as row slices."""
+        found = self.gaps.segments
+        return slice(found.heating_a, found.heating_c + 1), slice(found.cooling_c, found.cooling_a + 1)
+
+    def sensing_branches(self, quantity: str) -> tuple[Branch, Branch]:
+        """Return heating and cooling from B to C as single-valued curves over resistance."""
+        found, values = self.gaps.segments, self.quantity(quantity)
+        heating = slice(found.heating_b, found.heating_c + 1)
+        cooling = slice(found.cooling_c, found.cooling_b + 1)
+        up, down = (
+            single_valued((self.resistance_ohm[part], values[part]), name)
+            for part, name in ((heating, "heating"), (cooling, "cooling"))
+        )
+        return up, down
+
+
+def loop_on(rig: SimulatedRig, on_sample: OnSample, amplitude_v: float | None = None) -> Loop:
+    """Return the slow sine of an open rig, with what the simulated wire's resistance truly was."""
+    truth: list[float] = []
+
+    def note(row: Mapping[str, float]) -> None:
+        truth.append(rig.wire_state.resistance_ohm)
+        on_sample(row)
+
+    recording = characterize(rig, amplitude_v=amplitude_v, cycles=CYCLES, on_sample=note)
+    return Loop(recording, loop_gaps(recording), np.array(truth))
