@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from musclewire.app.calibrate_command import add_calibrate_command
+from musclewire.app.design_commands import add_design_commands
 from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
 from musclewire.app.paper_commands import add_paper_commands
@@ -59,6 +60,7 @@ add_model_commands(app)
 add_wire_commands(app)
 add_paper_commands(app)
 add_calibrate_command(app)
+add_design_commands(app)
 
 
 def main() -> None:

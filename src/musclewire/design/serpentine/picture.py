@@ -25,7 +25,9 @@ SIZE_INCHES = (10.4, 5.6)
 MM, MPA = 1e3, 1e-6
 # Stress is drawn on a mesh coarser than the one that is judged: the eye sees no more.
 DRAWN_MESH = 3
-STEEL = "#d5d9de"
+BLOCK = "#d5d9de"
+# From no stress to the largest: never as pale as the page.
+SHADES = ("#a9c9d8", "#f0d98c", "#e8853f", "#8f1d2c")
 
 
 def draw_pretensioner(made: Pretensioner) -> Axes:
@@ -96,7 +98,7 @@ def block(
     x, y = corner[0] + moved[0], corner[1] + moved[1]
     rounding = "round,pad=0,rounding_size=0.8"
     axes.add_patch(
-        shapes.FancyBboxPatch((x, y), *size, boxstyle=rounding, facecolor=STEEL, edgecolor="#8a9099", linewidth=0.8)
+        shapes.FancyBboxPatch((x, y), *size, boxstyle=rounding, facecolor=BLOCK, edgecolor="#8a9099", linewidth=0.8)
     )
     for hole in holes:
         centre = (MM * hole.x_m + moved[0], MM * hole.y_m + moved[1])
@@ -107,6 +109,7 @@ def block(
 
 def stress_mesh(axes: Axes, state: Equilibrium) -> Any:
     """Draw the stress on the pulled strip; each element of nine nodes as a ring of triangles around its middle."""
+    from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.tri import Triangulation
 
     places = MM * (state.body.nodes_m + state.displacement_m)
@@ -114,17 +117,15 @@ def stress_mesh(axes: Axes, state: Equilibrium) -> Any:
     middle = np.broadcast_to(state.body.elements[:, 8:9], ring.shape)
     triangles = np.stack([middle, ring, np.roll(ring, -1, axis=1)], axis=-1).reshape(-1, 3)
     mesh = Triangulation(places[:, 0], places[:, 1], triangles)
-    return axes.tripcolor(mesh, MPA * state.von_mises_pa, shading="gouraud", cmap="YlOrRd", vmin=0.0, zorder=3)
+    shades = LinearSegmentedColormap.from_list("stress", SHADES)
+    return axes.tripcolor(mesh, MPA * state.von_mises_pa, shading="gouraud", cmap=shades, vmin=0.0, zorder=3)
 
 
 def draw_curve(axes: Axes, made: Pretensioner) -> None:
     """Draw pull and stress over travel, with what they are judged by."""
     curve, duty = made.curve, made.duty
     travel = np.linspace(0.0, curve.travel_m[-1], 200)
-    axes.plot(MM * travel, [curve.force_at(at) for at in travel], color=COOLING, label="pull")
-    axes.plot(
-        MM * travel, made.stiffness_n_per_m * travel, color=TARGET, linewidth=1.0, linestyle=":", label="at first"
-    )
+    axes.plot(MM * travel, [curve.force_at(at) for at in travel], color=COOLING)
     axes.set(xlabel="travel of the connector [mm]", ylabel="pull [N]", xlim=(0.0, None), ylim=(0.0, None))
     axes.yaxis.label.set_color(COOLING)
     if duty.pretension_n is not None and duty.travel_m is None and made.travel_m is not None:
