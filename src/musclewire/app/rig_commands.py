@@ -19,6 +19,8 @@ from musclewire.errors import CallerError, RecordingError, nearest_hint
 if TYPE_CHECKING:
     from musclewire.controllers.references import Reference
     from musclewire.experiment.metrics import ControlMetrics
+    from musclewire.sensing.known_load import KnownSpring
+    from musclewire.sensing.model import SensingModel
 
 __all__ = ["add_rig_commands"]
 
@@ -187,6 +189,10 @@ def control(
     rig: RigName,
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
     quantity: Annotated[str, typer.Option("--quantity", help="strain, displacement or force.")] = "strain",
+    stiffness: Annotated[
+        str | None,
+        typer.Option("--stiffness", help="Force from a model of strain: the load's stiffness, as '588.6 N/m'."),
+    ] = None,
     reference: Annotated[
         str, typer.Option("--reference", help="'staircase', or a file with time_s and target_...")
     ] = "staircase",
@@ -211,8 +217,7 @@ def control(
     from musclewire.sensing import load_model
 
     loaded = load_model(model)
-    if loaded.quantity != quantity:
-        raise CallerError(f"model {model} senses {loaded.quantity}, not {quantity}: fit one with --quantity {quantity}")
+    load = known_spring(loaded, model, quantity, quantity_option(stiffness, "N/m"))
     target = read_reference(reference, quantity)
     settings = FuzzyPidSettings(rule_base=rules)
     if output is not None:
@@ -222,6 +227,8 @@ def control(
             with progress_bar("Anchoring R_min and R_max", 90.0, quiet=json) as anchoring:
                 loaded = anchor(opened, loaded, on_sample=anchoring).model
         pace = Pace(opened.sample_period_s, opened.paced)
+        if target is None:
+            target = staircase_for(loaded, load, opened.leg_length_m)
         with progress_bar("Closed loop", APPROACH_S + target.duration_s, quiet=json) as advance:
 
             def on_sample(row: Mapping[str, float]) -> None:
@@ -229,9 +236,16 @@ def control(
                 advance(row)
 
             run = run_control(
-                opened, loaded, target, settings=settings, path=output, overwrite=force, on_sample=on_sample
+                opened, loaded, target, settings=settings, load=load, path=output, overwrite=force, on_sample=on_sample
             )
-    answer = {**metrics_json(run.metrics), **pace.report(), "ended": run.metadata["ended"], "samples": len(run)}
+    answer = {
+        **metrics_json(run.metrics),
+        **pace.report(),
+        "known_stiffness_n_per_m": None if load is None else load.stiffness_n_per_m,
+        "known_friction_n": None if load is None else load.friction_n,
+        "ended": run.metadata["ended"],
+        "samples": len(run),
+    }
     if json:
         emit_json(answer)
     else:
@@ -303,16 +317,42 @@ def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:
     }
 
 
-def read_reference(reference: str, quantity: str) -> Reference:
-    """Return the paper's staircase, or the targets in a recording file."""
-    from musclewire.controllers import sampled_reference, staircase
+def known_spring(loaded: SensingModel, path: Path, quantity: str, stiffness: float | None) -> KnownSpring | None:
+    """Return the load whose stiffness is known, None without one.
+
+    Raises CallerError where the model does not sense the quantity, directly or by a stiffness.
+    """
+    from musclewire.sensing.known_load import KnownSpring
+
+    if stiffness is None:
+        if loaded.quantity == quantity:
+            return None
+        way = " or, for a known load, give --stiffness" if quantity == "force" else ""
+        raise CallerError(
+            f"model {path} senses {loaded.quantity}, not {quantity}: fit one with --quantity {quantity}{way}"
+        )
+    if quantity != "force":
+        raise CallerError(f"--stiffness turns strain into force, but --quantity is {quantity}: give --quantity force")
+    friction = loaded.wire.get("guide_friction_n")
+    return KnownSpring(stiffness, float(friction) if isinstance(friction, (int, float)) else 0.0)
+
+
+def staircase_for(loaded: SensingModel, load: KnownSpring | None, leg_length_m: float) -> Reference:
+    """Return the built-in staircase for a model, in force where a load's stiffness is known."""
+    from musclewire.experiment.staircases import staircase_within
+    from musclewire.sensing.known_load import force_model
+
+    return staircase_within(loaded if load is None else force_model(loaded, load.stiffness_n_per_m, leg_length_m))
+
+
+def read_reference(reference: str, quantity: str) -> Reference | None:
+    """Return the targets in a recording file, None for the built-in staircase."""
+    from musclewire.controllers import sampled_reference
     from musclewire.identify.recordings import COLUMN_SUFFIX
     from musclewire.signals import read_recording
 
     if reference == "staircase":
-        if quantity != "strain":
-            raise CallerError(f"the built-in staircase is in strain; give --reference FILE with targets in {quantity}")
-        return staircase()
+        return None
     if not Path(reference).exists():
         raise CallerError(
             f"there is no reference '{reference}'{nearest_hint(reference, ['staircase'])}, or give a file"

@@ -12,12 +12,14 @@ from pathlib import Path
 
 from musclewire.controllers import DriveLimits, FuzzyPid, FuzzyPidSettings
 from musclewire.controllers.fuzzy_pid import ControllerState
-from musclewire.controllers.references import Reference, staircase
+from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
+from musclewire.experiment.staircases import staircase_within
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.protocol import Rig
+from musclewire.sensing.known_load import KnownSpring, force_model
 from musclewire.sensing.model import SHOWN_AS, SensingModel
 from musclewire.sensing.resistance import wire_resistance
 from musclewire.sensing.tracking import SegmentState, SegmentTracker
@@ -34,13 +36,19 @@ LONGEST_BLIND_SAMPLES = 10
 FOREIGN_SHARE = 0.15
 # What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
 RANGE_AS_PERCENT_STRAIN = 3.0
+# Where friction turns round, force moves steeply with strain: so many times the friction count as range, or the loop
+# chatters.
+FRICTION_AS_RANGE = 8.0
 
 
-def controller_for(rig: Rig, model: SensingModel, settings: FuzzyPidSettings | None = None) -> FuzzyPid:
+def controller_for(
+    rig: Rig, model: SensingModel, settings: FuzzyPidSettings | None = None, load: KnownSpring | None = None
+) -> FuzzyPid:
     """Return the fuzzy-tuned PID within a rig's limits, its error unit fitted to the model's quantity."""
     chosen = settings or FuzzyPidSettings()
     if model.quantity != "strain" and "error_unit" not in chosen.model_fields_set:
-        unit = (model.quantity_max - model.quantity_min) / RANGE_AS_PERCENT_STRAIN
+        steep = 0.0 if load is None else FRICTION_AS_RANGE * load.friction_n
+        unit = (model.quantity_max - model.quantity_min + steep) / RANGE_AS_PERCENT_STRAIN
         chosen = chosen.model_copy(update={"error_unit": unit})
     return FuzzyPid(chosen, DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v))
 
@@ -58,9 +66,17 @@ class SelfSensingPolicy:
         sample_period_s: float,
         approach_s: float,
         first_drive_voltage_v: float,
+        load: KnownSpring | None = None,
     ) -> None:
-        """Start from a drive that is out already; the reference's time zero comes after the approach."""
+        """Start from a drive that is out already; the reference's time zero comes after the approach.
+
+        With a ``load`` the model is one of the force on its spring, and its friction is added here.
+        """
         self._model = model
+        self._load = load
+        # A wire that was warmed up has been contracting: it pulls against the friction.
+        self._friction_n = 0.0 if load is None else load.friction_n
+        self._spring_force_n: float | None = None
         self._controller = controller
         self._reference = reference
         self._shunt_resistance_ohm = shunt_resistance_ohm
@@ -107,11 +123,11 @@ class SelfSensingPolicy:
             self._blind_samples = 0
             self._check_belongs(reading.resistance_ohm, sample)
             estimate = self._model.estimate(reading.resistance_ohm)
-            self._estimate = estimate.value
+            self._estimate = estimate.value + self._friction_at(estimate.value)
             valid = estimate.valid and self._in_sensing_segment(reading.resistance_ohm, sample.wire_voltage_v)
             if self._state is None:
-                self._state = self._controller.start(self._first_drive_voltage_v, estimate.value, target)
-            result = self._controller.step(self._state, target, estimate.value, self._sample_period_s)
+                self._state = self._controller.start(self._first_drive_voltage_v, self._estimate, target)
+            result = self._controller.step(self._state, target, self._estimate, self._sample_period_s)
             self._state, drive = result.state, result.drive_voltage_v
             gains = (result.kp, result.ki, result.kd)
         else:
@@ -128,6 +144,16 @@ class SelfSensingPolicy:
                 "derivative_gain": gains[2],
             },
         )
+
+    def _friction_at(self, spring_force_n: float) -> float:
+        """Return the friction that the wire pulls beside a known spring, by which way it has been moving [N]."""
+        if self._load is None:
+            return 0.0
+        if self._spring_force_n is not None:
+            change_n = spring_force_n - self._spring_force_n
+            self._friction_n = self._load.friction_after(self._friction_n, change_n)
+        self._spring_force_n = spring_force_n
+        return self._friction_n
 
     def _in_sensing_segment(self, resistance_ohm: float, wire_voltage_v: float) -> bool:
         """Tell whether the wire has come from its cold start to between B and C. The loop goes on either way.
@@ -171,6 +197,7 @@ def control(
     reference: Reference | None = None,
     *,
     settings: FuzzyPidSettings | None = None,
+    load: KnownSpring | None = None,
     approach_s: float = APPROACH_S,
     path: str | Path | None = None,
     overwrite: bool = False,
@@ -178,27 +205,33 @@ def control(
 ) -> ControlRun:
     """Move the wire along a reference with no sensor but its resistance; the paper's staircase by default.
 
-    The wire first gets ``approach_s`` to reach the reference's start. Returns the recording with its metrics
+    With a ``load`` force is controlled: a model of strain, or of the connector's displacement, gives it by the load's
+    stiffness. The wire first gets ``approach_s`` to reach the reference's start. Returns the recording with its metrics
     (Eq. 7 for each step, where the rig has a reference instrument). Raises CallerError for a target outside
     the model's range, RigError when the wire carries no current.
     """
-    chosen = staircase() if reference is None else reference
+    if load is not None:
+        model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
+    chosen = staircase_within(model) if reference is None else reference
     check_targets(model, chosen, rig.sample_period_s)
     check_same_wire(model, rig)
     policy = SelfSensingPolicy(
         model,
-        controller_for(rig, model, settings),
+        controller_for(rig, model, settings, load),
         chosen,
         shunt_resistance_ohm=rig.shunt_resistance_ohm,
         sample_period_s=rig.sample_period_s,
         approach_s=approach_s,
         first_drive_voltage_v=rig.drive_voltage_v,
+        load=load,
     )
     metadata: dict[str, MetadataValue] = {
         "experiment": "closed loop",
         "quantity": model.quantity,
         "approach_s": approach_s,
     }
+    if load is not None:
+        metadata |= {"known_stiffness_n_per_m": load.stiffness_n_per_m, "known_friction_n": load.friction_n}
     recording = run_on_rig(
         rig,
         policy,

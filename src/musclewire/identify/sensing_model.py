@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.errors import RecordingError
+from musclewire.identify.guide_friction import guide_friction_n
 from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity, required_quantity, resistance_reading
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
@@ -46,6 +47,9 @@ def fit(
     if recording.is_branch_table:
         return fit_table(recording, order, notes, source)
     reading = resistance_reading(recording)
+    friction_n = guide_friction_n(recording)
+    if friction_n is not None:
+        notes["guide_friction_n"] = friction_n
     return fit_loop(
         reading.resistance_ohm,
         required_quantity(recording, quantity),

@@ -1,0 +1,56 @@
+"""The friction between wire and spring, from one slow loop with a load cell and a displacement sensor."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.signals.recording import Recording
+
+__all__ = ["guide_friction_n"]
+
+# Compared in the middle of the stroke: near its ends the guide has not turned round yet.
+MIDDLE = (0.25, 0.75)
+PLACES = 101
+LEAST_SAMPLES = 20
+
+
+def guide_friction_n(recording: Recording) -> float | None:
+    """Return the Coulomb friction at the connector [N]; None where a recording cannot tell.
+
+    At equal displacement the spring pulls alike on the way there and back, so half the difference of the load cell's
+    readings is friction: contracting, the wire pulls spring and friction; returning, the friction helps it. The last
+    rise and fall of the displacement are compared. Needs ``force_n`` and ``displacement_m``.
+    """
+    if "force_n" not in recording or "displacement_m" not in recording:
+        return None
+    displacement, force = recording["displacement_m"], recording["force_n"]
+    if "cycle" in recording:
+        last = recording["cycle"] == recording["cycle"].max()
+        displacement, force = displacement[last], force[last]
+    top = int(np.argmax(displacement))
+    low, high = (float(displacement.max()) * share for share in MIDDLE)
+    rise = between(displacement[: top + 1], force[: top + 1], low, high)
+    fall = between(displacement[top:], force[top:], low, high)
+    if min(rise[0].size, fall[0].size) < LEAST_SAMPLES:
+        return None
+    places = np.linspace(low, high, PLACES)
+    apart_n = line_through(*rise, places) - line_through(*fall, places)
+    return max(0.5 * float(apart_n.mean()), 0.0)
+
+
+def between(
+    displacement_m: NDArray[np.float64], force_n: NDArray[np.float64], low_m: float, high_m: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the samples of a branch between two displacements."""
+    inside = (displacement_m >= low_m) & (displacement_m <= high_m)
+    return displacement_m[inside], force_n[inside]
+
+
+def line_through(
+    displacement_m: NDArray[np.float64], force_n: NDArray[np.float64], places_m: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return force over displacement as a parabola through noisy samples: a load may bend a little."""
+    centre, half = places_m.mean(), 0.5 * float(np.ptp(places_m))
+    fitted = np.polyfit((displacement_m - centre) / half, force_n, 2)
+    return np.asarray(np.polyval(fitted, (places_m - centre) / half))

@@ -1,0 +1,80 @@
+"""Force from strain and a known spring: what repairs force self-sensing when the load changes.
+
+The strain of a wire at a resistance hardly depends on what it pulls; its force does, in proportion to the stiffness
+(Lan and Fan 2010, Figs. 7 and 8). So a model of strain goes along to another load, and the load's own law turns strain
+into force: F = k x, with x = S l and the friction of the guide added in the direction of motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from musclewire.errors import CallerError
+from musclewire.physics.mechanics import friction_force_n
+from musclewire.sensing.model import SensingModel
+
+__all__ = ["TURNING_M", "KnownSpring", "force_model"]
+
+# Over this travel after a turn the friction counts as turning round. A guide does it within some 20 um, but a
+# displacement read from resistance is uncertain by more, and a loop on a force that jumps within it chatters: four
+# times the travel of the simulated guide holds on springs from 294 to 1177 N/m (benchmarks/force_self_sensing.py).
+TURNING_M = 85e-6
+
+
+@dataclass(frozen=True)
+class KnownSpring:
+    """A spring that the wire pulls [N/m], and the friction on the way to it [N], both known beforehand.
+
+    Raises CallerError for a stiffness not above 0, or friction or turning travel that cannot be.
+    """
+
+    stiffness_n_per_m: float
+    friction_n: float = 0.0
+    turning_m: float = TURNING_M
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        if not 0.0 < self.stiffness_n_per_m < float("inf"):
+            raise CallerError(f"the load's stiffness is {self.stiffness_n_per_m:g} N/m and must be above 0")
+        if not (0.0 <= self.friction_n < float("inf") and self.turning_m > 0.0):
+            raise CallerError(
+                f"friction of {self.friction_n:g} N over {self.turning_m:g} m: at least 0, the travel above"
+            )
+
+    def friction_after(self, friction_n: float, spring_force_change_n: float) -> float:
+        """Return the friction after the spring's force has changed by so much, from the friction before; [N]."""
+        moved_m = spring_force_change_n / self.stiffness_n_per_m
+        return float(friction_force_n(friction_n, moved_m, self.friction_n, self.turning_m))
+
+
+def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: float) -> SensingModel:
+    """Return a model of the contraction force on a spring [N] from one of strain or of the connector's displacement.
+
+    ``leg_length_m`` turns strain into displacement. Friction is not in it: the average of both branches has none.
+    Raises CallerError for a model of force, and for a stiffness or length not above 0.
+    """
+    if model.quantity == "force":
+        raise CallerError(
+            "this model senses force already, with the load it was fitted on: a stiffness goes with a model of strain"
+        )
+    if not (stiffness_n_per_m > 0.0 and leg_length_m > 0.0):
+        raise CallerError(f"stiffness {stiffness_n_per_m:g} N/m and length {leg_length_m:g} m must both be above 0")
+    per_unit_n = stiffness_n_per_m * (leg_length_m if model.quantity == "strain" else 1.0)
+
+    def scaled(numbers: tuple[float, ...]) -> tuple[float, ...]:
+        return tuple(per_unit_n * number for number in numbers)
+
+    return replace(
+        model,
+        quantity="force",
+        heating_coefficients=scaled(model.heating_coefficients),
+        cooling_coefficients=scaled(model.cooling_coefficients),
+        heating_standard_errors=scaled(model.heating_standard_errors),
+        cooling_standard_errors=scaled(model.cooling_standard_errors),
+        heating_samples=tuple((ohm, per_unit_n * value) for ohm, value in model.heating_samples),
+        cooling_samples=tuple((ohm, per_unit_n * value) for ohm, value in model.cooling_samples),
+        rmse_heating=per_unit_n * model.rmse_heating,
+        rmse_cooling=per_unit_n * model.rmse_cooling,
+        rmse_average=per_unit_n * model.rmse_average,
+        wire={**model.wire, "spring_stiffness_n_per_m": stiffness_n_per_m},
+    )

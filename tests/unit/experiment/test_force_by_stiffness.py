@@ -1,0 +1,45 @@
+"""A model of strain and a known stiffness control force; a model of force is bound to the spring it was fitted on."""
+
+from __future__ import annotations
+
+import pytest
+from fake_rig import FakeRig, straight_model
+
+import musclewire as mw
+from musclewire.errors import CallerError
+from musclewire.experiment.closed_loop import control
+from musclewire.sensing.known_load import KnownSpring
+from musclewire.signals import Recording
+
+SPRING_N_PER_M = 588.6
+
+
+@pytest.fixture(scope="module")
+def loop() -> Recording:
+    with mw.open_rig("simulated") as rig:
+        return mw.characterize(rig)
+
+
+@pytest.mark.parametrize("stiffness", [0.5 * SPRING_N_PER_M, SPRING_N_PER_M, 2.0 * SPRING_N_PER_M])
+def test_with_a_known_stiffness_every_step_of_force_is_within_5_percent(loop: Recording, stiffness: float) -> None:
+    model = mw.fit(loop)
+    load = KnownSpring(stiffness, float(model.wire["guide_friction_n"]))
+    with mw.open_rig("simulated", spring_stiffness_n_per_m=stiffness) as rig:
+        run = control(rig, model, load=load)
+    assert run.metrics.quantity == "force"
+    assert run.metrics.mae_max_pct is not None
+    assert run.metrics.mae_max_pct <= 5.0
+    assert run.metadata["known_stiffness_n_per_m"] == stiffness
+
+
+def test_a_model_of_force_is_wrong_by_the_ratio_of_stiffnesses(loop: Recording) -> None:
+    model = mw.fit(loop, quantity="force")
+    with mw.open_rig("simulated", spring_stiffness_n_per_m=0.5 * SPRING_N_PER_M) as rig:
+        run = control(rig, model)
+    assert run.metrics.mae_mean_pct is not None
+    assert 40.0 < run.metrics.mae_mean_pct < 60.0
+
+
+def test_targets_beyond_the_known_load_are_refused_in_newtons() -> None:
+    with pytest.raises(CallerError, match="senses force only from"):
+        control(FakeRig(), straight_model(), mw.staircase(1.0, 2.0, 0.2), load=KnownSpring(500.0))

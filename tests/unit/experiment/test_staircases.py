@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.controllers.references import staircase
+from musclewire.errors import CallerError
+from musclewire.experiment.staircases import staircase_within
+from musclewire.sensing import SensingModel
+
+STRAIN = SensingModel(15.0, 17.0, (0.036, -0.036), (0.036, -0.036), 0.0, 1.0)
+
+
+def test_a_model_of_strain_gets_the_papers_staircase() -> None:
+    assert staircase_within(STRAIN) == staircase()
+
+
+@given(st.floats(1e-5, 1e3))
+def test_the_top_is_round_and_every_level_is_within_the_models_range(largest: float) -> None:
+    model = replace(
+        STRAIN, quantity="force", heating_coefficients=(largest, -largest), cooling_coefficients=(largest, -largest)
+    )
+    levels = staircase_within(model).levels
+    assert len(levels) == 11
+    assert max(levels) <= 0.84 * largest * (1 + 1e-9)
+    assert max(levels) > 0.75 * largest
+    assert float(f"{max(levels):.2g}") == pytest.approx(max(levels), rel=1e-9)
+    assert levels[0] == pytest.approx(max(levels) / 2)
+
+
+def test_a_model_that_senses_too_little_gets_no_staircase() -> None:
+    model = replace(STRAIN, quantity="force", heating_coefficients=(1.0, -0.3), cooling_coefficients=(1.0, -0.3))
+    with pytest.raises(CallerError, match="no staircase fits"):
+        staircase_within(model)
