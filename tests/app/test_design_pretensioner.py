@@ -35,10 +35,27 @@ def test_the_papers_stiffness_becomes_a_part_with_drawings_figure_and_file(
     assert found["finger_share"] == pytest.approx(1084.4 / (1084.4 + found["stiffness_n_per_m"]))
     assert all(path.stat().st_size > 200 for path in files)
     the_drawings_have_its_size(svg, dxf, geometry)
+    the_page_says_so(found)
     again = musclewire(*COMMAND, "--file", toml, "--json")
     assert again.code == 0, again.err
     assert again.json["stiffness_n_per_m"] == pytest.approx(found["stiffness_n_per_m"], rel=1e-12)
     assert again.json["geometry"] == geometry
+
+
+def the_page_says_so(found: dict[str, Any]) -> None:
+    """The numbers of docs/how-to/design_a_pretensioner.md are those of the command it shows."""
+    page = (Path(__file__).parents[2] / "docs/how-to/design_a_pretensioner.md").read_text("utf-8")
+    geometry = found["geometry"]
+    for words in (
+        f"{geometry['beams']} beams, half length {1e3 * geometry['half_length_m']:.2f} mm",
+        f"pitch {1e3 * geometry['pitch_m']:.2f} mm, {1e3 * geometry['thickness_m']:.2f} mm thick",
+        f"{found['stiffness_n_per_m']:.1f} N/m",
+        f"{found['stiffness_guided_n_per_m']:.1f} N/m",
+        f"{1e3 * found['travel_m']:.2f} mm in all and {1e-6 * found['stress_max_pa']:.1f} MPa",
+        f"{1e3 * found['safe_travel_m']:.2f} mm",
+        f"{100 * found['finger_share']:.0f} % of the contraction force",
+    ):
+        assert words in " ".join(page.split()), words
 
 
 def the_drawings_have_its_size(svg: Path, dxf: Path, geometry: dict[str, float]) -> None:

@@ -49,7 +49,7 @@ def test_every_code_object_named_imports(row: dict[str, str]) -> None:
 @pytest.mark.parametrize("row", ROWS, ids=IDS)
 def test_every_command_named_exists(row: dict[str, str], commands: dict[str, Any]) -> None:
     for words in code_words(row["Command"]):
-        program, command = words.split()
+        program, command = words.split(maxsplit=1)
         assert program == "musclewire"
         assert command in commands
 
