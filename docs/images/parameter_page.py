@@ -13,7 +13,8 @@ from musclewire.parameters.priors import load_priors
 from musclewire.parameters.published_ranges import PublishedRange, outside, published_ranges
 from musclewire.simulate.grains import signed_power
 
-ALLOY, WIRES, BENCH = "flexinol", ("paper-100um", "paper-125um", "paper-200um", "isobar-sample"), "paper"
+ALLOY, BENCH = "flexinol", "paper"
+WIRES = ("paper-100um", "paper-125um", "paper-200um", "finger-100um", "isobar-sample")
 EXAMPLE_STRESS_PA = 100e6
 ZERO_DEGC_K = 273.15
 # How SI is shown: factor and unit. Temperatures go to degrees Celsius, strains to percent.
@@ -229,8 +230,9 @@ def derived_table(alloy: Alloy) -> str:
     return table(["quantity", "value", "published", "inside", "remark"], rows)
 
 
-WIRES_TEXT = """What belongs to one spool; everything else is the alloy's. The isobar sample is the wire behind the
-published isobars, whose diameter and class are not stated."""
+WIRES_TEXT = """What belongs to one spool; everything else is the alloy's. `finger-100um` is the wire of the paper's finger, read
+as a spool of its own ([decision 10](../explanation/decisions/0010-the-fingers-wire-is-its-own-spool.md)). The isobar
+sample is the wire behind the published isobars, whose diameter and class are not stated."""
 
 
 def wires_table(wires: list[Wire]) -> str:

@@ -16,7 +16,7 @@ ROWS = [
     if "Paper" in row
 ]
 IDS = [row["Paper"] for row in ROWS]
-ISSUES = {"real hardware", "robustness", "pretensioner and finger"}
+ISSUES = {"real hardware", "robustness"}
 
 SECTIONS = [f"Section {name}" for name in ("I", "2.1", "2.2", "2.3", "III", "4.1", "4.2", "4.3", "V")]
 EQUATIONS = [f"Eq. {number}" for number in range(1, 10)]
