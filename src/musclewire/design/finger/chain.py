@@ -149,7 +149,8 @@ def yielding_lengths_m(geometry: FingerGeometry, elements_per_segment: int) -> F
 
     The foot of a beam on an elastic body gives way to a moment M by 16.67 M/(pi E b t^2), which is what 0.442 t more of
     beam would do: O'Donnell 1960, J. Appl. Mech. 27, 461 (a half plane; 0.442 is held against finite elements here).
-    The palm is taken as a rigid clamp.
+    The palm is taken as a rigid clamp. The foot is spread over the element beside it, an eighth of a segment, about the
+    beam's thickness; with four times as many elements the tendon's force is 0.2 % larger.
     """
     lengths = np.full((geometry.columns, elements_per_segment), geometry.segment_length_m / elements_per_segment)
     lengths[:, -1] += FOOT_THICKNESSES * geometry.beam_thickness_m

@@ -38,7 +38,7 @@ class Equilibrium:
 
     ``endpoint_displacement_m`` counts across the unloaded finger's palm axis, towards the tendon's side, from the
     unloaded endpoint. ``endpoint_force_n`` pushes back. ``tangent_n_m`` (n_angles, n_angles) is the second derivative
-    of the energy under the constraint, ``travel_slope_m`` (n_angles,) the gradient of the travel.
+    of the energy at held forces, ``travel_slope_m`` (n_angles,) the gradient of the travel.
     """
 
     angles_rad: FloatArray
@@ -61,22 +61,14 @@ class Sensitivity(NamedTuple):
 
 
 class Problem:
-    """A chain with its bending stiffness and loads; what stays the same while Newton's method runs."""
+    """A chain with its bending stiffness; what stays the same while Newton's method runs."""
 
-    def __init__(
-        self,
-        chain: Chain,
-        stiffness_n_m2: float,
-        endpoint_force_n: float = 0.0,
-        foam: Foam | None = None,
-        chord_weights: FloatArray | None = None,
-    ) -> None:
-        """Remember loads; ``chord_weights`` (n_chords,) are the chords' shares of the tendon's force at the palm."""
+    def __init__(self, chain: Chain, stiffness_n_m2: float, chord_weights: FloatArray | None = None) -> None:
+        """Remember them; ``chord_weights`` (n_chords,) are the chords' shares of the tendon's force at the palm."""
         self.chain = chain
         self.bending = chain.turns.T @ ((stiffness_n_m2 / chain.yielding_m)[:, None] * chain.turns)
         self.natural = chain.turns.T @ (stiffness_n_m2 / chain.yielding_m * chain.natural_turn_rad)
         self.resting = place(chain, chain.resting_angles_rad)
-        self.endpoint_force_n, self.foam = endpoint_force_n, foam
         self.weights = np.ones(chain.chords_m.shape[0]) if chord_weights is None else chord_weights
 
     def travel_m(self, placed: Placed) -> float:
@@ -87,31 +79,15 @@ class Problem:
         """Return how far the endpoint has come across the palm's axis."""
         return float(placed.endpoint_m[1] - self.resting.endpoint_m[1])
 
-    def push(self, placed: Placed) -> tuple[float, float]:
-        """Return the force that pushes the endpoint back and its derivative by the displacement."""
-        if self.foam is None:
-            return self.endpoint_force_n, 0.0
-        depth = self.displacement_m(placed) - self.foam.clearance_m
-        touching = depth > 0.0
-        return (
-            self.endpoint_force_n + (self.foam.stiffness_n_per_m * depth if touching else 0.0),
-            self.foam.stiffness_n_per_m if touching else 0.0,
-        )
-
-    def moments(self, angles: FloatArray, placed: Placed, force_n: float) -> tuple[FloatArray, FloatArray]:
-        """Return what is out of balance, (n_angles,) [N m], and the slope of the travel, (n_angles,) [m]."""
-        slopes = placed.chord_slopes()
-        push, _ = self.push(placed)
+    def moments(self, angles: FloatArray, placed: Placed, force_n: float, push_n: float) -> FloatArray:
+        """Return what is out of balance under a tendon force and a push at the endpoint, (n_angles,) [N m]."""
         # The tendon's force shortens its chords: the work it does is its force times the travel.
-        out = self.bending @ angles - self.natural + push * placed.across_slope()
-        return out + force_n * (self.weights @ slopes), -slopes.sum(axis=0)
+        pulled = force_n * (self.weights @ placed.chord_slopes())
+        return np.asarray(self.bending @ angles - self.natural + push_n * placed.across_slope() + pulled)
 
-    def tangent(self, placed: Placed, force_n: float) -> FloatArray:
+    def tangent(self, placed: Placed, force_n: float, push_n: float) -> FloatArray:
         """Return the derivative of :meth:`moments` by the angles, (n_angles, n_angles)."""
-        push, slope = self.push(placed)
-        across = placed.across_slope()
-        tangent = self.bending + placed.curvature_of(force_n * self.weights, push)
-        return np.asarray(tangent + slope * np.outer(across, across))
+        return np.asarray(self.bending + placed.curvature_of(force_n * self.weights, push_n))
 
 
 def equilibrium(
@@ -129,48 +105,75 @@ def equilibrium(
     ``chord_weights`` (n_chords,): share of the force at the palm that each chord carries (friction); 1 without it.
     Raises NumericsError where Newton's method does not arrive: go there in smaller steps with ``start``.
     """
-    problem = Problem(chain, stiffness_n_m2, endpoint_force_n, foam, chord_weights)
+    problem = Problem(chain, stiffness_n_m2, chord_weights)
     angles = chain.resting_angles_rad if start is None else start.angles_rad
-    return solved(problem, travel_m, angles, 0.0 if start is None else start.tendon_force_n)
+    force = 0.0 if start is None else start.tendon_force_n
+    free = solved(problem, travel_m, angles, force, endpoint_force_n)
+    if foam is None or free.endpoint_displacement_m <= foam.clearance_m:
+        return free
+    push = free.endpoint_force_n if start is None else start.endpoint_force_n
+    return solved(problem, travel_m, angles, force, push, foam, endpoint_force_n)
 
 
 def equilibria(
-    chain: Chain, stiffness_n_m2: float, travels_m: FloatArray, **loads: float | Foam | FloatArray | None
+    chain: Chain,
+    stiffness_n_m2: float,
+    travels_m: FloatArray,
+    *,
+    endpoint_force_n: float = 0.0,
+    foam: Foam | None = None,
 ) -> list[Equilibrium]:
     """Return the finger along rising travels, (n_travels,), each found from the one before; loads as above."""
     found: list[Equilibrium] = []
     for travel in travels_m:
+        before = found[-1] if found else None
         found.append(
-            equilibrium(chain, stiffness_n_m2, float(travel), start=found[-1] if found else None, **loads)  # type: ignore[arg-type]
+            equilibrium(
+                chain, stiffness_n_m2, float(travel), endpoint_force_n=endpoint_force_n, foam=foam, start=before
+            )
         )
     return found
 
 
-def solved(problem: Problem, travel_m: float, angles: FloatArray, force_n: float) -> Equilibrium:
-    """Run Newton's method for one travel."""
-    chain, count = problem.chain, angles.size
-    tendon_m = float(problem.resting.chord_lengths_m.sum())
-    system = np.zeros((count + 1, count + 1))
+def solved(
+    problem: Problem,
+    travel_m: float,
+    angles: FloatArray,
+    force_n: float,
+    push_n: float,
+    touched: Foam | None = None,
+    other_push_n: float = 0.0,
+) -> Equilibrium:
+    """Run Newton's method for one travel: at a held push, or where an object is touched, with the push it gives.
+
+    A touched object's force is an unknown of its own, so that a hard one is no harder to solve for than a soft one.
+    """
+    count, tendon_m = angles.size, float(problem.resting.chord_lengths_m.sum())
     for _ in range(NEWTON_STEPS):
-        placed = place(chain, angles)
-        out, slope = problem.moments(angles, placed, force_n)
-        missing = problem.travel_m(placed) - travel_m
-        tangent = problem.tangent(placed, force_n)
-        scale = np.abs(problem.bending @ angles).max() + np.abs(problem.natural).max() + 1e-300
-        # The unloaded finger in its own shape has no moment to measure the rest by.
-        if np.abs(out).max() <= CLOSE_ENOUGH * max(scale, abs(force_n) * tendon_m) and (
-            abs(missing) <= CLOSE_ENOUGH * tendon_m
-        ):
-            push, _ = problem.push(placed)
+        placed = place(problem.chain, angles)
+        out = problem.moments(angles, placed, force_n, push_n)
+        tangent = problem.tangent(placed, force_n, push_n)
+        slope = -placed.chord_slopes().sum(axis=0)
+        missing = [problem.travel_m(placed) - travel_m]
+        if touched is not None:
+            pressed = (push_n - other_push_n) / touched.stiffness_n_per_m
+            missing.append(problem.displacement_m(placed) - touched.clearance_m - pressed)
+        # The unloaded finger in its own shape has no moment to measure the rest by: then its tendon's is taken.
+        scale = np.abs(problem.bending @ angles).max() + np.abs(problem.natural).max() + abs(force_n) * tendon_m
+        if np.abs(out).max() <= CLOSE_ENOUGH * (scale + 1e-300) and np.abs(missing).max() <= CLOSE_ENOUGH * tendon_m:
             moved = problem.displacement_m(placed)
-            return Equilibrium(angles, travel_m, force_n, moved, push, placed, tangent, slope)
-        system[:count, :count], system[:count, count] = tangent, problem.weights @ placed.chord_slopes()
-        system[count, :count], system[count, count] = slope, 0.0
+            return Equilibrium(angles, travel_m, force_n, moved, push_n, placed, tangent, slope)
+        system = np.zeros((count + len(missing), count + len(missing)))
+        system[:count, :count], system[count, :count] = tangent, slope
+        system[:count, count] = problem.weights @ placed.chord_slopes()
+        if touched is not None:
+            system[:count, -1] = system[-1, :count] = placed.across_slope()
+            system[-1, -1] = -1.0 / touched.stiffness_n_per_m
         step = solve_system(system, -np.append(out, missing), travel_m)
-        largest = np.abs(chain.turns @ step[:count]).max()
-        damping = min(1.0, LARGEST_TURN_RAD / largest) if largest > 0.0 else 1.0
-        angles = angles + damping * step[:count]
-        force_n += damping * float(step[count])
+        largest = np.abs(problem.chain.turns @ step[:count]).max()
+        step *= min(1.0, LARGEST_TURN_RAD / largest) if largest > 0.0 else 1.0
+        angles, force_n = angles + step[:count], force_n + float(step[count])
+        push_n += float(step[-1]) if touched is not None else 0.0
     raise lost(travel_m)
 
 
@@ -178,7 +181,7 @@ def lost(travel_m: float) -> NumericsError:
     """Return the error for a travel at which no equilibrium was found."""
     return NumericsError(
         f"no equilibrium of the finger was found at a tendon travel of {1e3 * travel_m:.3g} mm: the tendon cannot get "
-        "that much shorter, or the step was too large; ask for less travel"
+        "that much shorter, or an object in the way makes the beam buckle; ask for less travel"
     )
 
 
@@ -224,13 +227,12 @@ def loaded_cantilever(chain: Chain, stiffness_n_m2: float, force_n: float, steps
     """
     if chain.chords_m.shape[0]:
         raise CallerError("this chain has a tendon: ask for the equilibrium at a tendon travel")
-    angles = chain.resting_angles_rad
+    problem, angles = Problem(chain, stiffness_n_m2), chain.resting_angles_rad
     for share in np.arange(1, steps + 1) / steps:
-        problem = Problem(chain, stiffness_n_m2, endpoint_force_n=-share * force_n)
         for _ in range(NEWTON_STEPS):
             placed = place(chain, angles)
-            out = problem.bending @ angles - problem.natural + problem.endpoint_force_n * placed.across_slope()
-            tangent = problem.tangent(placed, 0.0)
+            out = problem.moments(angles, placed, 0.0, -share * force_n)
+            tangent = problem.tangent(placed, 0.0, -share * force_n)
             if np.abs(out).max() <= CLOSE_ENOUGH * np.abs(problem.bending @ angles).max(initial=1e-300):
                 break
             angles = angles - np.linalg.solve(tangent, out)

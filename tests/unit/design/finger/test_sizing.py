@@ -1,0 +1,77 @@
+"""From what a finger shall do to its dimensions, and the limits that are named when it cannot be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from musclewire.design.finger.chain import finger_chain
+from musclewire.design.finger.curve import beam_stress_pa, column_gap_m, travel_for_endpoint_m
+from musclewire.design.finger.sizing import FingerRequest, design_finger, finger_stiffness_n_per_m
+from musclewire.errors import CallerError
+from musclewire.parameters.materials import load_material
+
+POM = load_material("pom")
+PAPER = FingerRequest(
+    stiffness_n_per_m=1084.4,
+    endpoint_m=6e-3,
+    travel_m=1.05e-3,
+    overall_length_m=0.010,
+    plate_length_m=0.005,
+    columns=4,
+    column_width_m=0.3e-3,
+    inward_angle_rad=0.14,
+    depth_m=5e-3,
+    most_depth_m=10e-3,
+    least_thickness_m=0.1e-3,
+)
+
+
+@settings(max_examples=12)
+@given(st.floats(600.0, 2500.0), st.floats(4.5e-3, 6.2e-3), st.floats(0.9e-3, 1.3e-3), st.integers(2, 6))
+def test_a_sized_finger_does_what_was_asked(stiffness: float, endpoint: float, travel: float, columns: int) -> None:
+    request = replace(PAPER, stiffness_n_per_m=stiffness, endpoint_m=endpoint, travel_m=travel, columns=columns)
+    finger = design_finger(request, POM)
+    chain = finger_chain(finger)
+    at = travel_for_endpoint_m(chain, finger.stiffness_n_m2, endpoint, travel)
+    assert finger_stiffness_n_per_m(finger) == pytest.approx(stiffness, rel=0.01)
+    assert 0.9 * travel < at.travel_m <= 0.96 * travel
+    assert beam_stress_pa(finger, at).max() <= POM.yield_stress_pa.value
+    assert column_gap_m(finger, at) > 0.0
+    lengths = [value for name, value in finger.values().items() if name.endswith("_m")]
+    assert np.array(lengths) / 1e-5 == pytest.approx(np.round(np.array(lengths) / 1e-5), abs=1e-6)
+
+
+def test_a_stiffer_finger_is_thicker_and_one_with_more_travel_has_its_tendon_further_out() -> None:
+    first = design_finger(PAPER, POM)
+    stiffer = design_finger(replace(PAPER, stiffness_n_per_m=2000.0), POM)
+    further = design_finger(replace(PAPER, travel_m=1.3e-3), POM)
+    assert stiffer.beam_thickness_m > first.beam_thickness_m
+    assert stiffer.tendon_offset_m == first.tendon_offset_m
+    assert further.tendon_offset_m > 1.2 * first.tendon_offset_m
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"endpoint_m": 9e-3}, r"gives at most 7\.\d\d mm however far it curls, 1\d\.\d % too little"),
+        ({"stiffness_n_per_m": 5000.0}, r"would bear 6\d\.\d MPa .* \d % above the 65 MPa at which pom yields"),
+        ({"stiffness_n_per_m": 20.0}, r"two tendon legs want 2 mm, \d\.\d times that"),
+        ({"least_thickness_m": 1e-3}, r"a beam of 1\.00 mm, the thinnest to be made, .* times that: another process"),
+        ({"most_depth_m": 1e-3}, r"no room for two tendon legs side by side: 1 mm more"),
+        ({"most_depth_m": 2e-3, "least_thickness_m": 0.22e-3}, r"\d\.\d\d mm more than there is room for"),
+        ({"travel_m": 0.3e-3}, r"hole wants 0\.30 mm: .* is 7 % too little"),
+        ({"columns": 12}, r"would overlap by 0\.\d\d\d mm"),
+        ({"plate_length_m": 9.5e-3}, "nothing is left to bend"),
+        ({"stiffness_n_per_m": -3.0}, "stiffness_n_per_m is -3"),
+        ({"travel_m": float("nan")}, "travel_m is nan"),
+    ],
+)
+def test_the_limit_that_binds_is_named_and_by_how_much(changes: dict[str, float], said: str) -> None:
+    with pytest.raises(CallerError, match=said) as raised:
+        design_finger(replace(PAPER, **changes), POM)  # type: ignore[arg-type]
+    assert "\n" not in str(raised.value)

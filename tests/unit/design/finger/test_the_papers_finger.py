@@ -1,0 +1,117 @@
+"""The finger that comes along: printed numbers, its curve from its dimensions, finite elements beside it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from fingers import CURVED
+
+from musclewire.design.finger.chain import finger_chain
+from musclewire.design.finger.comparison import compare_schemes
+from musclewire.design.finger.curve import beam_stress_pa, longest_free_travel_m
+from musclewire.design.finger.geometry import FingerGeometry
+from musclewire.design.finger.plane_stress import finger_body, plane_stress_path
+from musclewire.design.finger.saving import curve_of_file, geometry_of_file
+from musclewire.design.finger.statics import equilibria
+from musclewire.design.finger.wire import wire_on_finger
+from musclewire.errors import CallerError
+from musclewire.parameters.finger_file import FingerCurve, load_finger
+
+FINGER = load_finger("lan-fan-2010")
+GEOMETRY = geometry_of_file(FINGER)
+NEEDED_M = float(np.interp(6e-3, FINGER.curve.endpoint_displacement_m, FINGER.curve.tendon_travel_m))
+
+
+def test_the_stiffness_along_the_wire_is_the_printed_one_within_a_percent() -> None:
+    assert FINGER.curve.stiffness_n_per_m == pytest.approx(1084.4, rel=0.01)
+
+
+def test_the_endpoint_moves_six_millimetres_with_three_percent_of_the_wires_leg() -> None:
+    assert NEEDED_M <= 0.03 * 35e-3
+
+
+def test_it_does_not_yield_there() -> None:
+    at = equilibria(finger_chain(GEOMETRY), GEOMETRY.stiffness_n_m2, np.linspace(0.0, NEEDED_M, 9))[-1]
+    assert beam_stress_pa(GEOMETRY, at).max() < 65e6
+
+
+def test_lengths_are_the_printed_ones() -> None:
+    assert (GEOMETRY.overall_length_m, GEOMETRY.plate_length_m, GEOMETRY.columns) == (0.010, 0.005, 4)
+
+
+@pytest.mark.parametrize("column", FingerCurve.model_fields)
+def test_its_curve_follows_from_its_dimensions(column: str) -> None:
+    again = curve_of_file(FINGER)
+    assert getattr(again, column) == pytest.approx(getattr(FINGER.curve, column), rel=1e-7, abs=1e-12)
+
+
+def test_plane_stress_agrees_within_a_few_percent() -> None:
+    meshed = finger_body(GEOMETRY, 0.35)
+    chain = finger_chain(GEOMETRY)
+    for point in plane_stress_path(meshed, 1.07, np.array([0.02, 0.5, 1.0])):
+        ours = equilibria(chain, GEOMETRY.stiffness_n_m2, np.linspace(0.0, point.travel_m, 9))[-1]
+        assert ours.tendon_force_n == pytest.approx(point.tendon_force_n, rel=0.02)
+        assert ours.endpoint_displacement_m == pytest.approx(point.endpoint_displacement_m, rel=0.005)
+        assert beam_stress_pa(GEOMETRY, ours).max() == pytest.approx(point.stress_pa, rel=0.05)
+
+
+@pytest.mark.parametrize("finger", [GEOMETRY, CURVED])
+def test_the_tendons_potential_has_the_gradient_and_hessian_it_says(finger: FingerGeometry) -> None:
+    meshed = finger_body(finger, 0.35)
+    moved = 1e-5 * np.cos(np.arange(meshed.body.n_dofs)).reshape(-1, 2)
+    direction = 1e-8 * np.sin(np.arange(meshed.body.n_dofs)).reshape(-1, 2)
+    here = meshed.pulled_by(1.3, moved, 0.7)
+    ahead, behind = (meshed.pulled_by(1.3, moved + sign * direction, 0.7) for sign in (1.0, -1.0))
+    assert here.gradient_n @ direction.ravel() == pytest.approx(0.5 * (ahead.energy_j - behind.energy_j), rel=1e-6)
+    bent = here.hessian @ direction.ravel()
+    assert bent == pytest.approx(0.5 * (ahead.gradient_n - behind.gradient_n), rel=1e-4, abs=1e-12)
+
+
+def test_distributed_actuation_reaches_further_for_its_length() -> None:
+    distributed, chord, segment = compare_schemes(GEOMETRY, 1.05e-3, 65e6)
+    assert distributed.range_over_length > 1.1 * chord.range_over_length > 2.0 * segment.range_over_length
+    assert (distributed.limit, chord.limit, segment.limit) == ("travel", "travel", "stress")
+    assert distributed.travel_m == pytest.approx(1.05e-3)
+    assert segment.stress_pa <= 65e6
+
+
+def test_the_curve_ends_before_columns_touch_or_the_endpoint_turns_back() -> None:
+    assert longest_free_travel_m(GEOMETRY, 1.4e-3) == pytest.approx(1.4e-3)
+    assert longest_free_travel_m(CURVED, 5e-3) < 2.5e-3
+
+
+def test_the_papers_wire_gives_stroke_and_force_with_the_papers_pretensioner() -> None:
+    found = wire_on_finger(
+        FINGER.curve,
+        "paper-100um",
+        wire_length_m=0.07,
+        pretension_n=0.71,
+        pretensioner_n_per_m=386.2,
+        needed_travel_m=NEEDED_M,
+    )
+    assert found.travel_m == pytest.approx(found.contraction * 35e-3)
+    assert found.reserve_m == pytest.approx(found.travel_m - NEEDED_M)
+    assert found.endpoint_m > 6e-3
+    assert found.wire_force_n == pytest.approx(0.71 + 386.2 * found.travel_m + found.tendon_force_n)
+    assert found.wire_stress_pa == pytest.approx(found.wire_force_n / (2 * 0.25 * math.pi * 1e-8))
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"wire_length_m": 0.05}, r"50 mm as a V, gives 0\.9\d\d mm .* wants 0\.994 mm, \d\.\d % short"),
+        ({"pretension_n": 4.0}, r"would bear 6\.\d+ N .* 1\.\d\d times the 4\.6 N it is allowed"),
+    ],
+)
+def test_a_wire_too_short_or_overloaded_is_told_by_how_much(changes: dict[str, float], said: str) -> None:
+    asked = {
+        "wire_length_m": 0.07,
+        "pretension_n": 0.71,
+        "pretensioner_n_per_m": 386.2,
+        "needed_travel_m": NEEDED_M,
+        **changes,
+    }
+    with pytest.raises(CallerError, match=said):
+        wire_on_finger(FINGER.curve, "paper-100um", **asked)
