@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.open_loop import characterize
     from musclewire.experiment.pretension import pretension_sweep
     from musclewire.experiment.training import recalibrate, train
+    from musclewire.experiment.zero_tendon import zero_tendon
     from musclewire.identify import estimate, fit
     from musclewire.identify.physical.calibration import calibrate
     from musclewire.rigs.configuration import open_rig
@@ -38,6 +39,7 @@ __all__ = [
     "sampled_reference",
     "estimate",
     "pretension_sweep",
+    "zero_tendon",
     "train",
     "recalibrate",
     "calibrate",
@@ -58,6 +60,7 @@ _HOMES = {
     "sampled_reference": "musclewire.controllers",
     "estimate": "musclewire.identify",
     "pretension_sweep": "musclewire.experiment.pretension",
+    "zero_tendon": "musclewire.experiment.zero_tendon",
     "train": "musclewire.experiment.training",
     "recalibrate": "musclewire.experiment.training",
     "calibrate": "musclewire.identify.physical.calibration",
