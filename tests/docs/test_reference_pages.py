@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import re
+from typing import get_args
 
 import pytest
 from doc_pages import ROOT, code_words, resolve, tables_of
+from pydantic_core import PydanticUndefined
 
 from musclewire.controllers import load_rule_base, rule_base_names
 from musclewire.parameters import load_bench, load_wire, names
-from musclewire.rigs.configuration import RigConfiguration
+from musclewire.parameters.finger_file import finger_names
+from musclewire.rigs.configuration import RigConfiguration, rig_names
+from musclewire.rigs.load_parts import Part
+from musclewire.rigs.surroundings import Surroundings
 from musclewire.sensing.model_file import ModelFile
 from musclewire.signals.columns import COLUMNS
 
@@ -50,9 +55,51 @@ def test_every_key_of_rig_and_model_files_is_listed() -> None:
     )
 
 
-def test_the_wires_and_benches_that_ship_are_named() -> None:
+def rows_with(header: str) -> list[dict[str, str]]:
+    """Return the rows of files.md that have a header."""
+    tables = tables_of((DOCS / "reference/files.md").read_text("utf-8"))
+    return [row for table in tables for row in table if header in row]
+
+
+def test_every_key_of_every_part_of_a_load_is_listed_with_its_default() -> None:
+    shown = {None: "none", 0.0: "0", 1e6: "1e6", PydanticUndefined: "needed"}
+    listed = {
+        (code_words(row["Part"])[0], code_words(row["Part key"])[0]): row["Default"] for row in rows_with("Part key")
+    }
+    kinds = get_args(get_args(Part)[0])
+    assert listed == {
+        (get_args(kind.model_fields["part"].annotation)[0], key): shown[field.default]
+        for kind in kinds
+        for key, field in kind.model_fields.items()
+        if key != "part"
+    }
+
+
+def test_the_units_of_the_parts_are_those_they_are_read_in() -> None:
+    """One of the printed unit is one in SI; a key without a unit is a name."""
+    kinds = {get_args(kind.model_fields["part"].annotation)[0]: kind for kind in get_args(get_args(Part)[0])}
+    for row in rows_with("Part key"):
+        key, kind = code_words(row["Part key"])[0], kinds[code_words(row["Part"])[0]]
+        given = {name: 1.0 for name, field in kind.model_fields.items() if field.is_required()}
+        given |= {"part": code_words(row["Part"])[0], key: f"1 {row['Unit']}".strip()}
+        if "finger" in given:
+            given["finger"] = "lan-fan-2010"
+        found = getattr(kind.model_validate(given), key)
+        assert found == 1.0 if row["Unit"] else isinstance(found, str)
+
+
+def test_every_key_of_the_air_is_listed_with_its_default_and_unit() -> None:
+    listed = {code_words(row["Air key"])[0]: row for row in rows_with("Air key")}
+    assert {key: float(row["Default"]) for key, row in listed.items()} == Surroundings().model_dump()
+    for key, row in listed.items():
+        if row["Unit"] != "1":
+            assert getattr(Surroundings.model_validate({key: f"2 {row['Unit']}"}), key) == 2.0
+
+
+def test_the_wires_benches_rigs_and_fingers_that_ship_are_named() -> None:
     page = (DOCS / "reference/files.md").read_text("utf-8")
-    assert all(f"`{name}`" in page for kind in ("wire", "bench") for name in names(kind))
+    shipped = [*(name for kind in ("wire", "bench") for name in names(kind)), *rig_names(), *finger_names()]
+    assert [name for name in shipped if f"`{name}`" not in page] == []
 
 
 def test_every_rule_base_is_listed_with_its_source() -> None:

@@ -1,7 +1,7 @@
 """The same characterisation, fit and control on whatever a wire pulls: no experiment knows what that is.
 
-How well it goes is the wire's matter, not the experiment's: the further heating and cooling are apart on a load (Eq. 2),
-the further its average is off.
+How well it goes is the wire's matter, not the experiment's: the further heating and cooling are apart on a load
+(Eq. 2), the further its average is off.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ class Job(NamedTuple):
 
 
 JOBS = [
-    Job("finger", "displacement", 5e-3, 4.0),
+    Job("finger", "displacement", 5e-3, 5.0),
     Job("finger", "strain", 0.03, 5.0),
     Job("weight and spring", "strain", 0.03, 5.0),
     # Cold martensite of the second wire takes most of the stroke; both wires leave a gap of their own.
-    Job("antagonist and spring", "strain", 0.007, 10.0),
+    Job("antagonist and spring", "strain", 0.004, 12.0),
     Job("parallel wire", "strain", 0.03, 15.0),
 ]
 
