@@ -71,7 +71,9 @@ def finger(
         bool, typer.Option("--compare", help="Compare distributed with concentrated actuation.")
     ] = False,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Finger file to write (.toml).")] = None,
-    drawing: Annotated[Path | None, typer.Option("--drawing", help="Drawing to cut, 1:1 (.svg, .dxf).")] = None,
+    drawing: Annotated[
+        list[Path] | None, typer.Option("--drawing", help="Drawing to cut, 1:1 (.svg, .dxf). Repeatable.")
+    ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="Figure to write (.svg, .png, .pdf).")] = None,
     json: Json = False,
 ) -> None:
@@ -80,7 +82,8 @@ def finger(
     from musclewire.parameters.materials import load_material
 
     require_one_way({"--stiffness": stiffness, "--finger": file, "--thickness": thickness}, offset)
-    require_files(output, drawing, plot)
+    drawings = drawing or []
+    require_files(output, drawings, plot)
     metal = load_material(material)
     lengths = {
         "overall_length_m": metres(length),
@@ -113,13 +116,15 @@ def finger(
             compare=compare,
         )
     )
-    write_files(answer, output, drawing, plot)
+    write_files(answer, output, drawings, plot)
     if json:
-        emit_json(answer_json(answer, output, drawing))
-        return
-    show(answer_text(answer))
-    for warning in answer.warnings:
-        say(f"warning: {warning}")
+        emit_json(answer_json(answer, output, drawings))
+    else:
+        show(answer_text(answer))
+        for warning in [*answer.warnings, *(f"it does not hold: {one.name}" for one in answer.checks if not one.ok)]:
+            say(f"warning: {warning}")
+    if not all(check.ok for check in answer.checks):
+        raise typer.Exit(1)
 
 
 # Film and thin strip are sold from about here.
@@ -143,13 +148,13 @@ def require_one_way(ways: dict[str, str | None], offset: str | None) -> None:
         raise CallerError("--thickness and --offset belong together: dimensions are given with both of them")
 
 
-def require_files(output: Path | None, drawing: Path | None, plot: Path | None) -> None:
+def require_files(output: Path | None, drawings: list[Path], plot: Path | None) -> None:
     """Raise CallerError for files that are not written here, before any work is done."""
     if output is not None:
         if output.suffix != ".toml":
             raise CallerError(f"{output}: a finger is a .toml file")
         require_folder(output)
-    if drawing is not None:
+    for drawing in drawings:
         if drawing.suffix not in (".svg", ".dxf"):
             raise CallerError(f"{drawing}: a drawing is one of .svg, .dxf")
         require_folder(drawing)
@@ -225,7 +230,7 @@ def write_text(path: Path, text: str) -> None:
     path.write_text(text, "utf-8")
 
 
-def write_files(answer: FingerAnswer, output: Path | None, drawing: Path | None, plot: Path | None) -> None:
+def write_files(answer: FingerAnswer, output: Path | None, drawings: list[Path], plot: Path | None) -> None:
     """Write what was asked for, each file whole or not at all."""
     from musclewire.signals.whole_files import write_whole
 
@@ -234,7 +239,7 @@ def write_files(answer: FingerAnswer, output: Path | None, drawing: Path | None,
 
         text = answer_file_text(output.stem, answer)
         write_whole(output, lambda part: write_text(part, text))
-    if drawing is not None:
+    for drawing in drawings:
         from musclewire.design.finger.drawing import write_finger_drawing
 
         write_finger_drawing(answer.geometry, drawing)

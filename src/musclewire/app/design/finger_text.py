@@ -6,15 +6,17 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from musclewire.app.design.check_text import check_json, check_lines
+
 if TYPE_CHECKING:
-    from musclewire.design.finger.question import Check, FingerAnswer
+    from musclewire.design.finger.question import FingerAnswer
 
 __all__ = ["answer_json", "answer_text"]
 
 MM, MPA = 1e3, 1e-6
 
 
-def answer_json(answer: FingerAnswer, output: Path | None, drawing: Path | None) -> dict[str, Any]:
+def answer_json(answer: FingerAnswer, output: Path | None, drawings: list[Path]) -> dict[str, Any]:
     """Return an answer under the keys of the interface."""
     geometry, at, curve = answer.geometry, answer.at, answer.curve
     return {
@@ -32,14 +34,15 @@ def answer_json(answer: FingerAnswer, output: Path | None, drawing: Path | None)
         "endpoint_compliance_m_per_n": answer.slope.endpoint_compliance_m_per_n,
         "range_over_length": at.endpoint_displacement_m / geometry.overall_length_m,
         "bend_rad": float(at.angles_rad[-1]) - geometry.inward_angle_rad,
-        "checks": [check._asdict() for check in answer.checks],
+        "checks": [check_json(check) for check in answer.checks],
         "foam": foam_json(answer),
         "wire": None if answer.wire is None else answer.wire._asdict(),
         "schemes": [schemes_json(scheme._asdict()) for scheme in answer.schemes],
+        "holds": all(check.ok for check in answer.checks),
         "curve": curve.model_dump(),
         "warnings": answer.warnings,
         "finger": None if output is None else str(output),
-        "drawing": None if drawing is None else str(drawing),
+        "drawings": [str(drawing) for drawing in drawings],
     }
 
 
@@ -116,10 +119,3 @@ def scheme_lines(answer: FingerAnswer) -> list[str]:
         for scheme in answer.schemes
     ]
     return ["", "  actuation              range/length       mm   travel        N    MPa  used up", *rows]
-
-
-def check_lines(checks: list[Check]) -> list[str]:
-    """Return the checks as a table."""
-    width = max(len(check.name) for check in checks)
-    rows = [f"  {check.name:<{width}}  {check.value:>12.6g}  {check.reference:>12.6g}" for check in checks]
-    return [f"  {'check':<{width}}  {'ours':>12}  {'reference':>12}", *rows]

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
+from musclewire.app.design.check_text import check_json, check_lines, finite
+
 if TYPE_CHECKING:
-    from musclewire.design.serpentine.analysis import Check, Pretensioner
+    from musclewire.design.serpentine.analysis import Pretensioner
     from musclewire.design.serpentine.geometry import Envelope
 
 __all__ = ["made_json", "made_text", "materials_json", "materials_text"]
 
 MM, MPA = 1e3, 1e-6
-# How numbers of a unit are shown: unit, factor.
-SHOWN = {"N/m": ("N/m", 1.0), "Pa": ("MPa", MPA), "m": ("mm", MM), "N": ("N", 1.0), "1": ("", 1.0)}
-RULES = {"about": "", "below": "at most ", "above": "at least ", "shown": ""}
 
 
 def made_json(made: Pretensioner, material: str, room: Envelope | None) -> dict[str, Any]:
@@ -54,23 +52,6 @@ def made_json(made: Pretensioner, material: str, room: Envelope | None) -> dict[
     }
 
 
-def check_json(check: Check) -> dict[str, Any]:
-    """Return a check under the keys of the interface."""
-    return {
-        "name": check.name,
-        "value": finite(check.value),
-        "reference": finite(check.reference),
-        "unit": check.unit,
-        "rule": check.rule,
-        "ok": check.ok,
-    }
-
-
-def finite(value: float | None) -> float | None:
-    """Return a number that JSON knows, or None."""
-    return value if value is not None and math.isfinite(value) else None
-
-
 def finger_share(made: Pretensioner) -> float | None:
     """Return the share of the contraction force that a finger beside it gets, k_f/(k_p + k_f); None without one."""
     finger = made.duty.finger_stiffness_n_per_m
@@ -100,8 +81,7 @@ def made_text(made: Pretensioner, room: Envelope | None) -> str:
             f"  finger      {100 * share:.0f} % of the contraction force goes to a finger of "
             f"{made.duty.finger_stiffness_n_per_m:g} N/m"
         )
-    width = max(len(check.name) for check in made.checks)
-    return "\n".join([*lines, "", *(check_line(check, width) for check in made.checks)])
+    return "\n".join([*lines, "", *check_lines(made.checks)])
 
 
 def duty_lines(made: Pretensioner) -> list[str]:
@@ -120,17 +100,6 @@ def duty_lines(made: Pretensioner) -> list[str]:
         f"  stress      {MPA * made.stress_pa:.1f} MPa there; {MPA * material.allowable_stress_pa.value:g} MPa are "
         f"allowed for long, {MPA * material.yield_stress_pa.value:g} MPa are the yield stress",
     ]
-
-
-def check_line(check: Check, width: int) -> str:
-    """Return a check as a line."""
-    unit, factor = SHOWN[check.unit]
-    mark = "    " if check.rule == "shown" else "ok  " if check.ok else "NOT "
-    against = f"{RULES[check.rule]}{factor * check.reference:.5g} {unit}".rstrip()
-    off = ""
-    if check.rule in ("about", "shown"):
-        off = f", {100 * (check.value / check.reference - 1):+.2f} %"
-    return f"  {mark}{check.name:<{width}}  {factor * check.value:>8.5g}  {against}{off}"
 
 
 def materials_json() -> dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from musclewire.design.checks import Check
 from musclewire.design.finger.chain import FOOT_THICKNESSES, finger_chain
 from musclewire.design.finger.closed_forms import pure_moment_stiffness_n_per_m
 from musclewire.design.finger.comparison import Scheme, compare_schemes
@@ -23,7 +24,7 @@ from musclewire.design.finger.curve import (
 )
 from musclewire.design.finger.friction import ASSUMED_FRICTION, MOST_FRICTION, Friction, friction_at
 from musclewire.design.finger.geometry import FingerGeometry
-from musclewire.design.finger.plane_stress import PlaneStressPoint, finger_body, plane_stress_path
+from musclewire.design.finger.plane_stress import finger_body, plane_stress_path
 from musclewire.design.finger.saving import CURVE_REACH, curve_travels_m
 from musclewire.design.finger.sizing import FingerRequest, design_finger, finger_stiffness_n_per_m
 from musclewire.design.finger.statics import Equilibrium, Foam, Sensitivity, equilibria, sensitivity
@@ -35,21 +36,18 @@ from musclewire.parameters.materials import Material
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Check", "FingerAnswer", "FingerQuestion", "FoamAnswer", "WireQuestion", "ask_finger"]
+__all__ = ["FingerAnswer", "FingerQuestion", "FoamAnswer", "WireQuestion", "ask_finger"]
 
 WORKING_STRESS_PA = 172e6
+# How near to each other two ways to the same number must be.
+WANTED_TOLERANCE, CLOSED_FORM_TOLERANCE, PLANE_TOLERANCE, STRESS_TOLERANCE = 0.01, 0.02, 0.05, 0.1
+LINEAR_SHARE, RECIPROCAL = 0.01, 1e-4
+# Searle's parameter beyond which a strip bends more like a plate than like a beam.
+PLATE = 10.0
 # Endpoint forces over which the linear answer of the curve is judged: as many tendon newtons as wires have to spare.
 JUDGED_FORCES_N = (0.05, 0.1)
 JUDGED_TRAVELS = 9
 PLANE_STRESS_SHARES = (0.02, 0.5, 1.0)
-
-
-class Check(NamedTuple):
-    """A number of a design beside what it should be, or what another way to compute it gives."""
-
-    name: str
-    value: float
-    reference: float
 
 
 @dataclass(frozen=True)
@@ -148,7 +146,7 @@ def ask_finger(question: FingerQuestion) -> FingerAnswer:
         foam=foam,
         wire=wire,
         schemes=schemes_of(question, geometry) if question.compare else [],
-        warnings=[*warnings_of(question, geometry, stress), *warnings_of_loads(question, foam, wire)],
+        warnings=[*warnings_of(question, geometry, at, stress), *warnings_of_loads(question, foam, wire)],
     )
 
 
@@ -208,50 +206,64 @@ def checks_of(
     question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium, stiffness_n_per_m: float, stress_pa: float
 ) -> list[Check]:
     """Return the numbers of a design beside what they should be."""
+    material = question.material
     feet = (2 * geometry.columns - 1) * FOOT_THICKNESSES * geometry.beam_thickness_m
     bends_as = geometry.flexible_length_m + feet
     closed = pure_moment_stiffness_n_per_m(geometry.stiffness_n_m2, geometry.tendon_offset_m, bends_as)
-    travels = np.linspace(0.0, question.travel_m, JUDGED_TRAVELS)[1:]
-    linear = linear_error(geometry, travels, np.array(JUDGED_FORCES_N))
-    checks = []
-    if question.request is not None:
-        checks.append(Check("stiffness asked for, N/m", stiffness_n_per_m, question.request.stiffness_n_per_m))
+    asked = question.request
+    checks = (
+        []
+        if asked is None
+        else [
+            Check(
+                "stiffness, as asked for", stiffness_n_per_m, asked.stiffness_n_per_m, "N/m", "about", WANTED_TOLERANCE
+            )
+        ]
+    )
     checks += [
-        Check("travel at the endpoint against the travel there is, m", at.travel_m, question.travel_m),
-        Check("stress against yield, Pa", stress_pa, question.material.yield_stress_pa.value),
-        Check("gap between columns against touching, m", column_gap_m(geometry, at), 0.0),
-        Check("stiffness against the closed form EI/(r^2 L), N/m", stiffness_n_per_m, closed),
-        Check("reciprocity: dT/df over dy/dx, from 1", reciprocity_error(geometry, travels), 0.0),
-        Check("displacement by the linear curve, off a direct solution, m", linear.displacement_m, 0.0),
-        Check("tendon force by the linear curve, off a direct solution, N", linear.tendon_force_n, 0.0),
+        Check("travel at the endpoint", at.travel_m, question.travel_m, "m", "below"),
+        Check("stress, yield", stress_pa, material.yield_stress_pa.value, "Pa", "below"),
+        Check("gap between columns", column_gap_m(geometry, at), 0.0, "m", "above"),
+        Check("stiffness, EI/(r^2 L) on paper", stiffness_n_per_m, closed, "N/m", "about", CLOSED_FORM_TOLERANCE),
+        Check("width: b^2/(R t), beyond 10 a plate", searle(geometry, at), PLATE, "1", "shown"),
+        *curve_checks(question, geometry, at),
     ]
     return checks + (plane_stress_checks(question, geometry, at) if question.finite_elements else [])
 
 
+def searle(geometry: FingerGeometry, at: Equilibrium) -> float:
+    """Return b^2/(R t) at the sharpest bend: whether a strip can still curve across its depth as a beam does."""
+    bent = float(np.abs(at.placed.chain.turns @ at.angles_rad / at.placed.chain.yielding_m).max())
+    return geometry.beam_depth_m**2 * bent / geometry.beam_thickness_m
+
+
+def curve_checks(question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium) -> list[Check]:
+    """Return what the curve's linear answer to endpoint forces is worth, up to 0.1 N, against direct solutions."""
+    travels = np.linspace(0.0, question.travel_m, JUDGED_TRAVELS)[1:]
+    linear = linear_error(geometry, travels, np.array(JUDGED_FORCES_N))
+    most_y, most_n = LINEAR_SHARE * at.endpoint_displacement_m, LINEAR_SHARE * at.tendon_force_n
+    return [
+        Check("dT/df over dy/dx less 1: reciprocity", reciprocity_error(geometry, travels), RECIPROCAL, "1", "below"),
+        Check("endpoint by linear curve, off by", linear.displacement_m, most_y, "m", "below"),
+        Check("tendon force by linear curve, off by", linear.tendon_force_n, most_n, "N", "below"),
+    ]
+
+
 def plane_stress_checks(question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium) -> list[Check]:
-    """Return force, endpoint and stress of the chain beside finite elements at the same travel."""
+    """Return stiffness, force, endpoint and stress of the chain beside finite elements at the same travel."""
     meshed = finger_body(geometry, question.material.poisson_ratio.value)
     points = list(plane_stress_path(meshed, at.tendon_force_n, np.array(PLANE_STRESS_SHARES)))
-    chain = finger_chain(geometry)
-    ours = equilibria(chain, geometry.stiffness_n_m2, np.array([point.travel_m for point in points]))
-    return [*paired("stiffness", points[0], ours[0], geometry)[:1], *paired("endpoint", points[-1], ours[-1], geometry)]
-
-
-def paired(where: str, point: PlaneStressPoint, ours: Equilibrium, geometry: FingerGeometry) -> list[Check]:
-    """Return the chain's numbers beside those of finite elements at one travel."""
-    stress = float(beam_stress_pa(geometry, ours).max())
-    if where == "stiffness":
-        return [
-            Check(
-                "stiffness against plane stress, N/m",
-                ours.tendon_force_n / ours.travel_m,
-                point.tendon_force_n / point.travel_m,
-            )
-        ]
+    travels = np.array([point.travel_m for point in points])
+    ours = equilibria(finger_chain(geometry), geometry.stiffness_n_m2, travels)
+    first, last, there = points[0], points[-1], ours[-1]
+    slope, fine = ours[0].tendon_force_n / first.travel_m, first.tendon_force_n / first.travel_m
+    stress = float(beam_stress_pa(geometry, there).max())
+    moved = there.endpoint_displacement_m
     return [
-        Check("tendon force against plane stress, N", ours.tendon_force_n, point.tendon_force_n),
-        Check("endpoint against plane stress, m", ours.endpoint_displacement_m, point.endpoint_displacement_m),
-        Check("stress against plane stress, Pa", stress, point.stress_pa),
+        Check("stiffness, plane stress", slope, fine, "N/m", "about", PLANE_TOLERANCE),
+        Check("tendon force, plane stress", there.tendon_force_n, last.tendon_force_n, "N", "about", PLANE_TOLERANCE),
+        Check("endpoint, plane stress", moved, last.endpoint_displacement_m, "m", "about", WANTED_TOLERANCE),
+        Check("stress, plane stress", stress, last.stress_pa, "Pa", "about", STRESS_TOLERANCE),
     ]
 
 
@@ -277,7 +289,7 @@ def schemes_of(question: FingerQuestion, geometry: FingerGeometry) -> list[Schem
     return compare_schemes(geometry, question.travel_m, question.material.yield_stress_pa.value)
 
 
-def warnings_of(question: FingerQuestion, geometry: FingerGeometry, stress_pa: float) -> list[str]:
+def warnings_of(question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium, stress_pa: float) -> list[str]:
     """Return what the maker should hear about the finger."""
     material, found = question.material, []
     lasting = material.allowable_stress_pa.value
@@ -285,6 +297,12 @@ def warnings_of(question: FingerQuestion, geometry: FingerGeometry, stress_pa: f
         found.append(
             f"{1e-6 * stress_pa:.0f} MPa at the endpoint is below yield, but above the {1e-6 * lasting:.0f} MPa that "
             f"{material.name} should bear for long and often"
+        )
+    plate = 100.0 * (1.0 / (1.0 - material.poisson_ratio.value**2) - 1.0)
+    if searle(geometry, at) > PLATE:
+        found.append(
+            f"bent that far, a strip so deep and thin comes near to a plate, which is {plate:.0f} % stiffer; all numbers "
+            "here are a beam's"
         )
     usual = material.minimum_thickness_by(None)
     if geometry.beam_thickness_m < usual:

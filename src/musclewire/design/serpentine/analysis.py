@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
+from musclewire.design.checks import Check
 from musclewire.design.frame import chain_stiffness_n_per_m
 from musclewire.design.serpentine import closed_form
 from musclewire.design.serpentine.geometry import Envelope, SerpentineGeometry
@@ -24,32 +24,6 @@ WANTED_TOLERANCE = 0.01
 THIN = 0.1
 # Searle's parameter beyond which a strip bends more like a plate than like a beam.
 PLATE = 10.0
-
-
-class Check(NamedTuple):
-    """A number beside the one it is judged by.
-
-    ``rule`` is "about" (within ``tolerance`` of it, relative), "below", "above", or "shown" where nothing is judged.
-    """
-
-    name: str
-    value: float
-    reference: float
-    unit: str
-    rule: str
-    tolerance: float = 0.0
-
-    @property
-    def ok(self) -> bool:
-        """Whether the rule is kept; rounding in the last digits breaks none."""
-        if self.rule == "shown":
-            return True
-        slack = 1e-9 * abs(self.reference)
-        if self.rule == "below":
-            return self.value <= self.reference + slack
-        if self.rule == "above":
-            return self.value >= self.reference - slack
-        return abs(self.value - self.reference) <= self.tolerance * abs(self.reference)
 
 
 @dataclass(frozen=True)
@@ -126,7 +100,8 @@ def analyse(
 ) -> Pretensioner:
     """Return what a serpentine does, and every check of it.
 
-    Raises CallerError for a process that is not known for the material, NumericsError where the strip finds no balance.
+    Raises CallerError for a process that is not known for the material or a travel beyond what it stretches to,
+    NumericsError where the strip finds no balance.
     """
     asked = duty or Duty()
     process = material.processes[0] if process is None else process
@@ -136,6 +111,13 @@ def analyse(
     travel = asked.travel_with(linear[-1].stiffness_n_per_m)
     curve = force_curve(geometry, material, travel or 0.0)
     stress = None if travel is None else curve.stress_at(travel)
+    if stress is not None and math.isnan(stress):
+        raise CallerError(
+            f"a travel of {1e3 * (travel or 0.0):.2f} mm is too far: at {1e3 * curve.travel_m[-1]:.2f} mm it is stretched "
+            f"by {curve.force_n[-1]:.3g} N and its stress is {1e-6 * curve.stress_pa[-1]:.1f} MPa, "
+            f"{1e-6 * (curve.stress_pa[-1] - material.allowable_stress_pa.value):.1f} MPa more than {material.name} may "
+            "have for long"
+        )
     checks = [
         *model_checks(geometry, material, linear, guided),
         *use_checks(geometry, asked, linear[-1].stiffness_n_per_m, curve, travel, stress, material),

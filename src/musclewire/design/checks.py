@@ -1,0 +1,33 @@
+"""A number of a design beside the one it is judged by."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+__all__ = ["Check"]
+
+
+class Check(NamedTuple):
+    """A number beside the one it is judged by.
+
+    ``rule`` is "about" (within ``tolerance`` of it, relative), "below", "above", or "shown" where nothing is judged.
+    """
+
+    name: str
+    value: float
+    reference: float
+    unit: str
+    rule: str
+    tolerance: float = 0.0
+
+    @property
+    def ok(self) -> bool:
+        """Whether the rule is kept; rounding in the last digits breaks none."""
+        if self.rule == "shown":
+            return True
+        slack = 1e-9 * abs(self.reference)
+        if self.rule == "below":
+            return self.value <= self.reference + slack
+        if self.rule == "above":
+            return self.value >= self.reference - slack
+        return abs(self.value - self.reference) <= self.tolerance * abs(self.reference)
