@@ -296,9 +296,12 @@ def train(
 
 def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:
     """Return the metrics of a closed loop under the keys of the interface."""
+    key, factor = {"strain": ("target_pct", 100.0), "displacement": ("target_m", 1.0), "force": ("target_n", 1.0)}[
+        metrics.quantity
+    ]
     steps = [
         {
-            "target_pct": round(100 * step.target, 10) if metrics.quantity == "strain" else step.target,
+            key: round(factor * step.target, 10),
             "direction": step.direction,
             "mae_pct": step.mae_pct,
             "estimate_mae_pct": step.estimate_mae_pct,

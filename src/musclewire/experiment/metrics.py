@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from musclewire.controllers.references import Reference, Staircase, Step
 from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity
+from musclewire.sensing.model import SHOWN_AS
 from musclewire.signals.recording import Recording
 
 __all__ = ["ControlMetrics", "ControlRun", "StepMetrics", "control_metrics", "mean_absolute_error"]
@@ -58,10 +59,10 @@ class ControlMetrics:
             "errors in % of the target; estimate: against the reference instrument, tracking: against the target",
             f"{'target':>10} {'':7} {'MAE %':>8} {'estimate %':>11} {'tracking %':>11}",
         ]
-        scale, unit = (100.0, "%") if self.quantity == "strain" else (1.0, "")
+        factor, unit = SHOWN_AS[self.quantity]
         for step in self.steps:
             lines.append(
-                f"{step.target * scale:>8.3g} {unit:1} {step.direction:7} {percent(step.mae_pct):>8} "
+                f"{step.target * factor:>7.3g} {unit:2} {step.direction:7} {percent(step.mae_pct):>8} "
                 f"{percent(step.estimate_mae_pct):>11} {percent(step.tracking_mae_pct):>11}"
             )
         lines.append(f"largest {percent(self.mae_max_pct)} %, mean {percent(self.mae_mean_pct)} %")
