@@ -16,14 +16,12 @@ from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.protocol import HasStage, Rig
 
 
-def pulling(*parts: dict[str, str], **settings: float) -> Callable[[], Rig]:
+def pulling(*parts: dict[str, str]) -> Callable[[], Rig]:
     """Return a factory of the finger's bench with other parts at the connector."""
-    return lambda: open_rig(RigConfiguration(wire="finger-100um", bench="finger", load=list(parts), settings=settings))
+    return lambda: open_rig(RigConfiguration(wire="finger-100um", bench="finger", load=list(parts)))
 
 
 PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
-FINGER = {"part": "finger", "finger": "lan-fan-2010"}
-FOAM = {"part": "contact", "stiffness": "200 N/m", "clearance": "4 mm"}
 RIGS: dict[str, Callable[[], Rig]] = {
     "simulated": lambda: open_rig("simulated"),
     "simulated, 125 um": lambda: open_rig("simulated", wire="paper-125um"),
@@ -32,9 +30,7 @@ RIGS: dict[str, Callable[[], Rig]] = {
     "blocked": pulling({"part": "blocked"}),
     "antagonist": pulling({"part": "antagonist", "voltage": "0.3 V"}),
     "parallel wire": pulling(PRETENSIONER, {"part": "parallel wire"}),
-    "two fingers": pulling(
-        PRETENSIONER, FINGER, FOAM, {"part": "second finger"}, drive_amplitude_v=3.2, maximum_voltage_v=3.8
-    ),
+    "two fingers": lambda: open_rig("gripper"),
 }
 # Resistance between the terminals by the maker's ohm per metre, within his 15 %: 126 and 75 over 14 cm, 126 over 7 cm,
 # of which two stand beside or behind each other.
