@@ -181,6 +181,8 @@ class SimulatedRig:
             return {"spring_stiffness_n_per_m": stiffness}
         plain = all(isinstance(part, (Spring, Pretensioner, Weight)) for part in self._parts)
         named: Metadata = {"load": ", ".join(part.part for part in self._parts)}
+        if self.partner_state is not None:
+            named["wires"] = 2
         return {**named, "spring_stiffness_n_per_m": stiffness} if plain else named
 
     def set_pretension(self, pretension_n: float) -> None:

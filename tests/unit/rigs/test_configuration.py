@@ -8,6 +8,7 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.parameters import Parameter, load_alloy, load_bench, load_wire
+from musclewire.parameters.finger_file import finger_file_text, load_finger
 from musclewire.parameters.wire_file import wire_file_text
 from musclewire.rigs.configuration import RigConfiguration, open_rig, read_rig_file
 
@@ -174,3 +175,19 @@ def test_a_rig_file_finds_its_wire_file_beside_itself(tmp_path: Path, monkeypatc
     (tmp_path / "rig.toml").write_text('wire = "mine.toml"\n', "utf-8")
     monkeypatch.chdir("/")
     assert open_rig(tmp_path / "rig.toml").metadata()["wire"] == "mine"
+
+
+def test_a_rig_file_finds_the_fingers_and_second_wires_of_its_parts_beside_itself(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wire_file(tmp_path, 0.0123)
+    text = finger_file_text("bendy", "a finger of one's own", {}, load_finger("lan-fan-2010").curve)
+    (tmp_path / "bendy.toml").write_text(text, "utf-8")
+    (tmp_path / "rig.toml").write_text(
+        '[[load]]\npart = "antagonist"\nwire = "mine.toml"\n[[load]]\npart = "finger"\nfinger = "bendy.toml"\n', "utf-8"
+    )
+    monkeypatch.chdir("/")
+    facts = open_rig(tmp_path / "rig.toml").metadata()
+    assert facts["load"] == "antagonist, finger"
+    (tmp_path / "bendy.toml").unlink()
+    assert "there is no finger file" in refusal(tmp_path / "rig.toml")

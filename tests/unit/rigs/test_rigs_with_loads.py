@@ -51,6 +51,8 @@ def test_the_rig_finger_comes_along_and_says_what_its_wire_pulls() -> None:
     assert (facts["wire"], facts["load"]) == ("finger-100um", "pretensioner, finger")
     assert (facts["leg_length_m"], facts["pretension_n"]) == (0.035, 0.71)
     assert "spring_stiffness_n_per_m" not in facts, "what it pulls is no straight line"
+    assert "wires" not in facts
+    assert rig(*TWO_FINGERS).metadata()["wires"] == 2
     with pytest.raises(CallerError, match="there is no rig 'fingr'; did you mean 'finger'"):
         open_rig("fingr")
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.parameters.library import load_bench
 from musclewire.parameters.schema import Bench, Parameter, Wire, checked
 from musclewire.signals.recording import Recording
@@ -81,8 +81,15 @@ def in_si(name: str, text: str) -> float:
 def bench_of(recording: Recording, given: Mapping[str, float]) -> dict[str, float]:
     """Return what is known of a recording's bench: what the user gave, then what the recording says.
 
-    Without a stiffness it is read off force and displacement. Raises CallerError where length or load cannot be known.
+    Without a stiffness it is read off force and displacement. Raises CallerError where length or load cannot be known,
+    RecordingError where two wires made the recording.
     """
+    wires = number_in(recording, "wires") or 1.0
+    if wires > 1.0:
+        raise RecordingError(
+            f"{wires:g} wires made this recording ({recording.metadata.get('load', 'wires')}): record one wire on a "
+            "spring, a weight or a finger by itself"
+        )
     known = {key: value for key in BENCH_KEYS if (value := number_in(recording, key)) is not None}
     if "ambient_temperature_k" in recording:
         known["ambient_temperature_k"] = float(np.mean(recording["ambient_temperature_k"]))

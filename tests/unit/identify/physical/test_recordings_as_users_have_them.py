@@ -309,3 +309,9 @@ def test_a_bench_may_be_said_with_units() -> None:
         with pytest.raises(RecordingError, match="over 1000 mm of 100 um wire is a resistivity"):
             calibrate(without(LOOP, "wire_length_m"), bench={"wire_length_m": long, "legs": 2.0})
     assert BENCH["wire_length_m"] == 0.14
+
+
+def test_a_recording_of_two_wires_is_not_taken_for_one_of_one() -> None:
+    both = LOOP.with_metadata({"wires": 2, "load": "spring, parallel wire"})
+    with pytest.raises(RecordingError, match=r"2 wires made this recording \(spring, parallel wire\)"):
+        observed(both)
