@@ -89,6 +89,7 @@ CALLS = {
         *("--beams", "2", "--half-length", "6 mm", "--pitch", "3 mm", "--thickness", "0.8 mm", "--process", "mill"),
         *("--travel", "0.2 mm", "--finger-stiffness", "20000 N/m"),
     ],
+    "design finger": ["--finger", "lan-fan-2010", "--compare", "--foam", "50 N/m", "--wire", "paper-100um"],
     "import": ["loop.h5"],
     "calibrate": ["short.h5", "--effort", "quick", "-o", "wire.toml"],
     "fit": ["loop.h5"],

@@ -70,6 +70,9 @@ def finger(
     compare: Annotated[
         bool, typer.Option("--compare", help="Compare distributed with concentrated actuation.")
     ] = False,
+    refined: Annotated[
+        int, typer.Option("--refined", help="How many times finer the finite elements shall be.", min=1, max=4)
+    ] = 1,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Finger file to write (.toml).")] = None,
     drawing: Annotated[
         list[Path] | None, typer.Option("--drawing", help="Drawing to cut, 1:1 (.svg, .dxf). Repeatable.")
@@ -114,6 +117,7 @@ def finger(
             foam=None if foam is None else foam_of(foam, clearance),
             wire=None if wire is None else wire_of(wire, wire_length, pretension, pretensioner),
             compare=compare,
+            refined=refined,
         )
     )
     write_files(answer, output, drawings, plot)

@@ -62,7 +62,10 @@ class WireQuestion:
 
 @dataclass(frozen=True)
 class FingerQuestion:
-    """What is asked: a ``request`` to be sized, or a ``geometry`` as it is; the endpoint and the travel there is."""
+    """What is asked: a ``request`` to be sized, or a ``geometry`` as it is; the endpoint and the travel there is.
+
+    ``finite_elements`` compares with plane stress on a mesh ``refined`` times finer than the coarsest.
+    """
 
     material: Material
     endpoint_m: float
@@ -74,6 +77,7 @@ class FingerQuestion:
     wire: WireQuestion | None = None
     compare: bool = False
     finite_elements: bool = True
+    refined: int = 1
 
 
 class FoamAnswer(NamedTuple):
@@ -251,7 +255,7 @@ def curve_checks(question: FingerQuestion, geometry: FingerGeometry, at: Equilib
 
 def plane_stress_checks(question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium) -> list[Check]:
     """Return stiffness, force, endpoint and stress of the chain beside finite elements at the same travel."""
-    meshed = finger_body(geometry, question.material.poisson_ratio.value)
+    meshed = finger_body(geometry, question.material.poisson_ratio.value, question.refined)
     points = list(plane_stress_path(meshed, at.tendon_force_n, np.array(PLANE_STRESS_SHARES)))
     travels = np.array([point.travel_m for point in points])
     ours = equilibria(finger_chain(geometry), geometry.stiffness_n_m2, travels)
@@ -301,8 +305,8 @@ def warnings_of(question: FingerQuestion, geometry: FingerGeometry, at: Equilibr
     plate = 100.0 * (1.0 / (1.0 - material.poisson_ratio.value**2) - 1.0)
     if searle(geometry, at) > PLATE:
         found.append(
-            f"bent that far, a strip so deep and thin comes near to a plate, which is {plate:.0f} % stiffer; all numbers "
-            "here are a beam's"
+            f"bent that far, a strip so deep and thin comes near to a plate, which is {plate:.0f} % stiffer; all "
+            "numbers here are a beam's"
         )
     usual = material.minimum_thickness_by(None)
     if geometry.beam_thickness_m < usual:

@@ -1,0 +1,138 @@
+"""``musclewire design finger``: what a maker types, what comes back, and one line for whatever cannot be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from musclewire.parameters.finger_file import load_finger
+
+COMMAND = ("design", "finger")
+PAPER = ("--stiffness", "1084.4 N/m", "--endpoint", "6 mm", "--travel", "1.05 mm", "--wire", "paper-100um")
+PAGE = (Path(__file__).parents[2] / "docs/how-to/design_a_finger.md").read_text("utf-8").replace("\n", " ")
+
+
+def test_the_papers_stiffness_and_endpoint_become_a_finger_with_file_drawings_and_figure(
+    musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
+    toml, svg, dxf, png = (tmp_path / name for name in ("f.toml", "f.svg", "f.dxf", "f.png"))
+    answer = musclewire(*COMMAND, *PAPER, "-o", toml, "--drawing", svg, "--drawing", dxf, "--plot", png, "--json")
+    assert answer.code == 0, answer.err
+    found = answer.json
+    assert found["stiffness_n_per_m"] == pytest.approx(1084.4, rel=0.01)
+    assert found["endpoint_m"] == pytest.approx(6e-3, rel=1e-6)
+    assert found["travel_m"] <= 0.03 * 35e-3
+    assert found["stress_max_pa"] < 65e6
+    assert found["wire"]["endpoint_m"] > 6e-3
+    assert all(check["ok"] for check in found["checks"])
+    assert all(path.stat().st_size > 200 for path in (toml, svg, dxf, png))
+    drawn = ElementTree.parse(svg).getroot()
+    assert drawn.get("width", "").endswith("mm")
+    assert load_finger(str(toml)).curve.stiffness_n_per_m == pytest.approx(1084.4, rel=0.01)
+    again = musclewire(*COMMAND, "--finger", toml, "--json").json
+    assert again["geometry"] == found["geometry"]
+    assert again["curve"] == found["curve"]
+    the_page_has(
+        f"a beam of {1e3 * found['geometry']['beam_thickness_m']:.2f} mm, "
+        f"{1e3 * found['geometry']['beam_depth_m']:.2f} mm deep, the tendon "
+        f"{1e3 * found['geometry']['tendon_offset_m']:.2f} mm",
+        f"{found['stiffness_n_per_m']:.1f} N/m",
+        f"6.00 mm at {1e3 * found['travel_m']:.3f} mm of travel, which takes {found['tendon_force_n']:.3f} N",
+        f"{found['pulling_force_n']:.3f} N pulling",
+        f"{found['easing_force_n']:.3f} N easing",
+        f"{1e-6 * found['stress_max_pa']:.1f} MPa of the 65 MPa",
+        f"{1e3 * found['wire']['endpoint_m']:.2f} mm, with {1e-6 * found['wire']['wire_stress_pa']:.0f} MPa",
+        *(f"{off:.2f} %" for off in apart(found, "EI/(r^2 L)", "stiffness, plane", "endpoint, plane", "stress, plane")),
+    )
+
+
+def the_page_has(*words: str) -> None:
+    """The numbers of docs/how-to/design_a_finger.md are those of the commands it shows."""
+    page = " ".join(PAGE.split())
+    assert [text for text in words if text not in page] == []
+
+
+def apart(found: dict[str, Any], *names: str) -> list[float]:
+    """How far the checks so named are off their references, in percent."""
+    checks = [next(check for check in found["checks"] if name in check["name"]) for name in names]
+    return [abs(100 * (check["value"] / check["reference"] - 1)) for check in checks]
+
+
+def test_the_finger_that_comes_along_grips_foam_and_is_compared(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    figure = tmp_path / "finger.svg"
+    asked = ("--finger", "lan-fan-2010", "--foam", "50 N/m", "--clearance", "4 mm", "--compare")
+    answer = musclewire(*COMMAND, *asked, "--plot", figure, "--refined", "3", "--json")
+    assert answer.code == 0, answer.err
+    found = answer.json
+    assert figure.read_text("utf-8").startswith("<?xml")
+    shares = [scheme["range_over_length"] for scheme in found["schemes"]]
+    assert shares == sorted(shares, reverse=True)
+    assert found["foam"]["force_n"] == pytest.approx(found["foam"]["linear_force_n"], rel=0.03)
+    the_page_has(
+        f"gets {found['foam']['force_n']:.3f} N at the end of the travel, and the tendon "
+        f"{found['foam']['tendon_force_n']:.2f} N",
+        f"{found['tendon_force_per_endpoint_force']:.2f} N at the tendon",
+        *(f"{share:.3f}" for share in shares),
+        *(f"{off:.2f} %" for off in apart(found, "stiffness, plane", "endpoint, plane")),
+        "holds to "
+        + f"{next(c['value'] for c in found['checks'] if 'reciprocity' in c['name']):.1e}".replace("e-0", "e-"),
+        f"`b^2/(R t)` is {next(c['value'] for c in found['checks'] if 'b^2' in c['name']):.0f}",
+    )
+
+
+def test_given_dimensions_are_answered_in_words(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire(*COMMAND, "--thickness", "0.18 mm", "--offset", "1 mm", "--depth", "4 mm", "--friction", "0.3")
+    assert answer.code == 0, answer.err
+    assert "beam          0.18 mm thick, 4.00 mm deep" in answer.out
+    assert "easing (friction 0.3)" in answer.out
+    assert "warning: a beam of 0.18 mm is thinner than laser-cut makes" in answer.err
+
+
+SIZED = ("--stiffness", "1084.4 N/m")
+GIVEN = ("--finger", "lan-fan-2010")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "say which finger"),
+        ((*SIZED, *GIVEN), "--stiffness and --finger exclude each other"),
+        (("--thickness", "0.2 mm"), "--thickness and --offset belong together"),
+        ((*SIZED, "--offset", "1 mm"), "--thickness and --offset belong together"),
+        (("--stiffness", "4 mm"), "a stiffness is needed"),
+        (("--stiffness", "5000 N/m"), "above the 65 MPa at which pom yields"),
+        ((*SIZED, "--endpoint", "9 mm"), "% too little; make the finger longer"),
+        ((*SIZED, "--process", "laser-cut"), "a beam of 1.00 mm, the thinnest to be made"),
+        ((*SIZED, "--process", "laser"), "did you mean 'laser-cut'?"),
+        ((*SIZED, "--material", "pon"), "did you mean 'pom'?"),
+        ((*SIZED, "--wire", "paper-100um", "--wire-length", "5 cm"), "8.1 % short"),
+        ((*GIVEN, "--travel", "0.8 mm"), "14.4 % less than the 6 mm asked for"),
+        ((*GIVEN, "--foam", "0 N/m"), "stiffness of the object is 0"),
+        ((*GIVEN, "--foam", "10 N/m", "--clearance", "-1 mm"), "clearance"),
+        ((*GIVEN, "--friction", "5"), "not one of 0 to 1"),
+        ((*GIVEN, "--endpoint", "0 mm"), "endpoint is 0"),
+        ((*GIVEN, "--output", "finger.json"), "a finger is a .toml file"),
+        ((*GIVEN, "--drawing", "finger.png"), "one of .svg, .dxf"),
+        ((*GIVEN, "--plot", "finger.bmp"), "a figure is one of"),
+        (("--finger", "lan-fan-2011"), "did you mean 'lan-fan-2010'?"),
+        (("--thickness", "0.5 mm", "--offset", "1 mm"), "yields: a thinner beam"),
+        (("--thickness", "0.1 mm", "--offset", "1 mm", "--process", "laser-cut"), "90 % thinner than the 1 mm"),
+    ],
+)
+def test_what_cannot_be_is_one_line_and_exit_code_2(
+    arguments: tuple[str, ...],
+    said: str,
+    musclewire: Callable[..., Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    answer = musclewire(*COMMAND, *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert len(answer.err.strip().splitlines()) == 1
+    assert said in answer.err
+    assert list(tmp_path.iterdir()) == []
