@@ -126,13 +126,19 @@ def load_path(
     """
     problem = Problem(body, load)
     displacement, reached = np.zeros_like(body.nodes_m), 0.0
+    speed = np.zeros_like(displacement)
     for share in np.asarray(shares, dtype=np.float64):
-        displacement = problem.walk(displacement, reached, float(share))
-        reached = float(share)
+        # Where it went last time is a good guess for where it goes on to.
+        guess = displacement + (share - reached) * speed
+        found = problem.balance(guess, float(share)) if speed.any() else None
+        if found is None:
+            found = problem.walk(displacement, reached, float(share))
+        speed = (found - displacement) / (share - reached) if share != reached else speed
+        displacement, reached = found, float(share)
         forces = body.inner_forces(displacement).nodal_n + problem.pull(displacement, reached)[0]
-        found = Equilibrium(body, displacement, forces.reshape(-1, 2), reached)
-        yield found
-        if stop is not None and stop(found):
+        state = Equilibrium(body, displacement, forces.reshape(-1, 2), reached)
+        yield state
+        if stop is not None and stop(state):
             return
 
 

@@ -211,7 +211,7 @@ def test_a_part_that_does_not_fit_is_told_by_how_much() -> None:
     ("changes", "words"),
     [
         ({"thickness_m": 0.0}, "thickness is 0 mm: it must be above 0"),
-        ({"beams": 0}, "1 beam or more, not 0"),
+        ({"beams": 0}, "has 1 to 60 beams, not 0"),
         ({"corner_radius_m": 5e-3}, "corner radius of 5 mm does not fit between beams 3.6 mm apart"),
         ({"corner_radius_m": -1e-3}, "corner radius is -1 mm"),
         ({"half_length_m": 1e-3}, "a half length of 1 mm is too short for beams of 0.4 mm"),

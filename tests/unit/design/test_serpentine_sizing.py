@@ -88,6 +88,10 @@ IMPOSSIBLE = {
         request(duty=Duty(PRETENSION, travel_m=32e-3)),
         ("too much stress", "at a travel of 32.00 mm", "MPa above the 32.5 MPa", "yield 65 MPa"),
     ),
+    "a little too much travel": (
+        request(duty=Duty(PRETENSION, travel_m=9.6e-3)),
+        ("largest stress at the whole travel is 3", "MPa beyond 32.5 MPa"),
+    ),
     "too narrow": (request(envelope=Envelope(5e-3, 27.6e-3, 10e-3)), ("12.00 mm across the wire, 7.00 mm more",)),
     "too short": (request(envelope=Envelope(24.6e-3, 12e-3, 10e-3)), ("16.00 mm along the wire, 4.00 mm more",)),
     "too little travel for the pretension": (
@@ -121,6 +125,19 @@ def test_a_given_serpentine_that_breaks_a_rule_says_which() -> None:
     found = analyse(stiff, load_material("pom"), None, Duty(PRETENSION, STROKE, None, FINGER), PAPER)
     assert not found.holds
     assert "softer than the finger" in [check.name for check in found.checks if not check.ok]
+
+
+def test_a_travel_beyond_what_the_strip_stretches_to_is_said() -> None:
+    small = SerpentineGeometry.of(2, 6e-3, 3e-3, 0.8e-3, 5e-3)
+    with pytest.raises(CallerError, match=r"a travel of 60\.00 mm is too far: .* MPa above what pom may have"):
+        analyse(small, load_material("pom"), None, Duty(travel_m=60e-3))
+
+
+def test_gentler_corners_are_tried_where_the_usual_ones_have_too_much_stress() -> None:
+    """8 mm of travel are too far with an inner radius of a quarter of the thickness, and not with half of it."""
+    found = design_pretensioner(request(duty=Duty(PRETENSION, travel_m=8e-3)))
+    assert found.holds
+    assert found.geometry.corner_radius_m > 0.4 * found.geometry.thickness_m
 
 
 def test_without_a_duty_nothing_is_said_of_stress() -> None:

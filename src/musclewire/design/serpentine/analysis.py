@@ -22,6 +22,8 @@ BEAMS_TOLERANCE, STRIP_TOLERANCE, MESH_TOLERANCE, CORNER_TOLERANCE = 0.005, 0.03
 WANTED_TOLERANCE = 0.01
 # Thickness over pitch up to which a strip is thin.
 THIN = 0.1
+# Half length over thickness from which a strip is slender.
+SLENDER = 5.0
 # Searle's parameter beyond which a strip bends more like a plate than like a beam.
 PLATE = 10.0
 
@@ -112,12 +114,7 @@ def analyse(
     curve = force_curve(geometry, material, travel or 0.0)
     stress = None if travel is None else curve.stress_at(travel)
     if stress is not None and math.isnan(stress):
-        raise CallerError(
-            f"a travel of {1e3 * (travel or 0.0):.2f} mm is too far: at {1e3 * curve.travel_m[-1]:.2f} mm it is stretched "
-            f"by {curve.force_n[-1]:.3g} N and its stress is {1e-6 * curve.stress_pa[-1]:.1f} MPa, "
-            f"{1e-6 * (curve.stress_pa[-1] - material.allowable_stress_pa.value):.1f} MPa more than {material.name} may "
-            "have for long"
-        )
+        raise CallerError(too_far(travel or 0.0, curve, material))
     checks = [
         *model_checks(geometry, material, linear, guided),
         *use_checks(geometry, asked, linear[-1].stiffness_n_per_m, curve, travel, stress, material),
@@ -130,45 +127,65 @@ def analyse(
     return Pretensioner(geometry, material, process, asked, linear, guided, curve, travel, stress, tuple(checks))
 
 
+def too_far(travel_m: float, curve: ForceCurve, material: Material) -> str:
+    """Return that a strip does not stretch so far, and what it has where the computation ended."""
+    stress = float(curve.stress_pa[-1])
+    return (
+        f"a travel of {1e3 * travel_m:.2f} mm is too far: at {1e3 * curve.travel_m[-1]:.2f} mm "
+        f"{curve.force_n[-1]:.3g} N pull at it, and its stress of {1e-6 * stress:.1f} MPa is "
+        f"{1e-6 * (stress - material.allowable_stress_pa.value):.1f} MPa above what {material.name} may have for long"
+    )
+
+
 def model_checks(
     geometry: SerpentineGeometry, material: Material, linear: tuple[LinearAnswer, ...], guided: LinearAnswer
 ) -> list[Check]:
-    """Return closed form, beam elements and plane stress beside each other."""
+    """Return closed form, beam elements and plane stress beside each other.
+
+    Formulas are for slender strips, the one with square corners for thin ones at that: what rounding takes from the
+    length grows with the thickness. Where they are not meant to hold they are shown and do not judge.
+    """
     modulus, ratio = material.youngs_modulus_pa.value, material.poisson_ratio.value
     formula = closed_form.stiffness_n_per_m(geometry, modulus)
+    stiffest = closed_form.guided_factor(geometry) * formula
     rounded = closed_form.rounded_stiffness_n_per_m(geometry, modulus, ratio)
     joints = np.array(geometry.vertices_m())
     section = modulus * geometry.second_moment_m4, modulus * geometry.depth_m * geometry.thickness_m
-    finest = linear[-1].stiffness_n_per_m
-    stiffest = closed_form.guided_factor(geometry) * formula
-    stretched = chain_stiffness_n_per_m(joints, *section)
+    bent = chain_stiffness_n_per_m(joints, *section)
     led = chain_stiffness_n_per_m(joints, *section, guided=True)
-    # Square corners count the whole length of beams and links; what rounding takes from it grows with the thickness, so
-    # only thin strips are held to that formula.
-    thin = geometry.thickness_m <= THIN * geometry.pitch_m
-    checks = [
-        Check("beam elements against 3EI/[N a^2 (2a+3p)]", stretched, formula, "N/m", "about", BEAMS_TOLERANCE),
-        Check("beam elements, guided end, against its closed form", led, stiffest, "N/m", "about", BEAMS_TOLERANCE),
-        Check(
-            "plane stress against 3EI/[N a^2 (2a+3p)]",
-            *(finest, formula, "N/m", "about" if thin else "shown", STRIP_TOLERANCE),
-        ),
-        Check("plane stress against rounded corners and shear", finest, rounded, "N/m", "about", STRIP_TOLERANCE),
+    found = linear[-1].stiffness_n_per_m
+    slender = "about" if geometry.half_length_m >= SLENDER * geometry.thickness_m else "shown"
+    thin = slender if geometry.thickness_m <= THIN * geometry.pitch_m else "shown"
+    beams, strip = BEAMS_TOLERANCE, STRIP_TOLERANCE
+    return [
+        Check("beam elements against 3EI/[N a^2 (2a+3p)]", bent, formula, "N/m", slender, beams),
+        Check("beam elements, guided end, against its closed form", led, stiffest, "N/m", slender, 2.0 * beams),
+        Check("plane stress against 3EI/[N a^2 (2a+3p)]", found, formula, "N/m", thin, strip),
+        Check("plane stress against rounded corners and shear", found, rounded, "N/m", slender, strip),
+        *mesh_checks(linear),
+        *corner_checks(geometry, linear[-1], slender),
+        Check("plane stress, guided end, over the free end", guided.stiffness_n_per_m, found, "N/m", "above"),
     ]
+
+
+def mesh_checks(linear: tuple[LinearAnswer, ...]) -> list[Check]:
+    """Return each mesh beside the finest; the coarsest is shown only."""
+    finest = linear[-1].stiffness_n_per_m
+    checks = []
     for across, answer in zip(MESHES[:-1], linear[:-1], strict=True):
         name = f"plane stress, {across} across, {answer.unknowns} unknowns, against {FINEST} across"
         rule = "shown" if across == MESHES[0] else "about"
         checks.append(Check(name, answer.stiffness_n_per_m, finest, "N/m", rule, MESH_TOLERANCE))
-    factor = linear[-1].stress_pa_per_n / closed_form.nominal_stress_pa(geometry, 1.0)
-    curved = closed_form.corner_stress_factor(geometry)
-    if math.isfinite(curved):
-        checks.append(
-            Check("stress over 6Fa/(bt^2) against a curved beam's", factor, curved, "1", "about", CORNER_TOLERANCE)
-        )
-    checks.append(
-        Check("plane stress, guided end, over the free end", guided.stiffness_n_per_m, finest, "N/m", "above")
-    )
     return checks
+
+
+def corner_checks(geometry: SerpentineGeometry, answer: LinearAnswer, rule: str) -> list[Check]:
+    """Return the stress at the corners beside that of a curved beam, where they have a radius."""
+    curved = closed_form.corner_stress_factor(geometry)
+    if not math.isfinite(curved):
+        return []
+    factor = answer.stress_pa_per_n / closed_form.nominal_stress_pa(geometry, 1.0)
+    return [Check("stress over 6Fa/(bt^2) against a curved beam's", factor, curved, "1", rule, CORNER_TOLERANCE)]
 
 
 def use_checks(

@@ -38,6 +38,8 @@ FloatArray = NDArray[np.float64]
 SHORTEST_HALF_BEAM = 2.0
 # Inner radius of a corner over the thickness.
 USUAL_CORNER = 0.25
+# More are no longer made in one piece, and their finite elements take minutes.
+MOST_BEAMS = 60
 
 
 class Straight(NamedTuple):
@@ -107,8 +109,8 @@ class SerpentineGeometry:
             value = getattr(self, name)
             if not 0.0 < value < math.inf:
                 raise CallerError(f"a serpentine's {words(name)} is {1e3 * value:g} mm: it must be above 0")
-        if self.beams < 1:
-            raise CallerError(f"a serpentine has 1 beam or more, not {self.beams}")
+        if not 1 <= self.beams <= MOST_BEAMS:
+            raise CallerError(f"a serpentine has 1 to {MOST_BEAMS} beams, not {self.beams}")
         if not 0.0 <= self.corner_radius_m < math.inf:
             raise CallerError(
                 f"a serpentine's corner radius is {1e3 * self.corner_radius_m:g} mm: it must be 0 or more"
@@ -128,13 +130,19 @@ class SerpentineGeometry:
 
     @classmethod
     def of(
-        cls, beams: int, half_length_m: float, pitch_m: float, thickness_m: float, depth_m: float
+        cls,
+        beams: int,
+        half_length_m: float,
+        pitch_m: float,
+        thickness_m: float,
+        depth_m: float,
+        corner_share: float = USUAL_CORNER,
     ) -> SerpentineGeometry:
-        """Return a serpentine whose corners have the usual inner radius: a quarter of the thickness, or what fits.
+        """Return a serpentine whose corners have an inner radius of a share of the thickness, or what fits.
 
         Larger ones are gentler to the material and take more from the length that the closed form counts.
         """
-        radius = min(USUAL_CORNER * thickness_m, 0.5 * (pitch_m - thickness_m))
+        radius = min(corner_share * thickness_m, 0.5 * (pitch_m - thickness_m))
         return cls(beams, half_length_m, pitch_m, thickness_m, depth_m, max(radius, 0.0))
 
     def with_(self, **changes: float) -> SerpentineGeometry:

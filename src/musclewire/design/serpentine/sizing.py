@@ -9,13 +9,14 @@ drawing says, and plane stress sets the half length, which trims finer than the 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from scipy.optimize import brentq
 
 from musclewire.design.serpentine import closed_form
-from musclewire.design.serpentine.analysis import WANTED_TOLERANCE, Duty, Pretensioner, analyse, finger_problem
+from musclewire.design.serpentine.analysis import WANTED_TOLERANCE, Check, Duty, Pretensioner, analyse, finger_problem
 from musclewire.design.serpentine.geometry import (
     SHORTEST_HALF_BEAM,
     USUAL_CORNER,
@@ -32,6 +33,8 @@ __all__ = ["PretensionerRequest", "design_pretensioner"]
 STEP_M = 1e-5
 BEAM_NUMBERS = (*range(4, 41, 2), 2)
 WIDTH_SHARES = (1.0, 0.85, 0.7, 0.55, 0.4, 0.3)
+# Where the usual corners have too much stress, gentler ones are tried.
+CORNER_SHARES = (USUAL_CORNER, 0.5, 1.0)
 # Thinner than a hair is out of every process's reach; it only bounds the search.
 THINNEST_M = 5e-6
 
@@ -71,22 +74,30 @@ def design_pretensioner(request: PretensionerRequest) -> Pretensioner:
     Raises CallerError, naming the limit that binds and by how much, where there is none.
     """
     require_sense(request)
-    found = [
-        candidate for beams in BEAM_NUMBERS for share in WIDTH_SHARES for candidate in tried(request, beams, share)
-    ]
-    if not found:
+    closest: Candidate | None = None
+    almost: list[Pretensioner] = []
+    for corner_share in CORNER_SHARES:
+        for form in forms(corner_share):
+            for candidate in tried(request, form):
+                made = made_of(request, candidate) if candidate.excess <= 0.0 else None
+                if made is not None and made.holds:
+                    return made
+                almost += [made] if made is not None else []
+                if closest is None or candidate.excess < closest.excess:
+                    closest = candidate
+    if closest is None:
         raise CallerError(out_of_reach(request))
-    for candidate in found:
-        if candidate.excess <= 0.0:
-            trimmed = trim(request, candidate.geometry)
-            if trimmed is None:
-                continue
-            made = analyse(
-                trimmed, request.material, request.process, request.duty, request.envelope, request.stiffness_n_per_m
-            )
-            if made.holds:
-                return made
-    raise CallerError(min(found, key=lambda candidate: candidate.excess).problem or close_call(request))
+    raise CallerError(close_call(request, almost) if almost else closest.problem)
+
+
+def made_of(request: PretensionerRequest, candidate: Candidate) -> Pretensioner | None:
+    """Return a candidate rounded, trimmed and computed by finite elements; None where trimming misses the stiffness."""
+    trimmed = trim(request, candidate.geometry)
+    if trimmed is None:
+        return None
+    return analyse(
+        trimmed, request.material, request.process, request.duty, request.envelope, request.stiffness_n_per_m
+    )
 
 
 def require_sense(request: PretensionerRequest) -> None:
@@ -109,24 +120,37 @@ def require_sense(request: PretensionerRequest) -> None:
         raise CallerError(problem)
 
 
-def shape(request: PretensionerRequest, beams: int, share: float, thickness_m: float) -> SerpentineGeometry:
+class Form(NamedTuple):
+    """What a search goes over: beams, half length over that which fills the width, corner radius over thickness."""
+
+    beams: int
+    width_share: float
+    corner_share: float
+
+
+def forms(corner_share: float) -> list[Form]:
+    """Return all forms with such corners, the simplest and widest first."""
+    return [Form(beams, share, corner_share) for beams in BEAM_NUMBERS for share in WIDTH_SHARES]
+
+
+def shape(request: PretensionerRequest, form: Form, thickness_m: float) -> SerpentineGeometry:
     """Return the serpentine that fills the envelope along the wire, and a share of its width."""
     fittings = Fittings()
     room = request.envelope.along_m - fittings.pad_height_m - fittings.connector_height_m
-    pitch = (room + thickness_m) / (beams + 2)
-    half = 0.5 * share * (request.envelope.across_m - thickness_m)
-    return SerpentineGeometry.of(beams, half, pitch, thickness_m, request.envelope.depth_m)
+    pitch = (room + thickness_m) / (form.beams + 2)
+    half = 0.5 * form.width_share * (request.envelope.across_m - thickness_m)
+    return SerpentineGeometry.of(form.beams, half, pitch, thickness_m, request.envelope.depth_m, form.corner_share)
 
 
-def thickest_m(request: PretensionerRequest, beams: int, share: float) -> float:
+def thickest_m(request: PretensionerRequest, form: Form) -> float:
     """Return the largest thickness [m] with slots wide enough and beams long enough; 0 or less where none does."""
     fittings = Fittings()
     room = request.envelope.along_m - fittings.pad_height_m - fittings.connector_height_m
-    slots = (room - (beams + 2) * request.least_m) / (beams + 1)
+    slots = (room - (form.beams + 2) * request.least_m) / (form.beams + 1)
     across = request.envelope.across_m
     if across < max(fittings.pad_width_m, fittings.connector_width_m):
         return 0.0
-    beam = share * across / (2.0 * (SHORTEST_HALF_BEAM + USUAL_CORNER + 0.5) + share)
+    beam = form.width_share * across / (2.0 * (SHORTEST_HALF_BEAM + form.corner_share + 0.5) + form.width_share)
     return min(slots, beam) * (1.0 - 1e-9)
 
 
@@ -138,18 +162,18 @@ def estimate_n_per_m(request: PretensionerRequest, geometry: SerpentineGeometry)
     )
 
 
-def tried(request: PretensionerRequest, beams: int, share: float) -> list[Candidate]:
-    """Return the serpentine of so many beams that has the wanted stiffness; nothing where none fits."""
-    most = thickest_m(request, beams, share)
+def tried(request: PretensionerRequest, form: Form) -> list[Candidate]:
+    """Return the serpentine of this form that has the wanted stiffness; nothing where none fits."""
+    most = thickest_m(request, form)
     if most <= THINNEST_M:
         return []
 
     def miss(thickness: float) -> float:
-        return math.log(estimate_n_per_m(request, shape(request, beams, share, thickness)) / request.stiffness_n_per_m)
+        return math.log(estimate_n_per_m(request, shape(request, form, thickness)) / request.stiffness_n_per_m)
 
     if miss(most) < 0.0 or miss(THINNEST_M) > 0.0:
         return []
-    geometry = shape(request, beams, share, brentq(miss, THINNEST_M, most, xtol=1e-9))
+    geometry = shape(request, form, brentq(miss, THINNEST_M, most, xtol=1e-9))
     return [judged(request, geometry)]
 
 
@@ -192,11 +216,10 @@ def out_of_reach(request: PretensionerRequest) -> str:
                 f"{1e3 * (need - room):.2f} mm more than the {1e3 * room:.2f} mm there are"
             )
     stiffest = 0.0
-    for beams in BEAM_NUMBERS:
-        for share in WIDTH_SHARES:
-            most = thickest_m(request, beams, share)
-            if most > THINNEST_M:
-                stiffest = max(stiffest, estimate_n_per_m(request, shape(request, beams, share, most)))
+    for form in forms(USUAL_CORNER):
+        most = thickest_m(request, form)
+        if most > THINNEST_M:
+            stiffest = max(stiffest, estimate_n_per_m(request, shape(request, form, most)))
     wanted = request.stiffness_n_per_m
     if stiffest < wanted:
         return (
@@ -209,11 +232,20 @@ def out_of_reach(request: PretensionerRequest) -> str:
     )
 
 
-def close_call(request: PretensionerRequest) -> str:
-    """Return what to say where closed forms kept every limit by less than they are off."""
+def close_call(request: PretensionerRequest, almost: Sequence[Pretensioner]) -> str:
+    """Return which limit binds where closed forms kept it and finite elements do not, by how much at the best."""
+
+    def beyond(check: Check) -> float:
+        return abs(check.value / check.reference - 1.0)
+
+    worst = [max((check for check in made.checks if not check.ok), key=beyond) for made in almost]
+    check = min(worst, key=beyond)
+    unit, factor = {"Pa": ("MPa", 1e-6), "m": ("mm", 1e3)}.get(check.unit, (check.unit, 1.0))
+    value, limit = factor * check.value, factor * check.reference
     return (
         f"no serpentine of {request.material.name} keeps every limit at {request.stiffness_n_per_m:g} N/m in this "
-        "envelope, by a few percent: give a little more room, a little less travel or another material"
+        f"envelope: {check.name} is {value:.4g} {unit}, {abs(value - limit):.2g} {unit} beyond {limit:.4g} {unit}; "
+        "give a little more room, less travel or another material"
     )
 
 
@@ -224,8 +256,8 @@ def trim(request: PretensionerRequest, geometry: SerpentineGeometry) -> Serpenti
     None where even that misses by more than 1 %.
     """
     thickness = max(down(geometry.thickness_m), request.least_m)
-    radius = max(down(USUAL_CORNER * thickness), 0.0)
     pitch = down(geometry.pitch_m)
+    radius = max(min(down(geometry.corner_radius_m), down(0.5 * (pitch - thickness))), 0.0)
     rounded = geometry.with_(thickness_m=thickness, pitch_m=pitch, corner_radius_m=radius)
     wanted = request.stiffness_n_per_m
 

@@ -36,8 +36,9 @@ FloatArray = NDArray[np.float64]
 MESHES = (1, 2, 3, 4)
 FINEST = MESHES[-1]
 # Elements of a straight piece are about this many times as long as wide, but no more than so many per element across:
-# bending that runs evenly along a slender strip needs few. A corner has so many per element across.
-SLENDER, MOST_ALONG, ARC_ELEMENTS = 2.0, 8, 4
+# bending that runs evenly along a slender strip needs few. A corner has two per element across, and two more: its sides
+# are chords, and few of them would cut it.
+SLENDER, MOST_ALONG, ARC_ELEMENTS, ARC_MORE = 2.0, 8, 2, 2
 CURVE_STEPS, FURTHEST = 8, 2.5
 
 
@@ -101,7 +102,7 @@ def sections(geometry: SerpentineGeometry, across: int) -> tuple[FloatArray, Flo
     tangents: list[FloatArray] = []
     for piece in geometry.centre_line():
         if isinstance(piece, Arc):
-            share = np.linspace(0.0, 1.0, ARC_ELEMENTS * across + 1)
+            share = np.linspace(0.0, 1.0, ARC_ELEMENTS * across + ARC_MORE + 1)
             angle = piece.start_rad + share * piece.turn_rad
             tangent = math.copysign(1.0, piece.turn_rad) * np.stack([-np.sin(angle), np.cos(angle)], axis=1)
         else:
