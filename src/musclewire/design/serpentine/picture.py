@@ -15,13 +15,14 @@ from musclewire.pages import AVERAGE, COOLING, HEATING, STYLE, TARGET
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.transforms import Affine2D
 
     from musclewire.design.elasticity import Equilibrium
 
 __all__ = ["draw_pretensioner"]
 
 FloatArray = NDArray[np.float64]
-SIZE_INCHES = (10.4, 5.6)
+SIZE_INCHES, DPI = (10.4, 5.6), 120
 MM, MPA = 1e3, 1e-6
 # Stress is drawn on a mesh coarser than the one that is judged: the eye sees no more.
 DRAWN_MESH = 3
@@ -36,7 +37,7 @@ def draw_pretensioner(made: Pretensioner) -> Axes:
     import matplotlib.pyplot as plt
 
     with mpl.rc_context(dict(STYLE)):  # type: ignore[arg-type]
-        figure = plt.figure(figsize=SIZE_INCHES, layout="constrained")
+        figure = plt.figure(figsize=SIZE_INCHES, dpi=DPI, layout="constrained")
         part, curve = figure.subplots(1, 2, width_ratios=(1.12, 1.0))
         draw_part(part, made)
         draw_curve(curve, made)
@@ -46,6 +47,7 @@ def draw_pretensioner(made: Pretensioner) -> Axes:
 def draw_part(axes: Axes, made: Pretensioner) -> None:
     """Draw the part at rest as an outline, and pulled with the stress as colour."""
     from matplotlib.patches import FancyArrowPatch
+    from matplotlib.transforms import Affine2D
 
     geometry, fittings = made.geometry, made.geometry.fittings
     travel = made.travel_m if made.travel_m is not None else made.curve.safe_travel_m
@@ -53,12 +55,13 @@ def draw_part(axes: Axes, made: Pretensioner) -> None:
     drawing = serpentine_drawing(geometry, "")
     rest = MM * polyline_m(drawing.outline)
     axes.plot(*rest.T, color=TARGET, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
-    end = MM * (state.displacement_m[end_node(state, geometry.connector_m)])
+    end, turned = end_motion(state, geometry.connector_m)
     pad, (left, right, connector) = 0.5 * MM * geometry.pad_width_m, drawing.holes
-    block(axes, (-pad, 0.0), (2 * pad, MM * fittings.pad_height_m), [left, right], (0.0, 0.0))
+    block(axes, (-pad, 0.0), (2 * pad, MM * fittings.pad_height_m), [left, right], Affine2D())
     width = MM * fittings.connector_width_m
+    moved = Affine2D().rotate_around(0.0, MM * geometry.connector_m, turned).translate(*end)
     corner = (-0.5 * width, MM * geometry.connector_m)
-    block(axes, corner, (width, MM * fittings.connector_height_m), [connector], (end[0], end[1]))
+    block(axes, corner, (width, MM * fittings.connector_height_m), [connector], moved)
     shades = stress_mesh(axes, state)
     top = MM * geometry.along_m + end[1]
     arrow = FancyArrowPatch(
@@ -84,27 +87,27 @@ def part_title(made: Pretensioner) -> str:
     )
 
 
-def end_node(state: Equilibrium, connector_m: float) -> int:
-    """Return the node in the middle of the strip's upper end."""
-    return int(np.argmin(np.hypot(state.body.nodes_m[:, 0], state.body.nodes_m[:, 1] - connector_m)))
+def end_motion(state: Equilibrium, connector_m: float) -> tuple[FloatArray, float]:
+    """Return how far the middle of the strip's upper end has gone (2,) [mm], and by what angle it turned [rad]."""
+    end = state.body.nodes_near(y_m=connector_m, within_m=1e-9)
+    end = end[np.argsort(state.body.nodes_m[end, 0])]
+    across = (state.body.nodes_m + state.displacement_m)[end[-1]] - (state.body.nodes_m + state.displacement_m)[end[0]]
+    motion: FloatArray = MM * state.displacement_m[end].mean(axis=0)
+    return motion, float(np.arctan2(across[1], across[0]))
 
 
 def block(
-    axes: Axes, corner: tuple[float, float], size: tuple[float, float], holes: list[Circle], moved: tuple[float, float]
+    axes: Axes, corner: tuple[float, float], size: tuple[float, float], holes: list[Circle], moved: Affine2D
 ) -> None:
-    """Draw a thick block with its holes [mm]."""
+    """Draw a thick block with its holes [mm], moved and turned."""
     import matplotlib.patches as shapes
 
-    x, y = corner[0] + moved[0], corner[1] + moved[1]
     rounding = "round,pad=0,rounding_size=0.8"
-    axes.add_patch(
-        shapes.FancyBboxPatch((x, y), *size, boxstyle=rounding, facecolor=BLOCK, edgecolor="#8a9099", linewidth=0.8)
-    )
+    look: dict[str, Any] = {"edgecolor": "#8a9099", "linewidth": 0.8, "transform": moved + axes.transData}
+    axes.add_patch(shapes.FancyBboxPatch(corner, *size, boxstyle=rounding, facecolor=BLOCK, **look))
     for hole in holes:
-        centre = (MM * hole.x_m + moved[0], MM * hole.y_m + moved[1])
-        axes.add_patch(
-            shapes.Circle(centre, 0.5 * MM * hole.diameter_m, facecolor="white", edgecolor="#8a9099", linewidth=0.8)
-        )
+        centre = (MM * hole.x_m, MM * hole.y_m)
+        axes.add_patch(shapes.Circle(centre, 0.5 * MM * hole.diameter_m, facecolor="white", **look))
 
 
 def stress_mesh(axes: Axes, state: Equilibrium) -> Any:
@@ -118,7 +121,10 @@ def stress_mesh(axes: Axes, state: Equilibrium) -> Any:
     triangles = np.stack([middle, ring, np.roll(ring, -1, axis=1)], axis=-1).reshape(-1, 3)
     mesh = Triangulation(places[:, 0], places[:, 1], triangles)
     shades = LinearSegmentedColormap.from_list("stress", SHADES)
-    return axes.tripcolor(mesh, MPA * state.von_mises_pa, shading="gouraud", cmap=shades, vmin=0.0, zorder=3)
+    drawn = axes.tripcolor(mesh, MPA * state.von_mises_pa, shading="gouraud", cmap=shades, vmin=0.0, zorder=3)
+    # Smooth colours on triangles take megabytes as vectors, and browsers do not draw them.
+    drawn.set_rasterized(True)
+    return drawn
 
 
 def draw_curve(axes: Axes, made: Pretensioner) -> None:
