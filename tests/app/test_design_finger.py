@@ -62,6 +62,17 @@ def apart(found: dict[str, Any], *names: str) -> list[float]:
     return [abs(100 * (check["value"] / check["reference"] - 1)) for check in checks]
 
 
+def found_by(found: dict[str, Any], name: str) -> float:
+    """The value of the check with this in its name."""
+    return next(float(check["value"]) for check in found["checks"] if name in check["name"])
+
+
+def test_columns_that_bend_themselves_are_found_out(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire(*COMMAND, "--stiffness", "1084.4 N/m", "--endpoint", "2 mm")
+    assert answer.code == 1
+    assert "warning: it does not hold: endpoint, plane stress" in answer.err
+
+
 def test_the_finger_that_comes_along_grips_foam_and_is_compared(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     figure = tmp_path / "finger.svg"
     asked = ("--finger", "lan-fan-2010", "--foam", "50 N/m", "--clearance", "4 mm", "--compare")
@@ -78,9 +89,10 @@ def test_the_finger_that_comes_along_grips_foam_and_is_compared(musclewire: Call
         f"{found['tendon_force_per_endpoint_force']:.2f} N at the tendon",
         *(f"{share:.3f}" for share in shares),
         *(f"{off:.2f} %" for off in apart(found, "stiffness, plane", "endpoint, plane")),
-        "holds to "
-        + f"{next(c['value'] for c in found['checks'] if 'reciprocity' in c['name']):.1e}".replace("e-0", "e-"),
-        f"`b^2/(R t)` is {next(c['value'] for c in found['checks'] if 'b^2' in c['name']):.0f}",
+        "holds to " + f"{found_by(found, 'reciprocity'):.1e}".replace("e-0", "e-"),
+        f"that is {1e3 * found_by(found, 'endpoint by linear'):.4f} mm and "
+        f"{found_by(found, 'tendon by linear'):.4f} N off",
+        f"`b^2/(R t)` is {found_by(found, 'b^2'):.0f}",
     )
 
 
