@@ -14,6 +14,7 @@ import typer
 
 from musclewire.app.calibrate_command import add_calibrate_command
 from musclewire.app.design_commands import add_design_commands
+from musclewire.app.grip_command import add_grip_command
 from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
 from musclewire.app.paper_commands import add_paper_commands
@@ -57,6 +58,7 @@ def options(
 
 add_rig_commands(app)
 add_model_commands(app)
+add_grip_command(app)
 add_wire_commands(app)
 add_paper_commands(app)
 add_calibrate_command(app)

@@ -1,0 +1,176 @@
+"""The command that grips without a sensor: grip."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from musclewire.app.files import require_figure_file, require_folder, require_recording_file, save_figure
+from musclewire.app.options import Force, Json, OutputPath, Seed, quantity_option
+from musclewire.app.output import emit_json, progress_bar, say, show
+from musclewire.app.stopping import stop_if_asked, stops_between_samples
+from musclewire.errors import CallerError
+
+if TYPE_CHECKING:
+    from musclewire.experiment.closings import GripperKnowledge, Object
+    from musclewire.experiment.grip import GripRun
+    from musclewire.rigs.configuration import RigConfiguration
+
+__all__ = ["add_grip_command"]
+
+# The gripper learns on another day than it grips: noise and weather of its own.
+LEARNING_SEED_STEP = 1000
+
+
+def add_grip_command(app: typer.Typer) -> None:
+    """Add the command of this file."""
+    app.command()(grip)
+
+
+def grip(
+    rig: Annotated[
+        str, typer.Argument(metavar="[RIG]", help="'gripper', or a TOML rig file with a finger and a contact.")
+    ] = "gripper",
+    target: Annotated[str, typer.Option("--target", help="Grip force to close on to, at one endpoint.")] = "0.3 N",
+    stiffness: Annotated[
+        str | None, typer.Option("--stiffness", help="What is known of the object: its stiffness, as '200 N/m'.")
+    ] = None,
+    object_stiffness: Annotated[
+        str | None, typer.Option("--object-stiffness", help="Put in a simulated object of this stiffness.")
+    ] = None,
+    clearance: Annotated[
+        str | None, typer.Option("--clearance", help="How far the endpoints go, together, before they touch it.")
+    ] = None,
+    away: Annotated[bool, typer.Option("--away", help="Take the object away: there is nothing to find.")] = False,
+    learned: Annotated[
+        Path | None,
+        typer.Option("--learned", help="What the gripper has learned (.json): read, or learned and written."),
+    ] = None,
+    output: OutputPath = None,
+    plot: Annotated[Path | None, typer.Option("--plot", help="Write the figure (.svg, .png, .pdf).")] = None,
+    seed: Seed = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Close fingers on an object, find contact and hold a force, all by the wires' resistance."""
+    from musclewire.experiment.closings import CLOSING_S, REST_S, with_object
+    from musclewire.experiment.grip import HOLD_S
+    from musclewire.experiment.grip import grip as run_grip
+    from musclewire.rigs.configuration import open_rig
+
+    require_figure_file(plot)
+    if output is not None:
+        require_recording_file(output, force)
+    target_n, known = quantity_option(target, "N") or 0.0, quantity_option(stiffness, "N/m")
+    if not target_n > 0.0:
+        raise CallerError(f"--target is {target_n:g} N and must be above 0")
+    block = chosen_object(rig, quantity_option(object_stiffness, "N/m"), quantity_option(clearance, "m"), away)
+    configuration = with_object(rig, block)
+    with stops_between_samples():
+        knowledge = knowledge_of(configuration, learned, seed, quiet=json)
+        with (
+            open_rig(configuration, seed=seed) as opened,
+            progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, quiet=json) as on_sample,
+        ):
+            run = run_grip(
+                opened, knowledge, target_n=target_n, stiffness_n_per_m=known,
+                path=output, overwrite=force, on_sample=on_sample,
+            )  # fmt: skip
+    if plot is not None:
+        from musclewire.app.report.grip_figure import plot_grip
+
+        save_figure(plot_grip(run, knowledge), plot)
+    emit_json(grip_json(run, block, known)) if json else show(grip_text(run, known))
+    if not run.held:
+        raise typer.Exit(1)
+
+
+def chosen_object(rig: str, stiffness: float | None, clearance: float | None, away: bool) -> Object | None:
+    """Return the object between the fingers, None where it is taken away.
+
+    Raises CallerError for options that contradict each other or numbers not above 0.
+    """
+    from musclewire.experiment.closings import Object, object_of
+
+    if away:
+        if stiffness is not None or clearance is not None:
+            raise CallerError("--away takes the object away: leave out --object-stiffness and --clearance")
+        return None
+    own = object_of(rig)
+    block = Object(stiffness or own.stiffness_n_per_m, own.clearance_m if clearance is None else clearance)
+    if stiffness == 0.0 or block.stiffness_n_per_m <= 0.0 or block.clearance_m < 0.0:
+        raise CallerError("the object's stiffness must be above 0, its clearance not below")
+    return block
+
+
+def knowledge_of(
+    configuration: RigConfiguration, file: Path | None, seed: int | None, *, quiet: bool
+) -> GripperKnowledge:
+    """Return what the gripper has learned: from a file, or learned now and, with a file named, written there."""
+    from musclewire.experiment.closings import learn_gripper, load_knowledge
+
+    if file is not None and file.exists():
+        return load_knowledge(file)
+    if file is not None:
+        if file.suffix != ".json":
+            raise CallerError(f"{file}: what a gripper has learned is a .json file")
+        require_folder(file)
+    chosen = configuration.seed if seed is None else seed
+    if not quiet:
+        say("learning: free closings, and grips of a known block with a load cell")
+    knowledge = learn_gripper(configuration, seed=chosen + LEARNING_SEED_STEP, on_sample=stop_if_asked)
+    if file is not None:
+        knowledge.save(file)
+    return knowledge
+
+
+def grip_json(run: GripRun, block: Object | None, known: float | None) -> dict[str, Any]:
+    """Return a grip under the keys of the interface."""
+    error = None
+    if run.estimated_force_n is not None and run.true_force_n is not None:
+        error = run.estimated_force_n - run.true_force_n
+    return {
+        "contact": run.contact_s is not None,
+        "contact_s": run.contact_s,
+        "contact_score": float(run["contact_score"].max()),
+        "true_force_at_contact_n": run.true_force_at_contact_n,
+        "opening_m": run.opening_m,
+        "true_clearance_m": None if block is None else block.clearance_m,
+        "known_stiffness_n_per_m": known,
+        "used_stiffness_n_per_m": run.stiffness_n_per_m,
+        "true_stiffness_n_per_m": None if block is None else block.stiffness_n_per_m,
+        "target_n": run.target_n,
+        "held": run.held,
+        "estimated_force_n": run.estimated_force_n,
+        "true_force_n": run.true_force_n,
+        "error_n": error,
+        "most_force_n": run.most_force_n,
+        "samples": len(run),
+        "ended": run.metadata["ended"],
+    }
+
+
+def grip_text(run: GripRun, known: float | None) -> str:
+    """Return a grip in words."""
+    if run.contact_s is None:
+        return f"no contact: the fingers closed and opened again (score up to {run['contact_score'].max():.2f})"
+    opening = 0.0 if run.opening_m is None else 1e3 * run.opening_m
+    lines = [f"contact {run.contact_s:.2f} s into closing, endpoints {opening:.2f} mm closed{at_force(run)}"]
+    if not run.held:
+        return "\n".join([*lines, f"{run.target_n:g} N was not reached: the fingers closed fully"])
+    if known is None:
+        lines.append(f"stiffness of the object by power: {run.stiffness_n_per_m:.0f} N/m, a rough number")
+    true = "" if run.true_force_n is None else f", instrument {run.true_force_n:.3f} N"
+    lines.append(
+        f"held: estimated {run.estimated_force_n:.3f} N{true}; a rigid object would have {run.most_force_n:.3f} N"
+    )
+    return "\n".join(lines)
+
+
+def at_force(run: GripRun) -> str:
+    """Return what the instrument showed when contact was found, in words."""
+    if run.true_force_at_contact_n is None:
+        return ""
+    return f"; the instrument showed {run.true_force_at_contact_n:.3f} N then"

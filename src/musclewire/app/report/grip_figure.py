@@ -1,0 +1,70 @@
+"""The figure of a grip: what gives contact away, and the force that is told."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from musclewire.experiment.closings import REST_S
+from musclewire.sensing.polynomials import evaluate
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from musclewire.experiment.closings import GripperKnowledge
+    from musclewire.experiment.grip import GripRun
+
+__all__ = ["plot_grip"]
+
+MEASURED, FREE, FOUND = "#1f5fa8", "#9aa3ad", "#c8401f"
+SHOWN_BEFORE_S = 0.3
+
+
+def plot_grip(run: GripRun, knowledge: GripperKnowledge) -> Axes:
+    """Draw power against resistance beside the free closing's, and force over time; returns the second axes."""
+    import matplotlib.pyplot as plt
+
+    figure = plt.figure(figsize=(9.6, 3.8), layout="constrained")
+    by_place, by_time = figure.add_subplot(1, 2, 1), figure.add_subplot(1, 2, 2)
+    draw_power(by_place, run, knowledge)
+    draw_force(by_time, run)
+    for axes in (by_place, by_time):
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.legend(frameon=False, fontsize="small")
+    return by_time
+
+
+def draw_power(axes: Axes, run: GripRun, knowledge: GripperKnowledge) -> None:
+    """Draw what the closing took, and what it would have taken with nothing in the way."""
+    free = knowledge.free
+    place = (run["wire_resistance_ohm"] - free.resistance_min_ohm) / (free.resistance_max_ohm - free.resistance_min_ohm)
+    power = 1e3 * run["wire_voltage_v"] * run["shunt_voltage_v"] / float(run.metadata["shunt_resistance_ohm"] or 1.0)
+    closing = (run["time_s"] > REST_S + SHOWN_BEFORE_S) & (run["target_grip_force_n"] == 0.0)
+    closing &= run["time_s"] <= REST_S + float(run.metadata["closing_s"] or 0.0)
+    rate = np.gradient(place, run["time_s"])
+    inside = closing & (place < free.normalised_max) & (place > free.normalised_min) & (rate < 0.0)
+    # From the first sample that contracts: before it resistance has the same values, and another meaning.
+    inside &= np.arange(place.size) > int(np.argmax(np.where(closing, place, -np.inf)))
+    expected = 1e3 * (evaluate(free.holding_power_w, place) - rate * evaluate(free.closing_energy_j, place))
+    axes.plot(place[inside], expected[inside], color=FREE, marker="o", ms=3, label="free fingers, this fast")
+    axes.plot(place[inside], power[inside], color=MEASURED, marker="o", ms=3, label="measured")
+    if run.contact_s is not None:
+        first = int(np.argmax(run["contact"] > 0.0))
+        axes.plot(place[first], power[first], "o", ms=8, mfc="none", mec=FOUND, mew=2, label="contact found")
+    axes.invert_xaxis()
+    axes.set(xlabel="normalised resistance (fingers close to the right)", ylabel="power [mW]")
+
+
+def draw_force(axes: Axes, run: GripRun) -> None:
+    """Draw the force told and the force measured, from the start of closing."""
+    since = run["time_s"] - REST_S
+    shown = since > 0.0
+    if "endpoint_force_n" in run:
+        axes.plot(since[shown], run["endpoint_force_n"][shown], color=FREE, lw=2.5, label="load cell")
+    axes.plot(since[shown], run["estimated_grip_force_n"][shown], color=MEASURED, label="estimated")
+    if run.contact_s is not None:
+        axes.axvline(run.contact_s, color=FOUND, ls=":", label="contact found")
+    axes.axhline(run.target_n, color="black", lw=0.6, ls="--")
+    axes.text(float(since[-1]), run.target_n, "target", ha="right", va="top", fontsize="small")
+    axes.set(xlabel="time since closing began [s]", ylabel="grip force [N]")

@@ -1,0 +1,194 @@
+"""Closings of fingers, with and without something between, and what a gripper learns from them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+
+from musclewire.errors import CallerError
+from musclewire.experiment.open_loop import Waveform, WaveformPolicy
+from musclewire.experiment.run import OnSample, run_on_rig
+from musclewire.identify.contact import KnownGrip, fit_free_closing, fit_grip_curve
+from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
+from musclewire.rigs.load_parts import Contact, Finger, SecondFinger
+from musclewire.rigs.protocol import Rig
+from musclewire.sensing.contact import FreeClosing
+from musclewire.sensing.grip_force import GripCurve
+from musclewire.signals.recording import MetadataValue, Recording
+from musclewire.signals.whole_files import write_whole
+
+__all__ = [
+    "CLOSING_S",
+    "GripperKnowledge",
+    "Object",
+    "close_fingers",
+    "closing_waveform",
+    "fingers_of",
+    "learn_gripper",
+    "load_knowledge",
+    "object_of",
+    "with_object",
+]
+
+# How long a closing lasts. Fast enough that a draught of some seconds hardly changes on the way, slow enough that a
+# sample of 50 ms is a small part of it (docs/explanation/force_self_sensing.md compares).
+CLOSING_S = 2.5
+# The wire cools before a closing, so that each begins alike.
+REST_S = 10.0
+# Power rises straight to that of the slow sine's amplitude times (1 + LAG_S / duration): in a fast closing heat still
+# flows into the wire when convection alone would have been served.
+LAG_S = 1.75
+# What the gripper learns from: speeds that tell holding power from the energy of motion, each several times against
+# weather, and grips of one block of known stiffness, at different openings for the lever to change.
+LEARNING_CLOSINGS_S = (2.5, 4.0, 7.0) * 6
+KNOWN_STIFFNESS_N_PER_M = 300.0
+KNOWN_CLEARANCES_M = (4e-3, 5.5e-3, 7e-3, 8.5e-3)
+# An object that is taken away is this far away.
+AWAY_M = 1.0
+FORMAT, VERSION = "musclewire-gripper", 1
+
+
+@dataclass(frozen=True)
+class Object:
+    """A block in the fingers' way: its stiffness, and how far the endpoints go, together, before they touch it."""
+
+    stiffness_n_per_m: float
+    clearance_m: float
+
+
+@dataclass(frozen=True)
+class GripperKnowledge:
+    """What a gripper has learned: free closings, and how force follows from resistance."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
+
+    free: FreeClosing
+    curve: GripCurve
+    wire: str
+
+    def save(self, path: Path) -> None:
+        """Write it as JSON, whole or not at all; CallerError when the folder cannot be written."""
+        document = {"format": FORMAT, "version": VERSION, **asdict(self)}
+        text = TypeAdapter(dict[str, Any]).dump_json(document, indent=1)
+
+        def write(part: Path) -> None:
+            part.write_bytes(text + b"\n")
+
+        write_whole(path, write)
+
+
+def load_knowledge(path: Path) -> GripperKnowledge:
+    """Read what a gripper has learned; CallerError for a file that is missing, foreign or damaged."""
+    try:
+        document = TypeAdapter(dict[str, Any]).validate_json(path.read_bytes())
+    except OSError as error:
+        raise CallerError(f"cannot read {path}: {error.strerror or error}") from None
+    except ValidationError:
+        raise CallerError(f"{path} is not what a gripper has learned: no JSON document") from None
+    if document.pop("format", None) != FORMAT or document.pop("version", None) != VERSION:
+        raise CallerError(f"{path} is not what a gripper has learned: 'musclewire grip --learned' writes one")
+    try:
+        return TypeAdapter(GripperKnowledge).validate_python(document)
+    except ValidationError as error:
+        fault = error.errors(include_url=False, include_input=False)[0]
+        raise CallerError(f"{path}: {'.'.join(map(str, fault['loc']))}: {fault['msg']}") from None
+
+
+def closing_waveform(rig: Rig, closing_s: float, rest_s: float = REST_S) -> Waveform:
+    """Return drive voltage over time: a rest at the sense voltage, then power that rises straight.
+
+    Raises CallerError for a duration not above 0, or a closing so fast that the rig does not allow its voltage.
+    """
+    if not (closing_s > 0.0 and rest_s >= 0.0):
+        raise CallerError(f"a closing of {closing_s:g} s after a rest of {rest_s:g} s: give a duration above 0")
+    low = rig.sense_voltage_v
+    high = rig.drive_amplitude_v * math.sqrt(1.0 + LAG_S / closing_s)
+    if high > rig.maximum_voltage_v:
+        raise CallerError(
+            f"closing in {closing_s:g} s takes {high:.3g} V and the rig allows {rig.maximum_voltage_v:g} V: be slower"
+        )
+
+    def drive_voltage_v(time_s: float) -> float:
+        share = min(max((time_s - rest_s) / closing_s, 0.0), 1.0)
+        return math.sqrt(low**2 + (high**2 - low**2) * share)
+
+    return drive_voltage_v
+
+
+def close_fingers(
+    rig: Rig, *, closing_s: float = CLOSING_S, rest_s: float = REST_S, on_sample: OnSample | None = None
+) -> Recording:
+    """Let the wires cool, close the fingers once, whatever is between them, and return the recording."""
+    waveform = closing_waveform(rig, closing_s, rest_s)
+    policy = WaveformPolicy(waveform, rest_s + closing_s)
+    metadata: dict[str, MetadataValue] = {"experiment": "closing", "closing_s": closing_s, "rest_s": rest_s}
+    return run_on_rig(rig, policy, rest_s + closing_s, metadata=metadata, on_sample=on_sample)
+
+
+def with_object(rig: str | Path | RigConfiguration, block: Object | None) -> RigConfiguration:
+    """Return a rig with another block between its fingers, or with it taken away.
+
+    Raises CallerError for a rig without a part "contact".
+    """
+    configuration, _ = rig_configuration(rig)
+    object_of(rig)
+    stiffness, clearance = (None, AWAY_M) if block is None else (block.stiffness_n_per_m, block.clearance_m)
+    changed = {"clearance": clearance} | ({} if stiffness is None else {"stiffness": stiffness})
+    load = [part.model_copy(update=changed) if isinstance(part, Contact) else part for part in configuration.load]
+    return configuration.model_copy(update={"load": load})
+
+
+def object_of(rig: str | Path | RigConfiguration) -> Object:
+    """Return the block between a rig's fingers. Raises CallerError for a rig without finger or part "contact"."""
+    configuration, where = rig_configuration(rig)
+    blocks = [part for part in configuration.load if isinstance(part, Contact)]
+    if not blocks or not any(isinstance(part, Finger) for part in configuration.load):
+        raise CallerError(
+            f"{where} has nothing to grip: it needs the parts 'finger' and 'contact', as the rig 'gripper' has"
+        )
+    return Object(blocks[0].stiffness, blocks[0].clearance)
+
+
+def fingers_of(configuration: RigConfiguration) -> int:
+    """Return how many fingers touch the object."""
+    return 2 if any(isinstance(part, SecondFinger) for part in configuration.load) else 1
+
+
+def learn_gripper(
+    rig: str | Path | RigConfiguration,
+    *,
+    seed: int | None = None,
+    closings_s: Sequence[float] = LEARNING_CLOSINGS_S,
+    known_clearances_m: Sequence[float] | None = None,
+    on_closing: Callable[[str], None] | None = None,
+    on_sample: OnSample | None = None,
+) -> GripperKnowledge:
+    """Learn a simulated gripper: free closings at several speeds, and grips of a block of known stiffness.
+
+    The block has 300 N/m. For this, and only for this, the instruments are read: connector and endpoint, and the load
+    cell on the known block. The weather of the rig file blows meanwhile. On real fingers the same recordings go to
+    ``fit_free_closing`` and ``fit_grip_curve``.
+    """
+    say = on_closing or (lambda _: None)
+    configuration, _ = rig_configuration(rig)
+    fingers = fingers_of(configuration)
+    clearances = known_clearances_m or tuple(clearance * fingers / 2.0 for clearance in KNOWN_CLEARANCES_M)
+    with open_rig(with_object(configuration, None), seed=seed) as opened:
+        free_runs = []
+        for closing_s in closings_s:
+            say(f"free closing of {closing_s:g} s")
+            free_runs.append(close_fingers(opened, closing_s=closing_s, on_sample=on_sample))
+        wire = str(opened.metadata()["wire"])
+    free = fit_free_closing(free_runs)
+    known = []
+    for clearance in clearances:
+        say(f"grip of a block of {KNOWN_STIFFNESS_N_PER_M:g} N/m, {1e3 * clearance:g} mm away")
+        block = Object(KNOWN_STIFFNESS_N_PER_M, clearance)
+        with open_rig(with_object(configuration, block), seed=seed) as opened:
+            known.append(KnownGrip(close_fingers(opened, on_sample=on_sample), KNOWN_STIFFNESS_N_PER_M))
+    return GripperKnowledge(free, fit_grip_curve(free_runs, known, free, fingers=fingers), wire)

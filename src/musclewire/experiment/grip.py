@@ -1,0 +1,228 @@
+"""Gripping without a sensor: close, find contact, hold a force; all from two voltages.
+
+The rig's instruments are recorded beside it and judged afterwards; nothing that decides reads them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from musclewire.controllers import DriveLimits
+from musclewire.errors import CallerError, RigError
+from musclewire.experiment.closings import CLOSING_S, REST_S, GripperKnowledge, closing_waveform
+from musclewire.experiment.open_loop import Waveform
+from musclewire.experiment.run import Decision, OnSample, run_on_rig
+from musclewire.rigs.protocol import Rig
+from musclewire.sensing.contact import AirMoves, ContactDetector
+from musclewire.sensing.polynomials import evaluate
+from musclewire.sensing.resistance import wire_resistance
+from musclewire.signals.recording import MetadataValue, Recording
+from musclewire.signals.samples import RawSample
+
+__all__ = ["GripPolicy", "GripRun", "grip"]
+
+TARGET_N = 0.3
+HOLD_S = 5.0
+# A wire that cools a little does not let go: its way back begins some 20 K lower. So the hold needs no controller, only
+# a drive so far below what would close further that a draught seldom does. A draught of 8 % warms by some 5 K.
+HOLD_SHARE = 0.96
+# The end of the hold is judged.
+JUDGED_S = 3.0
+LONGEST_BLIND_SAMPLES = 10
+# Noise of one sample's motion must not take more of the power away than this leaves.
+LEAST_HOLDING_SHARE = 0.4
+
+
+class GripPolicy:
+    """Closes with rising power, watches for contact, closes on to the target force and holds the drive there.
+
+    Without contact it opens again at the end. With ``stiffness_n_per_m`` None the object's stiffness is taken from
+    the power that contact costs, as it is when the target is reached.
+    """
+
+    columns = ("wire_resistance_ohm", "contact_score", "contact", "estimated_grip_force_n", "target_grip_force_n")
+
+    def __init__(
+        self,
+        knowledge: GripperKnowledge,
+        detector: ContactDetector,
+        closing: Waveform,
+        limits: DriveLimits,
+        *,
+        shunt_resistance_ohm: float,
+        sample_period_s: float,
+        closes_until_s: float,
+        closed_v: float,
+        target_n: float,
+        stiffness_n_per_m: float | None,
+    ) -> None:
+        """Begin with the waveform; it is left at the target force or, without contact, at ``closes_until_s``."""
+        self._curve, self._free, self._detector = knowledge.curve, knowledge.free, detector
+        self._closing, self._limits = closing, limits
+        self._shunt_resistance_ohm, self._sample_period_s = shunt_resistance_ohm, sample_period_s
+        self._closes_until_s, self._closed_v = closes_until_s, closed_v
+        self._target_n, self._known_n_per_m = target_n, stiffness_n_per_m
+        self.state = detector.start()
+        self.stiffness_n_per_m: float | None = None
+        self._held_v: float | None = None
+        self._force_n = 0.0
+        self._place_before = 1.0
+        self._blind_samples = 0
+
+    def first_drive_voltage_v(self) -> float:
+        """Return the waveform's start."""
+        return self._closing(0.0)
+
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:
+        """Return the next drive voltage and what the grip looks like from the wire's voltages."""
+        reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
+        drive = sample.drive_voltage_v
+        if reading.valid:
+            self._blind_samples = 0
+            drive = self._drive_after(sample, reading.resistance_ohm, elapsed_s)
+        else:
+            self._lose_sight(sample)
+        return Decision(
+            drive,
+            {
+                "wire_resistance_ohm": reading.resistance_ohm,
+                "contact_score": self.state.score,
+                "contact": float(self.state.touched),
+                "estimated_grip_force_n": self._force_n,
+                "target_grip_force_n": self._target_n if self._held_v else 0.0,
+            },
+        )
+
+    def _drive_after(self, sample: RawSample, resistance_ohm: float, elapsed_s: float) -> float:
+        """Return the drive after a sample with current, by the phase of the grip."""
+        place = self._free.normalised(resistance_ohm)
+        if self._held_v is None and elapsed_s > self._closes_until_s:
+            # Open again where nothing was met; where the target is out of reach, stay at what closes fully.
+            return self._closed_v if self.state.touched else self._limits.sense_voltage_v
+        if self._held_v is None:
+            moved, self._place_before = self._place_before - place, place
+            before_n, power_w = self._force_n, sample.wire_voltage_v**2 / resistance_ohm
+            self.state = self._detector.step(self.state, resistance_ohm, power_w, self._sample_period_s)
+            stiffness = self._known_n_per_m or self._curve.stiffness_by_power_n_per_m(
+                place, self.state.place, self.state.slope_w
+            )
+            self._force_n = self._curve.force_n(place, self.state.place, stiffness) if self.state.touched else 0.0
+            # The wire goes on for a sample: the hold begins where the next one would reach the target.
+            if self._force_n <= 0.0 or 2.0 * self._force_n - before_n < self._target_n:
+                return self._closing(elapsed_s)
+            self.stiffness_n_per_m = stiffness
+            self._held_v = self._holding_voltage_v(sample.drive_voltage_v, power_w, place, moved)
+            return self._held_v
+        self._force_n = self._curve.force_n(place, self.state.place, self.stiffness_n_per_m or 0.0)
+        return self._held_v
+
+    def _holding_voltage_v(self, drive_voltage_v: float, power_w: float, place: float, moved: float) -> float:
+        """Return the drive that holds: without the power that the motion of the last sample took, and a little less."""
+        per_place_j = float(evaluate(self._free.closing_energy_j, place))
+        per_place_j += self.state.slope_w * self._free.thermal_time_s
+        moving_w = per_place_j * max(moved, 0.0) / self._sample_period_s
+        still_v = drive_voltage_v * math.sqrt(max(1.0 - moving_w / power_w, LEAST_HOLDING_SHARE))
+        return self._limits.clamp(HOLD_SHARE * still_v)
+
+    def _lose_sight(self, sample: RawSample) -> None:
+        """Hold the drive over a sample without current; give up when sight does not come back."""
+        self._blind_samples += 1
+        if self._blind_samples >= LONGEST_BLIND_SAMPLES:
+            raise RigError(
+                f"no current through the wires for {self._blind_samples} samples up to {sample.time_s:.2f} s at "
+                f"{sample.drive_voltage_v:.2f} V: check wires, clamps and shunt; the rig is at its sense voltage"
+            )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GripRun(Recording):
+    """A recording of a grip, and what it found; forces in newtons between endpoint and object.
+
+    ``contact_s`` counts from the start of closing, None without contact; ``true_`` values are the instrument's, None
+    without one. ``stiffness_n_per_m`` is what the force was computed with. Held forces are means over the end of the
+    hold; ``most_force_n`` is what a rigid object would have, at this resistance.
+    """
+
+    contact_s: float | None = None
+    true_force_at_contact_n: float | None = None
+    opening_m: float | None = None
+    stiffness_n_per_m: float | None = None
+    held: bool = False
+    target_n: float = TARGET_N
+    estimated_force_n: float | None = None
+    true_force_n: float | None = None
+    most_force_n: float | None = None
+
+
+def grip(
+    rig: Rig,
+    knowledge: GripperKnowledge,
+    *,
+    target_n: float = TARGET_N,
+    stiffness_n_per_m: float | None = None,
+    air: AirMoves | None = None,
+    closing_s: float = CLOSING_S,
+    hold_s: float = HOLD_S,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    on_sample: OnSample | None = None,
+) -> GripRun:
+    """Close the fingers, find contact, go on to a force and hold it, by the wires' resistance alone.
+
+    ``stiffness_n_per_m`` is the object's, None where nobody knows it; ``air`` is what weather to expect. Raises
+    CallerError for a target not above 0, a stiffness not above 0, or another wire than the one learned from.
+    """
+    if not target_n > 0.0 or (stiffness_n_per_m is not None and not stiffness_n_per_m > 0.0):
+        raise CallerError(f"target force {target_n:g} N and stiffness {stiffness_n_per_m} N/m must be above 0")
+    if not hold_s > JUDGED_S:
+        raise CallerError(f"a hold of {hold_s:g} s is too short: its last {JUDGED_S:g} s are judged")
+    mounted = rig.metadata().get("wire")
+    if mounted and knowledge.wire != mounted:
+        raise CallerError(f"this gripper was learned with wire {knowledge.wire}, the rig has {mounted}: learn it anew")
+    policy = GripPolicy(
+        knowledge,
+        ContactDetector(knowledge.free, air),
+        closing_waveform(rig, closing_s),
+        DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v),
+        shunt_resistance_ohm=rig.shunt_resistance_ohm,
+        sample_period_s=rig.sample_period_s,
+        closes_until_s=REST_S + closing_s,
+        closed_v=rig.drive_amplitude_v,
+        target_n=target_n,
+        stiffness_n_per_m=stiffness_n_per_m,
+    )
+    metadata: dict[str, MetadataValue] = {
+        "experiment": "grip", "closing_s": closing_s, "rest_s": REST_S, "known_stiffness_n_per_m": stiffness_n_per_m,
+    }  # fmt: skip
+    recording = run_on_rig(
+        rig, policy, REST_S + closing_s + hold_s,
+        metadata=metadata, path=path, overwrite=overwrite, on_sample=on_sample,
+    )  # fmt: skip
+    return judged(recording, policy, knowledge, target_n)
+
+
+def judged(recording: Recording, policy: GripPolicy, knowledge: GripperKnowledge, target_n: float) -> GripRun:
+    """Return a grip with what it found, beside the instrument where there is one."""
+    run = GripRun(recording.columns, recording.metadata, target_n=target_n)
+    if not policy.state.touched:
+        return run
+    first = int(np.argmax(recording["contact"] > 0.0))
+    force = recording.columns.get("endpoint_force_n")
+    end = recording["time_s"] > recording["time_s"][-1] - JUDGED_S
+    held = bool((recording["target_grip_force_n"][end] > 0.0).all())
+    resistance = float(recording["wire_resistance_ohm"][end].mean())
+    return replace(
+        run,
+        contact_s=round(float(recording["time_s"][first]) - REST_S, 9),
+        true_force_at_contact_n=None if force is None else float(force[first]),
+        opening_m=knowledge.curve.closed_m(policy.state.place),
+        stiffness_n_per_m=policy.stiffness_n_per_m,
+        held=held,
+        estimated_force_n=float(recording["estimated_grip_force_n"][end].mean()),
+        true_force_n=None if force is None else float(force[end].mean()),
+        most_force_n=knowledge.curve.most_force_n(knowledge.free.normalised(resistance), policy.state.place),
+    )

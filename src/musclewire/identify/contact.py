@@ -1,0 +1,293 @@
+"""What free closings and grips of a known block teach: the reference for contact, and the curve for force."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from musclewire.errors import RecordingError
+from musclewire.identify.recordings import resistance_reading
+from musclewire.parameters.library import load_alloy
+from musclewire.physics.heat import convection_coefficient_w_per_m2_k
+from musclewire.sensing.contact import AirMoves, ContactDetector, FreeClosing
+from musclewire.sensing.grip_force import GripCurve
+from musclewire.signals.recording import Recording
+
+__all__ = ["KnownGrip", "fit_free_closing", "fit_grip_curve", "thermal_time_s"]
+
+FloatArray = NDArray[np.float64]
+
+# Between these normalised resistances resistance falls steeply enough to tell where a closing is.
+NORMALISED_RANGE = (0.08, 0.95)
+HOLDING_ORDER, ENERGY_ORDER = 3, 2
+# Power and motion are compared over blocks of so many samples: single differences of resistance are mostly noise.
+BLOCK_SAMPLES = 5
+LEAST_BLOCKS = 30
+CURVE_ORDER, LEVERAGE_ORDER, COST_ORDER = 7, 5, 1
+# Forces below this are too near the load cell's noise to learn compliances from.
+LEAST_FORCE_N = 0.05
+LEAST_FORCE_SAMPLES = 12
+# The thermal time at this wall temperature, in this air: near where a wire under load transforms.
+WALL_K, AIR_K = 363.15, 295.15
+NOISE_SEARCH = (1e-4, 3e-2)
+SEARCH_STEPS = 30
+
+
+@dataclass(frozen=True)
+class KnownGrip:
+    """A closing on a block of known stiffness with a load cell between the fingers."""
+
+    recording: Recording
+    stiffness_n_per_m: float
+
+
+@dataclass(frozen=True)
+class Closing:
+    """A closing from the moment the wire begins to contract: normalised resistance, power [W] and more, (n,)."""
+
+    normalised: FloatArray
+    power_w: FloatArray
+    dt_s: float
+    rows: slice
+
+
+def thermal_time_s(diameter_m: float, alloy: str = "flexinol") -> float:
+    """Return how long a wire's own heat lasts against convection [s]: rho c d / (4 h), Churchill and Chu."""
+    metal = load_alloy(alloy)
+    heat = metal.density_kg_per_m3.value * metal.specific_heat_j_per_kg_k.value * diameter_m / 4.0
+    return heat / float(convection_coefficient_w_per_m2_k(WALL_K, AIR_K, diameter_m))
+
+
+def electrical(recording: Recording) -> tuple[FloatArray, FloatArray]:
+    """Return resistance [ohm] and power [W] of the wires, (n_times,); NaN where no current flowed."""
+    reading = resistance_reading(recording)
+    resistance = np.where(reading.valid, reading.resistance_ohm, np.nan)
+    return resistance, recording["wire_voltage_v"] ** 2 / resistance
+
+
+def fit_free_closing(recordings: Sequence[Recording], alloy: str = "flexinol") -> FreeClosing:
+    """Learn what closing without an object takes: theta and m of P = theta(l) - m(l) dl/dt, and their noise.
+
+    The recordings are closings at different speeds, which is what tells theta from m; weather is averaged over them,
+    so take a dozen. Least squares on blocks of samples, each relative to its power. The noise is the least with which
+    the detector's surprises on these closings are no larger than it expects. Raises RecordingError where the
+    recordings hold no closing.
+    """
+    low_ohm, high_ohm = resistance_range(recordings)
+    blocks = [block for one in recordings for block in blocks_of(closing_of(one, low_ohm, high_ohm))]
+    if len(blocks) < LEAST_BLOCKS:
+        raise RecordingError(
+            f"{len(recordings)} free closings give {len(blocks)} blocks of {BLOCK_SAMPLES} samples, and {LEAST_BLOCKS} "
+            "are needed: record more closings, at different speeds, that close fully"
+        )
+    place, rate_per_s, power_w = np.array(blocks).T
+    basis = np.hstack(
+        [np.vander(place, HOLDING_ORDER + 1, increasing=True),
+         -rate_per_s[:, None] * np.vander(place, ENERGY_ORDER + 1, increasing=True)]
+    )  # fmt: skip
+    found = np.linalg.lstsq(basis / power_w[:, None], np.ones_like(power_w), rcond=None)[0]
+    holding, energy = found[: HOLDING_ORDER + 1], found[HOLDING_ORDER + 1 :]
+    across = np.linspace(*NORMALISED_RANGE, 50)
+    if min(np.polyval(holding[::-1], across).min(), np.polyval(energy[::-1], across).min()) <= 0.0:
+        raise RecordingError(
+            "these closings do not tell holding power from the energy of motion, one comes out negative: record them "
+            "at speeds that differ more"
+        )
+    free = FreeClosing(
+        resistance_min_ohm=low_ohm,
+        resistance_max_ohm=high_ohm,
+        holding_power_w=tuple(map(float, holding)),
+        closing_energy_j=tuple(map(float, energy)),
+        normalised_min=NORMALISED_RANGE[0],
+        normalised_max=NORMALISED_RANGE[1],
+        normalised_noise=NOISE_SEARCH[1],
+        thermal_time_s=thermal_time_s(float(recordings[0].metadata["wire_diameter_m"] or 0.0), alloy),
+    )
+    return replace(free, normalised_noise=noise_of(free, recordings))
+
+
+def resistance_range(recordings: Sequence[Recording]) -> tuple[float, float]:
+    """Return the least and most resistance of closings [ohm], means of three samples so that noise is not taken."""
+    lows, highs = [], []
+    for one in recordings:
+        resistance, power_w = electrical(one)
+        # Where little current flows resistance is mostly noise.
+        sure = resistance[power_w > 0.1 * np.nanmax(power_w)]
+        if sure.size < BLOCK_SAMPLES:
+            raise RecordingError("a closing has hardly a sample with power: drive the wire")
+        smoothed = np.convolve(sure, np.full(3, 1.0 / 3.0), mode="valid")
+        lows.append(smoothed.min())
+        highs.append(smoothed.max())
+    return float(np.median(lows)), float(np.median(highs))
+
+
+def closing_of(recording: Recording, low_ohm: float, high_ohm: float) -> Closing:
+    """Return the part of a recording in which the wire contracts, within the range that tells."""
+    resistance, power_w = electrical(recording)
+    normalised = (resistance - low_ohm) / (high_ohm - low_ohm)
+    top = int(np.nanargmax(np.where(power_w > 0.1 * np.nanmax(power_w), normalised, -np.inf)))
+    low, high = NORMALISED_RANGE
+    begin = top + int(np.argmax(normalised[top:] < high))
+    over = normalised[begin:] < low
+    end = begin + int(np.argmax(over)) if over.any() else begin + int(np.nanargmin(normalised[begin:]))
+    dt_s = float(recording.metadata["sample_period_s"] or 0.0)
+    return Closing(normalised[begin:end], power_w[begin:end], dt_s, slice(begin, end))
+
+
+def blocks_of(closing: Closing) -> list[tuple[float, float, float]]:
+    """Return mean normalised resistance, its rate [1/s] and mean power [W] of each block of a closing."""
+    found = []
+    for first in range(0, closing.normalised.size - BLOCK_SAMPLES, BLOCK_SAMPLES):
+        place, power = (column[first : first + BLOCK_SAMPLES + 1] for column in (closing.normalised, closing.power_w))
+        rate = (place[-1] - place[0]) / (BLOCK_SAMPLES * closing.dt_s)
+        found.append((trapezoid_mean(place), float(rate), trapezoid_mean(power)))
+    return [block for block in found if block[1] < 0.0]
+
+
+def trapezoid_mean(values: FloatArray) -> float:
+    """Return the mean over time of equally spaced values, its ends counting half."""
+    return float((values.sum() - 0.5 * (values[0] + values[-1])) / (values.size - 1))
+
+
+def noise_of(free: FreeClosing, recordings: Sequence[Recording]) -> float:
+    """Return the least noise of normalised resistance with which surprises are no larger than expected."""
+    low, high = NOISE_SEARCH
+    closings = [closing_of(one, free.resistance_min_ohm, free.resistance_max_ohm) for one in recordings]
+    for _ in range(SEARCH_STEPS):
+        middle = float(np.sqrt(low * high))
+        surprises = [
+            surprise for one in closings for surprise in surprises_of(replace(free, normalised_noise=middle), one)
+        ]
+        low, high = (middle, high) if np.mean(np.square(surprises)) > 1.0 else (low, middle)
+    return high
+
+
+def surprises_of(free: FreeClosing, closing: Closing) -> list[float]:
+    """Return the detector's surprises over a closing, each over its expected size."""
+    detector, found = ContactDetector(free, AirMoves()), []
+    state = detector.start()._replace(highest=1.0)
+    span = free.resistance_max_ohm - free.resistance_min_ohm
+    for place, power_w in zip(closing.normalised, closing.power_w, strict=True):
+        after = detector.step(state, free.resistance_min_ohm + span * float(place), float(power_w), closing.dt_s)
+        if after.following and after.surprise is not None:
+            found.append(after.surprise)
+        state = after
+    return found
+
+
+def fit_grip_curve(
+    free_recordings: Sequence[Recording], known: Sequence[KnownGrip], free: FreeClosing, *, fingers: int
+) -> GripCurve:
+    """Learn how the fingers close, give and what force costs, from closings with instruments.
+
+    Free closings give the endpoint over resistance, with ``displacement_m`` and ``endpoint_displacement_m``. Grips of
+    blocks of known stiffness, with ``endpoint_force_n``, give the compliances of finger and wire and the power that a
+    newton costs, with each contact where the detector finds it. Raises RecordingError where a column is missing or
+    too few samples carry force.
+    """
+    for one in (*free_recordings, *(item.recording for item in known)):
+        for name in ("displacement_m", "endpoint_displacement_m"):
+            if name not in one:
+                raise RecordingError(f"a grip's force is learned with instruments once: a closing lacks {name}")
+    places, connector, endpoint = (np.concatenate(column) for column in zip(
+        *(columns_of(one, free) for one in free_recordings), strict=True))  # fmt: skip
+    endpoint_over_place = np.polynomial.Polynomial.fit(places, endpoint, CURVE_ORDER).convert()
+    endpoint_over_connector = np.polynomial.Polynomial.fit(connector, endpoint, CURVE_ORDER)
+    lever = endpoint_over_connector.deriv()(connector)
+    lever_over_place = np.polynomial.Polynomial.fit(places, lever, LEVERAGE_ORDER).convert()
+    curve = GripCurve(
+        fingers=fingers,
+        endpoint_m=tuple(map(float, endpoint_over_place.coef)),
+        leverage=tuple(map(float, lever_over_place.coef)),
+        finger_compliance_m_per_n=0.0,
+        wire_compliance_m_per_n=0.0,
+        power_per_newton_w=(1.0,),
+        normalised_min=free.normalised_min,
+        normalised_max=free.normalised_max,
+    )
+    grips = [squeezed(one, free) for one in known]
+    finger, wire = compliances(curve, grips)
+    return replace(
+        curve,
+        finger_compliance_m_per_n=finger,
+        wire_compliance_m_per_n=wire,
+        power_per_newton_w=power_per_newton_w(curve, grips),
+    )
+
+
+def columns_of(recording: Recording, free: FreeClosing) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return normalised resistance, connector and endpoint [m] of a closing."""
+    closing = closing_of(recording, free.resistance_min_ohm, free.resistance_max_ohm)
+    return (
+        closing.normalised,
+        recording["displacement_m"][closing.rows],
+        recording["endpoint_displacement_m"][closing.rows],
+    )
+
+
+@dataclass(frozen=True)
+class Squeezed:
+    """The samples of a known grip that carry force: place, contact found, power it has cost [W], force [N], (n,)."""
+
+    place: FloatArray
+    contact: FloatArray
+    cost_w: FloatArray
+    force_n: FloatArray
+    stiffness_n_per_m: float
+
+
+def squeezed(grip: KnownGrip, free: FreeClosing) -> Squeezed:
+    """Return what the detector makes of a known grip, sample by sample: its habits are learned along with the rest."""
+    detector = ContactDetector(free)
+    state = detector.start()
+    resistance, power_w = electrical(grip.recording)
+    dt_s = float(grip.recording.metadata["sample_period_s"] or 0.0)
+    if "endpoint_force_n" not in grip.recording:
+        raise RecordingError("a grip of a known block needs a load cell between the fingers: endpoint_force_n")
+    rows = []
+    for ohm, watt, force_n in zip(resistance, power_w, grip.recording["endpoint_force_n"], strict=True):
+        state = detector.step(state, float(ohm), float(watt), dt_s)
+        place = state.normalised
+        if state.touched and force_n > LEAST_FORCE_N and place is not None and place > free.normalised_min:
+            rows.append((place, state.place, state.slope_w * (state.place - place), force_n))
+    places, contacts, costs, forces = np.array(rows).reshape(-1, 4).T
+    return Squeezed(places, contacts, costs, forces, grip.stiffness_n_per_m)
+
+
+def compliances(curve: GripCurve, grips: Sequence[Squeezed]) -> tuple[float, float]:
+    """Return the compliances of finger and wire [m/N]: least squares of travel since contact over the force.
+
+    D(l) - D(l_c) - f/k = n (c_f + c_w e'^2) f. Raises RecordingError where too few samples carry force.
+    """
+    samples = sum(one.force_n.size for one in grips)
+    if samples < LEAST_FORCE_SAMPLES:
+        raise RecordingError(
+            f"contact was found in {samples} samples above {LEAST_FORCE_N:g} N of the known grips, and "
+            f"{LEAST_FORCE_SAMPLES} are needed: put the block nearer, or use a stiffer one"
+        )
+    endpoint, leverage = (np.polynomial.Polynomial(item) for item in (curve.endpoint_m, curve.leverage))
+    per_finger = np.concatenate([curve.fingers * one.force_n for one in grips])
+    lever = np.concatenate([leverage(one.place) for one in grips])
+    travel = [
+        curve.fingers * (endpoint(one.place) - endpoint(one.contact)) - one.force_n / one.stiffness_n_per_m
+        for one in grips
+    ]
+    basis = np.column_stack([per_finger, per_finger * lever**2])
+    finger, wire = nnls(basis / np.linalg.norm(basis, axis=0), np.concatenate(travel))[0] / np.linalg.norm(
+        basis, axis=0
+    )
+    return float(finger), float(wire)
+
+
+def power_per_newton_w(curve: GripCurve, grips: Sequence[Squeezed]) -> tuple[float, ...]:
+    """Return what a newton at a tendon costs in power by the detector's account [W], a line over where it is."""
+    leverage = np.polynomial.Polynomial(curve.leverage)
+    tendon_n = np.concatenate([leverage(one.place) * one.force_n for one in grips])
+    place = np.concatenate([one.place for one in grips])
+    basis = tendon_n[:, None] * np.vander(place, COST_ORDER + 1, increasing=True)
+    found = np.linalg.lstsq(basis, np.concatenate([one.cost_w for one in grips]), rcond=None)[0]
+    return tuple(map(float, found))

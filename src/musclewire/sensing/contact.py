@@ -1,0 +1,237 @@
+"""Contact of a closing finger, found from the voltages of its wire alone.
+
+What shows contact. The strain of a wire at a resistance hardly depends on what it pulls (Lan and Fan 2010, Fig. 7), so
+resistance against strain cannot show that a finger has met something. Power against resistance does: the object's push
+raises the wire's stress, stress raises its transformation temperatures, and a hotter wire takes more power at the same
+resistance. A draught or warmer air also changes that power, but not together with the resistance. Written as a heat
+balance over normalised resistance l, which falls as the wire contracts:
+
+    P = theta(l) - m(l) dl/dt + weather + s [(l_c - l) - tau dl/dt]  once l < l_c
+
+theta is what holds the free finger there, m the heat that a unit of l takes (latent and to warm the wire on), both
+from closings without an object; tau the wire's thermal time; l_c where contact began; s [W] how steeply power grows
+from there. The term in dl/dt is why contact shows at once and not only when force has grown: from one sample to the
+next the wire must warm faster for the same motion.
+
+How it is found. Integrated over time the balance holds without differentiating the noisy resistance:
+
+    E = int (P - theta) dt + int m dl = E_0 + int weather dt + s [int (l_c - l) dt + tau (l_c - l)]
+
+Weather is a first-order random process of stated strength and duration; a Kalman filter on (E, weather) whitens E, and
+a generalised likelihood ratio compares "free" with "contact at l_c" for every recent l_c and the s that fits it best
+(Willsky and Jones 1976, IEEE Trans. Autom. Control 21, 108, doi 10.1109/TAC.1976.1101146). The score is that ratio in
+standard deviations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, isfinite
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from musclewire.errors import CallerError
+from musclewire.sensing.polynomials import check_resistance_range, evaluate
+
+__all__ = ["THRESHOLD", "AirMoves", "ContactDetector", "ContactState", "FreeClosing"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# In standard deviations. Of a Gaussian score 4.5 is passed by chance once in 300,000; a closing has some 40 samples.
+THRESHOLD = 4.5
+# In a fast closing one sample may be half a millimetre: contact may have begun at so many places within each.
+PLACES_PER_SAMPLE = 4
+# Contacts that began longer ago than this many samples are no longer tried.
+CANDIDATES = 40 * PLACES_PER_SAMPLE
+# The wire has begun to contract once its resistance has fallen by this share of the range from its highest.
+BEGUN = 0.04
+# Before that it must take this share of the power that holds it where contraction begins.
+LEAST_POWER_SHARE = 0.5
+# How well theta and m describe a free closing: share of the power, independent from sample to sample.
+MODEL_POWER_SHARE = 0.01
+NO_FLOATS = np.empty(0)
+
+
+@dataclass(frozen=True)
+class FreeClosing:
+    """What closing without an object takes, over normalised resistance; coefficients are ascending powers.
+
+    ``holding_power_w`` is theta, ``closing_energy_j`` is m, both of all wires in the circuit. They hold from
+    ``normalised_min`` to ``normalised_max``. ``normalised_noise`` is the standard deviation of one sample's normalised
+    resistance, with what theta and m leave unexplained. Raises CallerError for numbers that cannot be.
+    """
+
+    resistance_min_ohm: float
+    resistance_max_ohm: float
+    holding_power_w: tuple[float, ...]
+    closing_energy_j: tuple[float, ...]
+    normalised_min: float
+    normalised_max: float
+    normalised_noise: float
+    thermal_time_s: float
+
+    def __post_init__(self) -> None:
+        """Check what later divides or is integrated."""
+        check_resistance_range(self.resistance_min_ohm, self.resistance_max_ohm)
+        numbers = (*self.holding_power_w, *self.closing_energy_j, self.normalised_min, self.normalised_max)
+        if not (self.holding_power_w and self.closing_energy_j and all(map(isfinite, numbers))):
+            raise CallerError("a free closing needs finite coefficients of power and energy")
+        if not (self.normalised_min < self.normalised_max and 0.0 < self.normalised_noise < 1.0):
+            raise CallerError("a free closing needs a range of normalised resistance that rises, and noise above 0")
+        if not 0.0 < self.thermal_time_s < float("inf"):
+            raise CallerError(f"the thermal time is {self.thermal_time_s:g} s and must be above 0")
+
+    def normalised(self, resistance_ohm: float) -> float:
+        """Return normalised resistance (Eq. 3)."""
+        return (resistance_ohm - self.resistance_min_ohm) / (self.resistance_max_ohm - self.resistance_min_ohm)
+
+
+class AirMoves(NamedTuple):
+    """What weather to expect, as shares of the holding power (standard deviations).
+
+    Draughts change convection by ``draught_share`` and last about ``draught_time_s``; ``level_share`` covers the air's
+    temperature, which stays over one closing: 3 K of some 60 K between wire and air.
+    """
+
+    draught_share: float = 0.10
+    draught_time_s: float = 3.0
+    level_share: float = 0.06
+
+
+class ContactState(NamedTuple):
+    """What the detector remembers; ``score`` and what follows is what it says.
+
+    ``place`` is the normalised resistance at which contact most likely began, ``slope_w`` how power has grown per unit
+    of normalised resistance since. ``touched`` stays True once the score has passed the threshold. ``surprise`` is how
+    far the last energy was from the free closing's, over what noise and weather explain; None until the wire contracts.
+    """
+
+    highest: float
+    normalised: float | None
+    power_w: float
+    following: bool
+    energy_j: float
+    level: FloatArray
+    covariance: FloatArray
+    places: FloatArray
+    signatures: FloatArray
+    responses: FloatArray
+    overlaps: FloatArray
+    weights: FloatArray
+    score: float
+    place: float
+    slope_w: float
+    touched: bool
+    surprise: float | None
+
+
+class ContactDetector:
+    """Tells contact from weather while a finger closes; state in, state out."""
+
+    def __init__(self, free: FreeClosing, air: AirMoves | None = None, threshold: float = THRESHOLD) -> None:
+        """Take the free closing, the weather to expect, and the score that counts as contact.
+
+        Raises CallerError for weather or a threshold not above 0.
+        """
+        self.free, self.air, self.threshold = free, air or AirMoves(), threshold
+        if not (min(self.air) > 0.0 and threshold > 0.0):
+            raise CallerError(f"the weather to expect {tuple(self.air)} and the threshold {threshold} must be above 0")
+
+    def start(self) -> ContactState:
+        """Return the state before a closing, the wire cold or just warm."""
+        nothing = np.zeros((2, 2))
+        return ContactState(
+            -np.inf, None, 0.0, False, 0.0, np.zeros(2), nothing,
+            NO_FLOATS, NO_FLOATS, np.empty((2, 0)), NO_FLOATS, NO_FLOATS, 0.0, 1.0, 0.0, False, None,
+        )  # fmt: skip
+
+    def step(self, state: ContactState, resistance_ohm: float, power_w: float, dt_s: float) -> ContactState:
+        """Return the state after one more sample of a closing, ``dt_s`` after the one before.
+
+        Resistance and power are means over the sample, of all wires in the circuit.
+        """
+        free = self.free
+        here, before = free.normalised(resistance_ohm), state.normalised
+        seen = state._replace(normalised=here, power_w=power_w)
+        if not state.following:
+            # With little current resistance is mostly noise, and a wire that contracts takes more.
+            powered = power_w > LEAST_POWER_SHARE * float(evaluate(free.holding_power_w, free.normalised_max))
+            seen = seen._replace(highest=max(state.highest, here) if powered else state.highest)
+            if not (powered and here < min(free.normalised_max, seen.highest - BEGUN)):
+                return seen
+        if before is None or here < free.normalised_min:
+            return seen
+        middle = min(0.5 * (here + before), free.normalised_max)
+        holding_w = float(evaluate(free.holding_power_w, middle))
+        noise_j = free.normalised_noise * float(evaluate(free.closing_energy_j, middle))
+        if not state.following:
+            level = (self.air.draught_share**2 + self.air.level_share**2) * holding_w**2
+            seen = seen._replace(following=True, covariance=np.diag([noise_j**2, level]))
+        taken_w = 0.5 * (power_w + state.power_w)
+        energy = state.energy_j + (taken_w - holding_w) * dt_s + noise_j / free.normalised_noise * (here - before)
+        return self._weigh(seen, before, energy, holding_w, taken_w, noise_j, dt_s)
+
+    def _weigh(
+        self,
+        state: ContactState,
+        before: float,
+        energy_j: float,
+        holding_w: float,
+        taken_w: float,
+        noise_j: float,
+        dt_s: float,
+    ) -> ContactState:
+        """Return the state with one more energy weighed: filter, candidates, score."""
+        here = state.normalised or 0.0
+        # A contact that began since the sample before is one more candidate, at some places; the oldest are forgotten.
+        shares = np.arange(PLACES_PER_SAMPLE) / PLACES_PER_SAMPLE
+        since = shares * (before - here)
+        places = np.append(state.places, before - since)[-CANDIDATES:]
+        old = (
+            state.signatures
+            + (state.places - 0.5 * (here + before)) * dt_s
+            + (before - here) * self.free.thermal_time_s
+        )
+        # Those were passed on the way: what is left of the sample, and of the motion, comes after contact.
+        left = (before - here) - since
+        new = 0.5 * left * (1.0 - shares) * dt_s + left * self.free.thermal_time_s
+        signatures = np.append(old, new)[-CANDIDATES:]
+        kept = exp(-dt_s / self.air.draught_time_s)
+        forward = np.array([[1.0, dt_s], [0.0, 1.0]])
+        wind_w2 = (self.air.draught_share * holding_w) ** 2 * (1.0 - kept * kept)
+        drift = np.diag([(MODEL_POWER_SHARE * taken_w * dt_s) ** 2, wind_w2])
+        covariance = forward @ state.covariance @ forward.T + drift
+        level = forward @ state.level
+        responses = forward @ np.hstack([state.responses, np.zeros((2, PLACES_PER_SAMPLE))])[:, -CANDIDATES:]
+        variance = covariance[0, 0] + noise_j**2
+        gain = covariance[:, 0] / variance
+        surprise = energy_j - level[0]
+        shown = signatures - responses[0]
+        overlaps = grown(state.overlaps) + surprise * shown / variance
+        weights = grown(state.weights) + shown * shown / variance
+        told = weights > np.finfo(float).tiny
+        scores = np.where(told, overlaps, 0.0) / np.sqrt(np.where(told, weights, 1.0))
+        best = int(np.argmax(scores))
+        score = float(scores[best])
+        return state._replace(
+            energy_j=energy_j,
+            level=level + gain * surprise,
+            covariance=covariance - np.outer(gain, covariance[0]),
+            places=places,
+            signatures=signatures,
+            responses=responses + gain[:, None] * shown,
+            overlaps=overlaps,
+            weights=weights,
+            score=score,
+            place=float(places[best]),
+            slope_w=max(score / float(np.sqrt(weights[best])), 0.0) if told[best] else 0.0,
+            touched=state.touched or score > self.threshold,
+            surprise=float(surprise / np.sqrt(variance)),
+        )
+
+
+def grown(values: FloatArray) -> FloatArray:
+    """Return one number per candidate with the new candidates' zeros, the oldest forgotten."""
+    return np.append(values, np.zeros(PLACES_PER_SAMPLE))[-CANDIDATES:]
