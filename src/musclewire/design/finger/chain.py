@@ -107,10 +107,8 @@ def finger_chain(
     ``guided`` counts columns from 0 at the palm, rising; the tendon is fastened to its last. Two neighbouring guides
     are joined by a straight chord.
     """
-    columns, width, offset = geometry.columns, geometry.column_width_m, geometry.tendon_offset_m
-    holes = tuple(range(columns)) if guided is None else guided
-    segment = geometry.segment_length_m / elements_per_segment
-    rows = TermRows(columns * elements_per_segment)
+    columns, count = geometry.columns, geometry.columns * elements_per_segment
+    rows = TermRows(count)
     palm = rows.add({}, 0.5 * math.pi)
     tangents: list[int] = []
     normals: list[int] = []
@@ -123,25 +121,37 @@ def finger_chain(
         last = (column + 1) * elements_per_segment - 1
         tangents.append(rows.add({last: 1.0}))
         normals.append(rows.add({last: 1.0}, 0.5 * math.pi))
-    chords = np.zeros((len(holes), len(rows.phases)))
-    endpoint = np.zeros(len(rows.phases))
+    along = np.zeros((columns, len(rows.phases)))  # each segment with the column after it
     for column in range(columns):
-        endpoint[elements[column]] = 0.5 * segment
-        endpoint[tangents[column]] = width
+        along[column, elements[column]] = 0.5 * geometry.segment_length_m / elements_per_segment
+        along[column, tangents[column]] = geometry.column_width_m
+    endpoint = along.sum(axis=0)
     endpoint[tangents[-1]] += geometry.plate_length_m
-    before = -1
-    for row, hole in enumerate(holes):
-        for column in range(before + 1, hole + 1):
-            chords[row, elements[column]] = 0.5 * segment
-            if column < hole:
-                chords[row, tangents[column]] = width
-        chords[row, normals[hole]] += offset
-        chords[row, palm if before < 0 else normals[before]] -= offset
-        before = hole
-    count = columns * elements_per_segment
+    chords = chord_weights(
+        geometry, along, tangents, [*normals, palm], tuple(range(columns)) if guided is None else guided
+    )
     nodes = tuple((column + 1) * elements_per_segment - 1 for column in range(columns))
     yielding = yielding_lengths_m(geometry, elements_per_segment)
     return chain_of(rows, chords, endpoint, yielding, geometry.inward_angle_rad / count, nodes)
+
+
+def chord_weights(
+    geometry: FingerGeometry, along: FloatArray, tangents: list[int], normals: list[int], holes: tuple[int, ...]
+) -> FloatArray:
+    """Return the weights of the chords between ``holes``, (n_holes, n_terms) [m].
+
+    ``along`` (n_columns, n_terms) leads along each segment and its column, ``tangents`` and ``normals`` are the unit
+    vectors of the columns; the last of ``normals`` is the palm's.
+    """
+    chords = np.zeros((len(holes), along.shape[1]))
+    before = -1
+    for row, hole in enumerate(holes):
+        chords[row] = along[before + 1 : hole + 1].sum(axis=0)
+        chords[row, tangents[hole]] = 0.0  # up to where the tendon enters the hole
+        chords[row, normals[hole]] += geometry.tendon_offset_m
+        chords[row, normals[before]] -= geometry.tendon_offset_m
+        before = hole
+    return chords
 
 
 def yielding_lengths_m(geometry: FingerGeometry, elements_per_segment: int) -> FloatArray:

@@ -150,7 +150,7 @@ def ask_finger(question: FingerQuestion) -> FingerAnswer:
         foam=foam,
         wire=wire,
         schemes=schemes_of(question, geometry) if question.compare else [],
-        warnings=[*warnings_of(question, geometry, at, stress), *warnings_of_loads(question, foam, wire)],
+        warnings=[*warnings_of(question, geometry, at, stress), *warnings_of_loads(question, geometry, foam, wire)],
     )
 
 
@@ -318,7 +318,9 @@ def warnings_of(question: FingerQuestion, geometry: FingerGeometry, at: Equilibr
     return found
 
 
-def warnings_of_loads(question: FingerQuestion, foam: FoamAnswer | None, wire: WireOnFinger | None) -> list[str]:
+def warnings_of_loads(
+    question: FingerQuestion, geometry: FingerGeometry, foam: FoamAnswer | None, wire: WireOnFinger | None
+) -> list[str]:
     """Return what the maker should hear about object and wire."""
     found, limit = [], question.material.yield_stress_pa.value
     if foam is not None and foam.stress_pa > limit:
@@ -326,6 +328,15 @@ def warnings_of_loads(question: FingerQuestion, foam: FoamAnswer | None, wire: W
             f"pulled to the end of its travel against the object, the beam would bear {1e-6 * foam.stress_pa:.0f} MPa "
             f"and yield ({1e-6 * limit:g} MPa)"
         )
+    if wire is not None:
+        steps = np.linspace(0.0, wire.travel_m, JUDGED_TRAVELS)
+        there = equilibria(finger_chain(geometry), geometry.stiffness_n_m2, steps)[-1]
+        stress = float(beam_stress_pa(geometry, there).max())
+        if stress > limit:
+            found.append(
+                f"heated right through, the wire would pull the beam to {1e-6 * stress:.0f} MPa and it would yield "
+                f"({1e-6 * limit:g} MPa): end its stroke before, by a stop or by control"
+            )
     if wire is not None and wire.wire_stress_pa > WORKING_STRESS_PA:
         found.append(
             f"{1e-6 * wire.wire_stress_pa:.0f} MPa in the wire is more than the vendor's 172 MPa for many cycles"

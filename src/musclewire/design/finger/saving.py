@@ -21,7 +21,6 @@ __all__ = [
     "answer_file_text",
     "curve_of_file",
     "curve_travels_m",
-    "finger_text",
     "geometry_of_file",
     "geometry_parameters",
 ]
@@ -53,19 +52,6 @@ def geometry_parameters(
         for key, value in values.items()
         for kind, source in [named.get(key, usual)]
     }
-
-
-def finger_text(
-    name: str,
-    description: str,
-    geometry: FingerGeometry,
-    sources: Mapping[str, tuple[str, str]],
-    longest_m: float,
-    friction: float = ASSUMED_FRICTION,
-) -> str:
-    """Return the text of a finger's file, its curve computed afresh up to ``longest_m``."""
-    curve = finger_curve(geometry, curve_travels_m(longest_m), friction)
-    return finger_file_text(name, description, geometry_parameters(geometry, sources, friction), curve)
 
 
 def answer_file_text(name: str, answer: FingerAnswer) -> str:

@@ -63,11 +63,7 @@ def wire_on_finger(
     travels = np.array(curve.tendon_travel_m)
     pulling = np.array(curve.tendon_force_n) * (1.0 + np.array(curve.friction_share))
     named = load_wire(wire)
-    changed = {
-        "wire_length_m": wire_length_m,
-        "legs": 2.0,
-        "pretension_n": pretension_n,
-    }
+    changed = {"wire_length_m": wire_length_m, "legs": 2.0, "pretension_n": pretension_n}
     bench = {**load_bench("finger").values(), **changed}
     alloy, spool = load_alloy(named.alloy).values(), named.values()
 
@@ -86,14 +82,19 @@ def wire_on_finger(
     reached = reached_travel(stroke, needed_travel_m, float(travels[-1]), current)
     endpoint, tendon = (float(np.interp(reached, travels, y)) for y in (curve.endpoint_displacement_m, pulling))
     force = pretension_n + pretensioner_n_per_m * reached + tendon
-    if force > spool["maximum_force_n"]:
-        raise CallerError(
-            f"{wire} would bear {force:.3g} N at the end of its stroke, {force / spool['maximum_force_n']:.2f} times "
-            f"the {spool['maximum_force_n']:.3g} N it is allowed: a thicker wire or a softer finger"
-        )
+    require_allowed(wire, force, spool["maximum_force_n"])
     stress = force / (2.0 * 0.25 * math.pi * spool["diameter_m"] ** 2)
     leg = 0.5 * wire_length_m
     return WireOnFinger(reached, reached / leg, endpoint, tendon, force, stress, reached - needed_travel_m)
+
+
+def require_allowed(wire: str, force_n: float, most_n: float) -> None:
+    """Raise CallerError for a wire that would bear more than it may."""
+    if force_n > most_n:
+        raise CallerError(
+            f"{wire} would bear {force_n:.3g} N at the end of its stroke, {force_n / most_n:.2f} times the "
+            f"{most_n:.3g} N it is allowed: a thicker wire or a softer finger"
+        )
 
 
 def reached_travel(stroke: Stroke, low_m: float, high_m: float, current_a: float) -> float:
