@@ -154,9 +154,18 @@ def heated(
 
 @compiled_inline
 def settled(
-    state: WireNumbers, constants: WireConstants, freshness: Freshness, rise_k: float, dt_s: float, stress_pa: float
+    state: WireNumbers,
+    constants: WireConstants,
+    freshness: Freshness,
+    rise_k: float,
+    dt_s: float,
+    stress_pa: float,
+    steepest_pa_per_k: float,
 ) -> WireNumbers:
-    """Return the wire under its new stress, with the contraction, friction and resistance it then has."""
+    """Return the wire under its new stress, with the contraction, friction and resistance it then has.
+
+    How stress followed temperature is kept for the next step's prediction, up to ``steepest_pa_per_k``.
+    """
     martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
     strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k)
     contraction = contraction_of(constants, strain + freshness.residual_strain)
@@ -166,7 +175,7 @@ def settled(
     slope = state.stress_slope_pa_per_k
     if abs(rise_k) > NO_RISE_K:
         slope = (stress_pa - state.stress_pa) / rise_k
-        slope = min(max(slope, -STEEPEST_STRESS_PA_PER_K), STEEPEST_STRESS_PA_PER_K)
+        slope = min(max(slope, -steepest_pa_per_k), steepest_pa_per_k)
     resistance_ohm = resistance_of(constants, stress_pa, martensite, r_phase, temperature_k, freshness.fresh)
     return WireNumbers(
         state.time_s,
@@ -210,7 +219,7 @@ def balanced(
         push_n,
         push_n_per_m,
     )
-    return settled(state, constants, freshness, rise_k, dt_s, stress_pa)
+    return settled(state, constants, freshness, rise_k, dt_s, stress_pa, STEEPEST_STRESS_PA_PER_K)
 
 
 def advance(

@@ -6,6 +6,7 @@ a connector, or two connectors and an object that both fingers touch.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,7 +27,11 @@ __all__ = ["APART", "OWN_SUPPLY", "PARALLEL", "SERIES", "Grip", "Pair", "PairSum
 OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
 # Which way the second wire pulls the common connector: 1 along with the first, -1 against it, 0 on one of its own.
 APART = 0.0
-NEWTON_STEPS = 4
+# Steps of Newton's method end below this; a wire then lacks 1e-8 N.
+SMALL_MOVE_M = 1e-13
+MOST_NEWTON_STEPS = 30
+# The slope of stress over temperature that is predicted, as a share of Clausius and Clapeyron's: safely below 1.
+SAFE_SHARE = 0.8
 NUMBERS = len(WireNumbers._fields)
 
 
@@ -136,7 +141,8 @@ def shared_stresses(
     section, other_section = one.legs * one.area_m2, other.legs * other.area_m2
     stress, other_stress = first.stress_pa, second.stress_pa
     x, _ = connectors_m(first, second, one, other, direction)
-    for _ in range(NEWTON_STEPS):
+    low_m, high_m = -math.inf, math.inf
+    for _ in range(MOST_NEWTON_STEPS):
         shortened, taken = contraction_at(first, one, first_freshness, stress)
         other_shortened, other_taken = contraction_at(second, other, second_freshness, other_stress)
         per_m, other_per_m = 1.0 / (one.leg_length_m * taken), 1.0 / (other.leg_length_m * other_taken)
@@ -151,11 +157,28 @@ def shared_stresses(
         slack = pulled <= 0.0 and other_pulled <= 0.0
         holding = section * per_m if pulled > 0.0 or slack else 0.0
         other_holding = other_section * other_per_m if other_pulled > 0.0 or slack else 0.0
+        # More pull than load: the connector must go further than here. Kinks send a step too far; half the way remains.
+        low_m, high_m = (x, high_m) if missing_n > 0.0 else (low_m, x)
         move_m = missing_n / (holding + other_holding + stiffness)
+        if not low_m <= x + move_m <= high_m:
+            move_m = 0.5 * (low_m + high_m) - x
         x += move_m
         stress = max(pulled - move_m * per_m, 0.0)
         other_stress = max(other_pulled - direction * move_m * other_per_m, 0.0)
+        if abs(move_m) < SMALL_MOVE_M:
+            break
     return stress, other_stress
+
+
+@compiled
+def steepest_of(constants: WireConstants) -> float:
+    """Return how steeply stress is predicted to follow temperature at most, in a wire that shares its connector.
+
+    A rest leaves a slope of rounding errors. Were it steeper than Clausius and Clapeyron's, a wire that cools would be
+    predicted to lose stress faster than martensite needs to lose it, and would turn to austenite by cooling. A single
+    wire on a soft load shows that its next step; a second wire makes the load stiff.
+    """
+    return SAFE_SHARE * constants.martensite_stress_rate_pa_per_k
 
 
 @compiled
@@ -195,8 +218,8 @@ def settled_pair(
             first, second, one, other, first_freshness, second_freshness, pair.direction
         )
         return (
-            settled(first, one, first_freshness, rises_k[0], dt_s, stress),
-            settled(second, other, second_freshness, rises_k[1], dt_s, other_stress),
+            settled(first, one, first_freshness, rises_k[0], dt_s, stress, steepest_of(one)),
+            settled(second, other, second_freshness, rises_k[1], dt_s, other_stress, steepest_of(other)),
             0.0,
         )
     # Each finger takes the other where it was: one step of lag, with its own give in the balance.
