@@ -1,6 +1,6 @@
 """Is contact found without a sensor before a grip is felt, whatever the weather, and how well is the force told?
 
-Two simulated fingers (rig "gripper") close in 2.5 s, in the rig's weather: the air's temperature swings by 3 K to both sides in
+Two simulated fingers (rig "gripper") close in 2.5 s in a room: the air's temperature swings by 3 K to both sides in
 300 s, draughts change convection by 8 % (standard deviation) and last about 3 s. The gripper has learned in the same
 weather with another seed, by free closings and a known block of 300 N/m.
 
@@ -28,6 +28,7 @@ from musclewire.signals.recording import Recording
 BAR_N, BAR_FREE = 0.15, 20
 WEATHER = Surroundings(ambient_swing=3.0, ambient_period=300.0, draught=0.08, draught_time=3.0)
 LEARNING_SEED = 1000
+OTHER_DAYS = range(2000, 2010)
 STIFFNESSES_N_PER_M = (50.0, 100.0, 200.0, 500.0, 1000.0)
 CLEARANCES_M = (4e-3, 5.5e-3, 7e-3, 9e-3)
 SHOWN_CLEARANCES_M = (2e-3, 3e-3, 10e-3)
@@ -123,10 +124,19 @@ def show_other_weather(knowledge: GripperKnowledge) -> None:
         print_line(f"closing in {closing_s:g} s", scores, found)
 
 
+def show_other_days() -> None:
+    """Print how grippers do that have learned on other days: their own seeds of weather and noise."""
+    blocks = [Object(stiffness, 5.5e-3) for stiffness in (100.0, 500.0)]
+    for seed in OTHER_DAYS:
+        knowledge = learn_gripper(gripper(WEATHER), seed=seed)
+        scores = free_scores(knowledge, WEATHER, range(40))
+        print_line(f"learned with seed {seed}", scores, forces_found(knowledge, WEATHER, blocks, range(10)))
+
+
 def print_line(name: str, scores: Sequence[float], found: Sequence[float | None]) -> None:
     """Print alarms and contacts under one condition."""
     print(
-        f"{name:20s} {sum(score > THRESHOLD for score in scores)} alarms in {len(scores)} (scores up to "
+        f"{name:22s} {sum(score > THRESHOLD for score in scores)} alarms in {len(scores)} (scores up to "
         f"{max(scores):.2f}), {late(found)} of {len(found)} contacts late, found at up to {largest(found):.3f} N"
     )
 
@@ -165,6 +175,7 @@ def main() -> int:
     held = judge_contact(knowledge, quick)
     if not quick:
         show_other_weather(knowledge)
+        show_other_days()
     show_forces(knowledge, quick)
     return int(not held)
 

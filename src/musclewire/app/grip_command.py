@@ -66,6 +66,8 @@ def grip(
     target_n, known = quantity_option(target, "N") or 0.0, quantity_option(stiffness, "N/m")
     if not target_n > 0.0:
         raise CallerError(f"--target is {target_n:g} N and must be above 0")
+    if known is not None and not known > 0.0:
+        raise CallerError(f"--stiffness is {known:g} N/m and must be above 0")
     block = chosen_object(rig, quantity_option(object_stiffness, "N/m"), quantity_option(clearance, "m"), away)
     configuration = with_object(rig, block)
     with stops_between_samples():

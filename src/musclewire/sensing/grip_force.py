@@ -21,7 +21,6 @@ from musclewire.sensing.polynomials import evaluate
 
 __all__ = ["GripCurve"]
 
-BISECTIONS = 50
 # An object is taken for rigid from this stiffness, and never softer than this.
 STIFFEST_N_PER_M, SOFTEST_N_PER_M = 1e6, 1.0
 
@@ -83,22 +82,6 @@ class GripCurve:
             return SOFTEST_N_PER_M
         give = travel_m / force - self.compliance_m_per_n(normalised)
         return min(max(1.0 / give, SOFTEST_N_PER_M), STIFFEST_N_PER_M) if give > 0.0 else STIFFEST_N_PER_M
-
-    def normalised_at(self, force_n: float, contact: float, stiffness_n_per_m: float) -> float:
-        """Return the normalised resistance at which a grip force is reached.
-
-        Raises CallerError for a force beyond what closing fully gives.
-        """
-        low, high = self.normalised_min, contact
-        most = self.force_n(low, contact, stiffness_n_per_m)
-        if force_n > most:
-            raise CallerError(
-                f"a grip force of {force_n:g} N is out of reach: closed fully the fingers give {most:.3g} N"
-            )
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.force_n(middle, contact, stiffness_n_per_m) > force_n else (low, middle)
-        return 0.5 * (low + high)
 
     def _within(self, normalised: float) -> float:
         return min(max(normalised, self.normalised_min), self.normalised_max)

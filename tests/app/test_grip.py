@@ -1,0 +1,93 @@
+"""``musclewire grip`` and the force option of ``musclewire control``: what is typed, and what comes back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from musclewire.signals import read_recording
+
+
+@pytest.fixture(scope="module")
+def learned(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("gripper") / "learned.json"
+
+
+def test_a_grip_is_found_told_recorded_and_drawn(musclewire: Callable[..., Any], learned: Path, tmp_path: Path) -> None:
+    answer = musclewire(
+        "grip", "--stiffness", "200 N/m", "--learned", learned, "--plot", tmp_path / "grip.png",
+        "-o", tmp_path / "grip.h5", "--json",
+    )  # fmt: skip
+    assert answer.code == 0, answer.err
+    said = answer.json
+    assert (said["contact"], said["held"], said["true_stiffness_n_per_m"]) == (True, True, 200.0)
+    assert said["true_force_at_contact_n"] < 0.15
+    assert said["error_n"] == pytest.approx(said["estimated_force_n"] - said["true_force_n"])
+    assert abs(said["error_n"]) < 0.06
+    assert (tmp_path / "grip.png").read_bytes().startswith(b"\x89PNG")
+    assert read_recording(tmp_path / "grip.h5")["contact"].max() == 1.0
+    assert learned.exists()
+
+
+def test_with_the_object_away_nothing_is_found_and_the_exit_code_says_so(
+    musclewire: Callable[..., Any], learned: Path
+) -> None:
+    answer = musclewire("grip", "--away", "--learned", learned)
+    assert answer.code == 1
+    assert "no contact" in answer.out
+
+
+def test_another_object_may_be_put_in(musclewire: Callable[..., Any], learned: Path) -> None:
+    said = musclewire(
+        "grip", "--object-stiffness", "1 N/mm", "--clearance", "7 mm", "--learned", learned, "--seed", "4", "--json"
+    ).json
+    assert said["true_stiffness_n_per_m"] == pytest.approx(1000.0)
+    assert said["opening_m"] == pytest.approx(7e-3, abs=0.5e-3)
+
+
+def test_the_same_seed_gives_the_same_answer(musclewire: Callable[..., Any]) -> None:
+    first, second = (musclewire("grip", "--seed", "3", "--json").out for _ in range(2))
+    assert first == second
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["grip", "simulated"], "nothing to grip"),
+        (["grip", "no-such-rig"], "no rig"),
+        (["grip", "--target", "0 N"], "above 0"),
+        (["grip", "--target", "3 V"], "V"),
+        (["grip", "--stiffness", "-5 N/m"], "above 0"),
+        (["grip", "--object-stiffness", "0 N/m"], "above 0"),
+        (["grip", "--away", "--clearance", "3 mm"], "--away"),
+        (["grip", "--learned", "learned.txt"], ".json"),
+        (["grip", "--learned", "nowhere/learned.json"], "nowhere"),
+        (["grip", "-o", "grip.csv"], ".h5"),
+        (["grip", "--plot", "grip.bmp"], ".svg"),
+    ],
+)
+def test_what_cannot_be_is_one_line_and_exit_code_2(
+    musclewire: Callable[..., Any], arguments: list[str], said: str
+) -> None:
+    answer = musclewire(*arguments)
+    assert answer.code == 2
+    assert said in answer.err
+    assert len(answer.err.strip().splitlines()) == 1
+
+
+def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    loop, model = tmp_path / "loop.h5", tmp_path / "strain.json"
+    assert musclewire("characterize", "simulated", "-o", loop).code == 0
+    assert musclewire("fit", loop, "-o", model).code == 0
+    said = musclewire("control", "simulated", model, "--quantity", "force", "--stiffness", "588.6 N/m", "--json").json
+    assert said["known_stiffness_n_per_m"] == 588.6
+    assert said["known_friction_n"] == pytest.approx(0.056, abs=0.002)
+    assert said["mae_max_pct"] <= 5.0
+    assert len(said["steps"]) == 11
+    without = musclewire("control", "simulated", model, "--quantity", "force")
+    assert (without.code, "--stiffness" in without.err) == (2, True)
+    wrong = musclewire("control", "simulated", model, "--stiffness", "588.6 N/m")
+    assert (wrong.code, "--quantity force" in wrong.err) == (2, True)

@@ -1,0 +1,180 @@
+"""Two simulated fingers and a block of foam, in a room with draughts; every run with a seed of its own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.experiment.closings import (
+    GripperKnowledge,
+    Object,
+    close_fingers,
+    learn_gripper,
+    load_knowledge,
+    object_of,
+    with_object,
+)
+from musclewire.experiment.grip import GripRun, grip
+from musclewire.identify.contact import KnownGrip, fit_free_closing, fit_grip_curve, thermal_time_s
+from musclewire.parameters.finger_file import load_finger
+from musclewire.rigs.configuration import open_rig
+from musclewire.signals import Recording
+
+
+@pytest.fixture(scope="module")
+def knowledge() -> GripperKnowledge:
+    return learn_gripper("gripper", seed=1000)
+
+
+def gripped(
+    knowledge: GripperKnowledge, block: Object | None, seed: int, stiffness: float | None = None, target_n: float = 0.3
+) -> GripRun:
+    with open_rig(with_object("gripper", block), seed=seed) as rig:
+        return grip(rig, knowledge, target_n=target_n, stiffness_n_per_m=stiffness)
+
+
+def test_the_gripper_comes_with_moving_air_and_foam() -> None:
+    assert object_of("gripper") == Object(200.0, 4e-3)
+    assert not with_object("gripper", None).surroundings.still
+
+
+def test_twenty_free_closings_in_draughts_raise_no_alarm(knowledge: GripperKnowledge) -> None:
+    runs = [gripped(knowledge, None, seed) for seed in range(20)]
+    assert [run.contact_s for run in runs] == [None] * 20
+    # Without contact the fingers open again and the wires are left at the sense voltage.
+    assert all(run["drive_voltage_v"][-1] == pytest.approx(0.3, abs=1e-3) for run in runs)
+
+
+@pytest.mark.parametrize("stiffness", [50.0, 200.0, 1000.0])
+@pytest.mark.parametrize("clearance_m", [4e-3, 7e-3, 9e-3])
+def test_contact_is_found_before_the_true_force_exceeds_0_15_n(
+    knowledge: GripperKnowledge, stiffness: float, clearance_m: float
+) -> None:
+    for seed in range(3):
+        run = gripped(knowledge, Object(stiffness, clearance_m), seed)
+        assert run.true_force_at_contact_n is not None
+        assert run.true_force_at_contact_n < 0.15
+        assert run.opening_m == pytest.approx(clearance_m, abs=0.5e-3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_with_known_stiffness_the_held_force_is_told_within_a_tenth_of_a_newton(
+    knowledge: GripperKnowledge, seed: int
+) -> None:
+    run = gripped(knowledge, Object(200.0, 4e-3), seed, stiffness=200.0)
+    assert run.held
+    assert run.true_force_n is not None
+    assert run.estimated_force_n == pytest.approx(run.true_force_n, abs=0.06)
+    assert run.true_force_n == pytest.approx(0.3, abs=0.07)
+
+
+@pytest.mark.parametrize("stiffness", [100.0, 1000.0])
+def test_of_unknown_stiffness_the_force_is_bounded_by_a_rigid_blocks(
+    knowledge: GripperKnowledge, stiffness: float
+) -> None:
+    run = gripped(knowledge, Object(stiffness, 5e-3), 3)
+    assert run.true_force_n is not None
+    assert run.most_force_n is not None
+    assert 0.0 < run.true_force_n <= run.most_force_n
+
+
+def test_a_force_out_of_reach_is_not_called_held(knowledge: GripperKnowledge) -> None:
+    run = gripped(knowledge, Object(50.0, 9e-3), 2, stiffness=50.0, target_n=1.0)
+    assert run.contact_s is not None
+    assert not run.held
+
+
+def test_the_same_seed_grips_the_same_to_the_bit(knowledge: GripperKnowledge) -> None:
+    one, other = (gripped(knowledge, Object(200.0, 4e-3), 5) for _ in range(2))
+    assert np.array_equal(one["estimated_grip_force_n"], other["estimated_grip_force_n"])
+
+
+def test_nothing_that_decides_reads_the_instruments(knowledge: GripperKnowledge) -> None:
+    from musclewire.signals import RawSample
+
+    class Blind:
+        """The rig without its instruments."""
+
+        def __init__(self, rig: object) -> None:
+            self._rig = rig
+
+        def __getattr__(self, name: str) -> object:
+            return getattr(self._rig, name)
+
+        def exchange(self, drive_voltage_v: float) -> RawSample:
+            return RawSample(*self._rig.exchange(drive_voltage_v)[:4])  # type: ignore[attr-defined]
+
+    seen = gripped(knowledge, Object(200.0, 4e-3), 5)
+    with open_rig(with_object("gripper", Object(200.0, 4e-3)), seed=5) as rig:
+        unseen = grip(Blind(rig), knowledge)  # type: ignore[arg-type]
+    assert np.array_equal(seen["drive_voltage_v"], unseen["drive_voltage_v"])
+    assert unseen.true_force_n is None
+    assert unseen.estimated_force_n == seen.estimated_force_n
+
+
+def test_what_was_learned_agrees_with_the_finger_and_the_wire(knowledge: GripperKnowledge) -> None:
+    compliance = load_finger("lan-fan-2010").curve.endpoint_compliance_m_per_n
+    # Grips end at different bends: within what the finger's own curve spans, give or take a fifth.
+    assert 0.8 * min(compliance) < knowledge.curve.finger_compliance_m_per_n < 1.2 * max(compliance)
+    # A wire of 35 mm, both legs, between the elastic moduli of martensite and austenite (some 20 to 80 GPa).
+    section = 2 * np.pi / 4 * 1e-4**2
+    assert 0.035 / (80e9 * section) < knowledge.curve.wire_compliance_m_per_n < 0.035 / (20e9 * section)
+
+
+def test_the_thermal_time_is_that_of_a_thin_wire_in_still_air() -> None:
+    # rho c d / (4 h) with 6450 kg/m3, 543 J/(kg K) and the 151 W/(m2 K) of the convection's own doctest.
+    assert thermal_time_s(1e-4) == pytest.approx(6450 * 543 * 1e-4 / (4 * 151), rel=0.01)
+    assert thermal_time_s(2e-4) > 2 * thermal_time_s(1e-4)
+
+
+def test_what_was_learned_survives_its_file(knowledge: GripperKnowledge, tmp_path: Path) -> None:
+    knowledge.save(tmp_path / "gripper.json")
+    assert load_knowledge(tmp_path / "gripper.json") == knowledge
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{}", '{"format": "musclewire-gripper", "version": 1}', '{"format": "other", "version": 1}']
+)
+def test_a_file_of_something_else_is_refused_in_one_line(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "gripper.json"
+    file.write_text(text)
+    with pytest.raises(CallerError) as refused:
+        load_knowledge(file)
+    assert "gripper.json" in str(refused.value)
+    assert len(str(refused.value).splitlines()) == 1
+
+
+def test_another_wire_than_the_one_learned_with_is_refused(knowledge: GripperKnowledge) -> None:
+    other = replace(knowledge, wire="paper-125um")
+    with open_rig("gripper") as rig, pytest.raises(CallerError, match="paper-125um"):
+        grip(rig, other)
+
+
+def test_too_few_closings_are_refused_with_what_is_missing() -> None:
+    with open_rig(with_object("gripper", None)) as rig:
+        runs = [close_fingers(rig)]
+    with pytest.raises(RecordingError, match="30 are needed"):
+        fit_free_closing(runs)
+
+
+def test_force_is_not_learned_without_the_load_cell(knowledge: GripperKnowledge) -> None:
+    with open_rig(with_object("gripper", None)) as rig:
+        run = close_fingers(rig)
+    cut = Recording({name: run[name] for name in run.names if name != "endpoint_force_n"}, run.metadata)
+    with pytest.raises(RecordingError, match="load cell"):
+        fit_grip_curve([run], [KnownGrip(cut, 300.0)], knowledge.free, fingers=2)
+
+
+def test_a_rig_without_anything_to_grip_is_refused() -> None:
+    with pytest.raises(CallerError, match="nothing to grip"):
+        with_object("simulated", None)
+
+
+@pytest.mark.parametrize("how", [{"closing_s": 0.0}, {"closing_s": 0.3}])
+def test_a_closing_that_cannot_be_is_refused(how: dict) -> None:
+    with open_rig("gripper") as rig, pytest.raises(CallerError):
+        close_fingers(rig, **how)
