@@ -23,6 +23,7 @@ from musclewire.experiment.grip import grip
 from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
 from musclewire.rigs.surroundings import Surroundings
 from musclewire.sensing.contact import THRESHOLD, ContactDetector
+from musclewire.sensing.polynomials import evaluate
 from musclewire.signals.recording import Recording
 
 BAR_N, BAR_FREE = 0.15, 20
@@ -111,6 +112,16 @@ def judge_contact(knowledge: GripperKnowledge, quick: bool) -> bool:
     return held
 
 
+def show_costs(knowledge: GripperKnowledge) -> None:
+    """Print what a tenth of a newton at the endpoints costs in holding power, beside what weather does."""
+    for place in (0.9, 0.6, 0.3):
+        lever = float(evaluate(knowledge.curve.leverage, place))
+        cost_w = 0.1 * lever * float(evaluate(knowledge.curve.power_per_newton_w, place))
+        holding_w = float(evaluate(knowledge.free.holding_power_w, place))
+        share = 100.0 * cost_w / holding_w
+        print(f"normalised resistance {place:g}: lever {lever:.1f}, 0.1 N costs {share:.1f} % of the holding power")
+
+
 def show_other_weather(knowledge: GripperKnowledge) -> None:
     """Print how stronger, shorter and longer draughts and slower closings do."""
     blocks = [Object(stiffness, 5.5e-3) for stiffness in (100.0, 500.0)]
@@ -172,6 +183,7 @@ def show_forces(knowledge: GripperKnowledge, quick: bool) -> None:
 def main() -> int:
     quick = "--quick" in sys.argv
     knowledge = learn_gripper(gripper(WEATHER), seed=LEARNING_SEED)
+    show_costs(knowledge)
     held = judge_contact(knowledge, quick)
     if not quick:
         show_other_weather(knowledge)
