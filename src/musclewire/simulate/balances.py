@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from musclewire.compiled import compiled
 from musclewire.physics.mechanics import (
     maximum_transformation_strain,
@@ -22,6 +24,10 @@ __all__ = [
     "stress_in_balance_pa",
     "total_strain",
 ]
+
+# How far a load may be from the straight line along which a Newton step went; less is an error of second order.
+SMALL_BEND_N = 1e-5
+MOST_NEWTON_STEPS = 30
 
 
 @compiled
@@ -56,6 +62,20 @@ def contraction_of(constants: WireConstants, strain: float) -> float:
     Strain counts from stress-free austenite, contraction from the longer wire that one lays a ruler on.
     """
     return (constants.cold_strain - strain) / (1.0 + constants.cold_strain)
+
+
+@compiled
+def contraction_at_stress(
+    constants: WireConstants,
+    stress_pa: float,
+    martensite: float,
+    r_phase: float,
+    temperature_k: float,
+    residual_strain: float,
+) -> float:
+    """Return the contraction of a wire at a stress while its phases stay."""
+    strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k) + residual_strain
+    return contraction_of(constants, strain)
 
 
 @compiled
@@ -107,22 +127,41 @@ def stress_in_balance_pa(
     push_n: float,
     push_n_per_m: float,
 ) -> float:
-    """Return the leg stress [Pa] at which wire and load agree: one Newton step from ``stress_pa``.
+    """Return the leg stress [Pa] at which wire and load agree: one Newton step from ``stress_pa``, on a kink a few.
 
     F_T = F_p + k S l_leg + what the load's table adds + friction, sigma = F_T / (legs A); a slack wire carries
-    nothing. ``push_n`` is a further force on the connector, and how it grows with displacement. The function is almost
-    linear in stress, so that one step leaves an error of second order; where the table has a kink, the next step's.
+    nothing. ``push_n`` is a further force on the connector where the wire is now, and how it grows with displacement.
+    The function is almost linear in stress, so that one step leaves an error of second order. Where the table bends
+    within that step, the steps go on, kept between stresses known to be too low and too high: from a wall a single
+    step would go far out of it, and the next one far into it.
     """
-    strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k) + residual_strain
-    contraction = contraction_of(constants, strain)
-    beyond_n, beyond_n_per_m = load_beyond_spring(constants, contraction * constants.leg_length_m)
     spring = constants.spring_stiffness_n_per_m * constants.leg_length_m
-    stiffness = spring + (beyond_n_per_m + push_n_per_m) * constants.leg_length_m
     section = constants.legs * constants.area_m2
-    wanted = (constants.pretension_n + spring * contraction + beyond_n + push_n + friction_n) / section
-    compliance = compliance_per_pa(constants, stress_pa, martensite)
     per_stretch = 1.0 / (1.0 + constants.cold_strain)
-    return max(stress_pa - (stress_pa - wanted) / (1.0 + stiffness * per_stretch * compliance / section), 0.0)
+    start = contraction_at_stress(constants, stress_pa, martensite, r_phase, temperature_k, residual_strain)
+    contraction = start
+    low_pa, high_pa = 0.0, math.inf
+    for _ in range(MOST_NEWTON_STEPS):
+        moved_m = (contraction - start) * constants.leg_length_m
+        beyond_n, beyond_n_per_m = load_beyond_spring(constants, contraction * constants.leg_length_m)
+        stiffness = spring + (beyond_n_per_m + push_n_per_m) * constants.leg_length_m
+        pushed_n = push_n + push_n_per_m * moved_m
+        wanted = (constants.pretension_n + spring * contraction + beyond_n + pushed_n + friction_n) / section
+        excess_pa = stress_pa - wanted
+        low_pa, high_pa = (low_pa, stress_pa) if excess_pa > 0.0 else (stress_pa, high_pa)
+        compliance = compliance_per_pa(constants, stress_pa, martensite)
+        stress_pa = max(stress_pa - excess_pa / (1.0 + stiffness * per_stretch * compliance / section), 0.0)
+        if stress_pa > high_pa or stress_pa < low_pa:
+            stress_pa = 0.5 * (low_pa + high_pa)
+        if constants.load_force_n.shape[0] == 2:  # a plain spring bends nowhere
+            break
+        before_m = contraction * constants.leg_length_m
+        contraction = contraction_at_stress(constants, stress_pa, martensite, r_phase, temperature_k, residual_strain)
+        after_m = contraction * constants.leg_length_m
+        straight_n = beyond_n + beyond_n_per_m * (after_m - before_m)
+        if abs(load_beyond_spring(constants, after_m)[0] - straight_n) < SMALL_BEND_N:
+            break
+    return stress_pa
 
 
 @compiled

@@ -27,8 +27,11 @@ __all__ = ["advance", "advance_plain"]
 
 # A predicted capacity beyond this multiple of the wire's own means a plateau; more would only slow recovery.
 LARGEST_CAPACITY_RATIO = 30.0
-# Twice the steepest Clausius-Clapeyron slope of martensite: no load makes stress follow temperature faster.
-STEEPEST_STRESS_PA_PER_K = 2e7
+# How steeply stress is predicted to follow temperature at most, as a share of Clausius and Clapeyron's slope. A rest
+# leaves a slope of rounding errors; were it steeper than theirs, a wire that cools would be predicted to lose stress
+# faster than martensite needs to, and would turn to austenite by cooling. A soft load shows that in its next step, a
+# stiff one cannot.
+SAFE_SHARE = 0.8
 # Parts in which a step's heat is taken up, at most; and the share of it that may be left for the next step.
 MOST_PARTS = 6
 SMALL_PART = 1e-2
@@ -160,11 +163,10 @@ def settled(
     rise_k: float,
     dt_s: float,
     stress_pa: float,
-    steepest_pa_per_k: float,
 ) -> WireNumbers:
     """Return the wire under its new stress, with the contraction, friction and resistance it then has.
 
-    How stress followed temperature is kept for the next step's prediction, up to ``steepest_pa_per_k``.
+    How stress followed temperature is kept for the next step's prediction, as far as it can be trusted.
     """
     martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
     strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k)
@@ -175,7 +177,8 @@ def settled(
     slope = state.stress_slope_pa_per_k
     if abs(rise_k) > NO_RISE_K:
         slope = (stress_pa - state.stress_pa) / rise_k
-        slope = min(max(slope, -steepest_pa_per_k), steepest_pa_per_k)
+        steepest = SAFE_SHARE * constants.martensite_stress_rate_pa_per_k
+        slope = min(max(slope, -steepest), steepest)
     resistance_ohm = resistance_of(constants, stress_pa, martensite, r_phase, temperature_k, freshness.fresh)
     return WireNumbers(
         state.time_s,
@@ -219,7 +222,7 @@ def balanced(
         push_n,
         push_n_per_m,
     )
-    return settled(state, constants, freshness, rise_k, dt_s, stress_pa, STEEPEST_STRESS_PA_PER_K)
+    return settled(state, constants, freshness, rise_k, dt_s, stress_pa)
 
 
 def advance(

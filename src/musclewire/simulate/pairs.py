@@ -30,8 +30,6 @@ APART = 0.0
 # Steps of Newton's method end below this; a wire then lacks 1e-8 N.
 SMALL_MOVE_M = 1e-13
 MOST_NEWTON_STEPS = 30
-# The slope of stress over temperature that is predicted, as a share of Clausius and Clapeyron's: safely below 1.
-SAFE_SHARE = 0.8
 NUMBERS = len(WireNumbers._fields)
 
 
@@ -171,17 +169,6 @@ def shared_stresses(
 
 
 @compiled
-def steepest_of(constants: WireConstants) -> float:
-    """Return how steeply stress is predicted to follow temperature at most, in a wire that shares its connector.
-
-    A rest leaves a slope of rounding errors. Were it steeper than Clausius and Clapeyron's, a wire that cools would be
-    predicted to lose stress faster than martensite needs to lose it, and would turn to austenite by cooling. A single
-    wire on a soft load shows that its next step; a second wire makes the load stiff.
-    """
-    return SAFE_SHARE * constants.martensite_stress_rate_pa_per_k
-
-
-@compiled
 def currents_a(
     first_ohm: float, second_ohm: float, series_ohm: float, drive_voltage_v: float, pair: Pair
 ) -> tuple[float, float, float, float]:
@@ -218,8 +205,8 @@ def settled_pair(
             first, second, one, other, first_freshness, second_freshness, pair.direction
         )
         return (
-            settled(first, one, first_freshness, rises_k[0], dt_s, stress, steepest_of(one)),
-            settled(second, other, second_freshness, rises_k[1], dt_s, other_stress, steepest_of(other)),
+            settled(first, one, first_freshness, rises_k[0], dt_s, stress),
+            settled(second, other, second_freshness, rises_k[1], dt_s, other_stress),
             0.0,
         )
     # Each finger takes the other where it was: one step of lag, with its own give in the balance.

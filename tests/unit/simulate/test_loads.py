@@ -12,13 +12,13 @@ from scipy.optimize import brentq
 from wire_makers import Array, constants, run, slow_sine_v
 
 from musclewire.errors import CallerError
-from musclewire.parameters import load_alloy
+from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.published_ranges import published_ranges
 from musclewire.simulate.balances import friction_limit_n, load_beyond_spring
 from musclewire.simulate.kernel import advance
 from musclewire.simulate.loads import Load, spring_load, with_table
 from musclewire.simulate.state import WireConstants, WireState
-from musclewire.simulate.wire import resting_state
+from musclewire.simulate.wire import constants_from, resting_state
 
 REACH_M = 7e-3
 SMOOTH = {"guide_friction_n": 0.0}
@@ -258,3 +258,20 @@ def test_a_load_that_is_no_number_or_reaches_nowhere_is_refused() -> None:
 def test_friction_of_the_load_asks_for_a_presliding_travel_that_a_step_can_follow() -> None:
     with pytest.raises(CallerError, match="guide_presliding_m"):
         constants(load=LOADS["hardening"], bench_values={**SMOOTH, "guide_presliding_m": 1e-7})
+
+
+@pytest.mark.parametrize("stiffness_n_per_m", [1e3, 1e6, 1e7])
+def test_a_wall_of_any_stiffness_is_met_without_a_jump_and_alike_by_long_and_short_steps(
+    stiffness_n_per_m: float,
+) -> None:
+    """A step that a kink throws far out would come back far in: at 1e6 N/m it was 15.7 N instead of 5.2."""
+    load = tabulated(386.2, hook(0.4e-3, stiffness_n_per_m))
+    wire = constants_from(load_alloy("flexinol"), load_wire("finger-100um"), load_bench("finger"), load=load)
+    largest = []
+    for dt_s in (1e-3, 2e-4):
+        state, force = resting_state(wire), []
+        for sample in range(300):
+            state, means = advance(state, wire, 1.75 if 20 < sample < 200 else 0.3, dt_s, round(0.05 / dt_s))
+            force.append(means.force_n)
+        largest.append(max(force))
+    assert largest[0] == pytest.approx(largest[1], rel=0.05)
