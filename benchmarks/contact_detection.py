@@ -113,7 +113,8 @@ def judge_contact(knowledge: GripperKnowledge, quick: bool) -> bool:
 
 
 def show_costs(knowledge: GripperKnowledge) -> None:
-    """Print what a tenth of a newton at the endpoints costs in holding power, beside what weather does."""
+    """Print how far free fingers close, and what a tenth of a newton between them costs in holding power."""
+    print(f"free fingers close by {1e3 * knowledge.curve.closed_m(0.0):.1f} mm, both together")
     for place in (0.9, 0.6, 0.3):
         lever = float(evaluate(knowledge.curve.leverage, place))
         cost_w = 0.1 * lever * float(evaluate(knowledge.curve.power_per_newton_w, place))

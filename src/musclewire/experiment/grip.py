@@ -27,8 +27,8 @@ __all__ = ["GripPolicy", "GripRun", "grip"]
 
 TARGET_N = 0.3
 HOLD_S = 5.0
-# A wire that cools a little does not let go: its way back begins some 20 K lower. So the hold needs no controller, only
-# a drive so far below what would close further that a draught seldom does. A draught of 8 % warms by some 5 K.
+# A wire that cools a little does not let go, by its hysteresis. So the hold needs no controller, only a drive so far
+# below what would close further that weather seldom does: 4 % in voltage are 8 % in power, a usual draught.
 HOLD_SHARE = 0.96
 # The end of the hold is judged.
 JUDGED_S = 3.0
