@@ -153,8 +153,11 @@ def print_line(name: str, scores: Sequence[float], found: Sequence[float | None]
     )
 
 
-def show_forces(knowledge: GripperKnowledge, quick: bool) -> None:
-    """Print the errors of the held force, with the block's stiffness known and unknown; target 0.3 N."""
+def show_forces(days: Sequence[GripperKnowledge], quick: bool) -> None:
+    """Print the errors of the held force, with the block's stiffness known and unknown; target 0.3 N.
+
+    ``days`` are grippers that have learned on different days; they take turns.
+    """
     for known in (True, False):
         print(
             f"held force, stiffness {'known' if known else 'unknown'}; errors of the estimate against the load cell [N]"
@@ -165,7 +168,7 @@ def show_forces(knowledge: GripperKnowledge, quick: bool) -> None:
             for clearance in (4e-3,) if quick else CLEARANCES_M:
                 for seed in range(2 if quick else 5):
                     with open_rig(with_object(gripper(WEATHER), Object(stiffness, clearance)), seed=seed) as rig:
-                        run = grip(rig, knowledge, stiffness_n_per_m=stiffness if known else None)
+                        run = grip(rig, days[seed % len(days)], stiffness_n_per_m=stiffness if known else None)
                     if run.held and run.true_force_n is not None:
                         errors.append((run.estimated_force_n or 0.0) - run.true_force_n)
                         held.append(run.true_force_n)
@@ -189,7 +192,8 @@ def main() -> int:
     if not quick:
         show_other_weather(knowledge)
         show_other_days()
-    show_forces(knowledge, quick)
+    others = [] if quick else [learn_gripper(gripper(WEATHER), seed=seed) for seed in OTHER_DAYS[:4]]
+    show_forces([knowledge, *others], quick)
     return int(not held)
 
 

@@ -68,6 +68,7 @@ class GripPolicy:
         self._target_n, self._known_n_per_m = target_n, stiffness_n_per_m
         self.state = detector.start()
         self.stiffness_n_per_m: float | None = None
+        self.contact = 1.0
         self._held_v: float | None = None
         self._force_n = 0.0
         self._place_before = 1.0
@@ -107,18 +108,26 @@ class GripPolicy:
             moved, self._place_before = self._place_before - place, place
             before_n, power_w = self._force_n, sample.wire_voltage_v**2 / resistance_ohm
             self.state = self._detector.step(self.state, resistance_ohm, power_w, self._sample_period_s)
-            stiffness = self._known_n_per_m or self._curve.stiffness_by_power_n_per_m(
-                place, self.state.place, self.state.slope_w
-            )
-            self._force_n = self._curve.force_n(place, self.state.place, stiffness) if self.state.touched else 0.0
+            if not self.state.touched:
+                return self._closing(elapsed_s)
+            stiffness = self._follow_contact(place)
+            self._force_n = self._curve.force_n(place, self.contact, stiffness)
             # The wire goes on for a sample: the hold begins where the next one would reach the target.
             if self._force_n <= 0.0 or 2.0 * self._force_n - before_n < self._target_n:
                 return self._closing(elapsed_s)
             self.stiffness_n_per_m = stiffness
             self._held_v = self._holding_voltage_v(sample.drive_voltage_v, power_w, place, moved)
             return self._held_v
-        self._force_n = self._curve.force_n(place, self.state.place, self.stiffness_n_per_m or 0.0)
+        self._force_n = self._curve.force_n(place, self.contact, self.stiffness_n_per_m or 0.0)
         return self._held_v
+
+    def _follow_contact(self, place: float) -> float:
+        """Say anew where contact began, and return the object's stiffness: the known one, or what power tells."""
+        if self._known_n_per_m is not None:
+            self.contact = self._curve.contact_place(self.state, self._known_n_per_m)
+            return self._known_n_per_m
+        self.contact = self.state.place
+        return self._curve.stiffness_by_power_n_per_m(place, self.contact, self.state.slope_w)
 
     def _holding_voltage_v(self, drive_voltage_v: float, power_w: float, place: float, moved: float) -> float:
         """Return the drive that holds: without the power that the motion of the last sample took, and a little less."""
@@ -219,10 +228,10 @@ def judged(recording: Recording, policy: GripPolicy, knowledge: GripperKnowledge
         run,
         contact_s=round(float(recording["time_s"][first]) - REST_S, 9),
         true_force_at_contact_n=None if force is None else float(force[first]),
-        opening_m=knowledge.curve.closed_m(policy.state.place),
+        opening_m=knowledge.curve.closed_m(policy.contact),
         stiffness_n_per_m=policy.stiffness_n_per_m,
         held=held,
         estimated_force_n=float(recording["estimated_grip_force_n"][end].mean()),
         true_force_n=None if force is None else float(force[end].mean()),
-        most_force_n=knowledge.curve.most_force_n(knowledge.free.normalised(resistance), policy.state.place),
+        most_force_n=knowledge.curve.most_force_n(knowledge.free.normalised(resistance), policy.contact),
     )

@@ -17,6 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from musclewire.errors import CallerError
+from musclewire.sensing.contact import ContactState
 from musclewire.sensing.polynomials import evaluate
 
 __all__ = ["GripCurve"]
@@ -82,6 +83,26 @@ class GripCurve:
             return SOFTEST_N_PER_M
         give = travel_m / force - self.compliance_m_per_n(normalised)
         return min(max(1.0 / give, SOFTEST_N_PER_M), STIFFEST_N_PER_M) if give > 0.0 else STIFFEST_N_PER_M
+
+    def contact_place(self, state: ContactState, stiffness_n_per_m: float) -> float:
+        """Return where contact most likely began with an object of known stiffness, as normalised resistance.
+
+        The stiffness says how power grows from each place, which leaves less to weather than the best slope of all:
+        log-likelihoods s (overlap) - s^2 (weight) / 2 of the detector's candidates, at the slope s each should have.
+        """
+        here = state.normalised
+        if here is None or not state.places.size:
+            return state.place
+        cost_w = float(evaluate(self.power_per_newton_w, self._within(here))) * self._lever(here)
+        best, place = 0.0, state.place
+        for at, overlap, weight in zip(state.places, state.overlaps, state.weights, strict=True):
+            if at <= here:
+                continue
+            slope = cost_w * self.force_n(here, float(at), stiffness_n_per_m) / (at - here)
+            likelihood = slope * overlap - 0.5 * slope * slope * weight
+            if likelihood > best:
+                best, place = likelihood, float(at)
+        return place
 
     def _within(self, normalised: float) -> float:
         return min(max(normalised, self.normalised_min), self.normalised_max)

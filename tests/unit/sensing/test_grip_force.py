@@ -2,11 +2,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
+from musclewire.sensing.contact import ContactDetector, FreeClosing
 from musclewire.sensing.grip_force import GripCurve
 
 # Two fingers whose endpoints move 6 mm while resistance falls through its range, lever 5 throughout.
@@ -20,6 +22,7 @@ CURVE = GripCurve(
     normalised_min=0.0,
     normalised_max=1.0,
 )
+FREE = FreeClosing(15.0, 17.5, (0.5,), (0.25,), 0.0, 1.0, 0.001, 0.6)
 # Springs in series: the object's, two fingers of 1 mm/N and two wires of 0.04 mm/N at a lever of 5.
 GIVE_M_PER_N = 2 * 1e-3 + 2 * 4e-5 * 25
 
@@ -59,3 +62,29 @@ def test_before_contact_there_is_no_force() -> None:
 def test_a_curve_that_cannot_be_is_refused(wrong: dict) -> None:
     with pytest.raises(CallerError):
         replace(CURVE, **wrong)
+
+
+def test_a_known_stiffness_picks_the_place_from_which_power_grows_as_it_should() -> None:
+    # Two candidates that explain the power alike well, by a steep slope from near and by a flat one from far.
+    near, far, here = 0.6, 0.8, 0.5
+    slopes = [0.05 * 5.0 * CURVE.force_n(here, place, stiffness) / (place - here) for place, stiffness in
+              ((near, 1000.0), (far, 100.0))]  # fmt: skip
+    weights = np.array([4.0 / slope**2 for slope in slopes])
+    state = (
+        ContactDetector(FREE)
+        .start()
+        ._replace(
+            normalised=here,
+            places=np.array([near, far]),
+            overlaps=weights * np.array(slopes),
+            weights=weights,
+            place=far,
+        )
+    )
+    assert CURVE.contact_place(state, 1000.0) == near
+    assert CURVE.contact_place(state, 100.0) == far
+
+
+def test_without_candidates_the_place_is_the_detectors() -> None:
+    state = ContactDetector(FREE).start()
+    assert CURVE.contact_place(state, 200.0) == state.place
