@@ -1,4 +1,4 @@
-"""Every printed number of the paper's sections II and III beside ours: checks, the runs they need, and the verdict."""
+"""Every printed number of the paper beside ours: checks, the runs they need, and the verdict."""
 
 from musclewire.experiment.reproduce.checks import Check, Row, judged, selected
 from musclewire.experiment.reproduce.loops import Loop
