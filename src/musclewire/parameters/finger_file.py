@@ -19,7 +19,6 @@ tendon_travel_m = [0.0, ...]
 from __future__ import annotations
 
 import math
-import tomllib
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -30,6 +29,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.schema import Parameter
+from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import parameter_lines, quoted
 
@@ -124,13 +124,7 @@ def named_finger(name: str) -> FingerFile:
 
 def read_finger_file(path: Path) -> FingerFile:
     """Return a finger file, checked."""
-    try:
-        data = tomllib.loads(path.read_text("utf-8"))
-    except FileNotFoundError:
-        raise CallerError(f"there is no finger file {path}") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise CallerError(f"finger file {path} cannot be read: {error}") from None
-    return validated(FingerFile, data, f"finger file {path}")
+    return validated(FingerFile, read_toml(path, "finger file"), f"finger file {path}")
 
 
 def finger_file_text(name: str, description: str, geometry: dict[str, Parameter], curve: FingerCurve) -> str:

@@ -17,7 +17,6 @@ source = "bending test of a strip"
 
 from __future__ import annotations
 
-import tomllib
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -27,6 +26,7 @@ from pydantic import Field, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.schema import Parameter, ParameterGroup, parameter
+from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 
 __all__ = ["Material", "load_material", "material_names"]
@@ -103,10 +103,4 @@ def named_material(name: str) -> Material:
 
 def read_material_file(path: Path) -> Material:
     """Return a material file, checked."""
-    try:
-        data = tomllib.loads(path.read_text("utf-8"))
-    except FileNotFoundError:
-        raise CallerError(f"there is no material file {path}") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise CallerError(f"material file {path} cannot be read: {error}") from None
-    return validated(Material, data, f"material file {path}")
+    return validated(Material, read_toml(path, "material file"), f"material file {path}")

@@ -20,15 +20,15 @@ source = "calliper"
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, model_validator
 
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import nearest_hint
 from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire, checked
+from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 
 __all__ = ["WireFile", "is_wire_file", "read_wire_file", "wire_file_text"]
@@ -69,12 +69,7 @@ def is_wire_file(name: str) -> bool:
 def read_wire_file(path: str | Path) -> WireFile:
     """Return a wire file, checked. Raises CallerError naming the file, the key and the nearest right key."""
     file = Path(path)
-    try:
-        data = tomllib.loads(file.read_text("utf-8"))
-    except FileNotFoundError:
-        raise CallerError(f"there is no wire file {file}") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise CallerError(f"wire file {file} cannot be read: {error}") from None
+    data = read_toml(file, "wire file")
     head = {key: data.get(key, "") for key in HEAD}
     # load_alloy finds the alloy where load_wire found the wire: in this file.
     for group, texts in (("wire", {**head, "alloy": str(file.resolve())}), ("alloy", head)):

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
 from musclewire.parameters.schema import Bench, Parameter, ParameterGroup, Wire
+from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import is_wire_file
 from musclewire.rigs.load_parts import Part, Parts
@@ -58,12 +58,7 @@ class RigConfiguration(BaseModel):
 def read_rig_file(path: str | Path) -> RigConfiguration:
     """Return a rig file, checked. Raises CallerError naming the file, the key and the nearest right key."""
     file = Path(path)
-    try:
-        data: dict[str, Any] = tomllib.loads(file.read_text("utf-8"))
-    except FileNotFoundError:
-        raise CallerError(f"there is no rig file {file}; use the word 'simulated' for the simulated rig") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise CallerError(f"rig file {file} cannot be read: {error}") from None
+    data = read_toml(file, "rig file", "; use the word 'simulated' for the simulated rig")
     return beside(validated(RigConfiguration, data, f"rig file {file}"), file.parent)
 
 

@@ -11,12 +11,11 @@ finger = "lan-fan-2010"
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Literal, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from musclewire.errors import CallerError
-from musclewire.signals.units import parse_quantity
+from musclewire.rigs.quantities import measured_in
 
 __all__ = [
     "Antagonist",
@@ -30,20 +29,6 @@ __all__ = [
     "Spring",
     "Weight",
 ]
-
-
-def measured_in(unit: str) -> BeforeValidator:
-    """Return a validator that takes a number in SI or text with a unit."""
-
-    def in_si(given: Any) -> Any:
-        if not isinstance(given, str):
-            return given
-        try:
-            return parse_quantity(given, unit)
-        except CallerError as error:
-            raise ValueError(str(error)) from None
-
-    return BeforeValidator(in_si)
 
 
 Stiffness = Annotated[float, measured_in("N/m"), Field(gt=0.0, allow_inf_nan=False)]

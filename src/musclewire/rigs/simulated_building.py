@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,53 +29,62 @@ def wires_of(
     Raises CallerError for numbers that cannot belong to a wire, for a force or voltage that one does not allow, and
     for an unknown second wire.
     """
-
-    def made(spool: Wire, metal: Alloy, load: Load, *, rubs: bool, pretension_n: float) -> WireConstants:
-        allowed_n = spool.maximum_force_n.value
-        if pretension_n > allowed_n:
-            raise CallerError(
-                f"stage and weight pull the cold wire {spool.name} with {pretension_n:g} N, "
-                f"{pretension_n - allowed_n:.3g} N more than the {allowed_n:g} N it allows: a lighter weight, less "
-                "pretension or a thicker wire"
-            )
-        around = bench.model_copy(
-            update={
-                "pretension_n": bench.pretension_n.model_copy(update={"value": pretension_n}),
-                **({} if rubs else {"guide_friction_n": bench.guide_friction_n.model_copy(update={"value": 0.0})}),
-            }
-        )
-        return constants_from(metal, spool, around, load=load, new_wire=new_wire)
-
+    first = Spool(wire, alloy, bench, new_wire)
     stage_n = bench.pretension_n.value if mechanism.stage else 0.0
     cold_n = stage_n + mechanism.added_n
     partner = next((part for part in parts if isinstance(part, (Antagonist, ParallelWire, SecondFinger))), None)
     if partner is None:
-        return OneWire(made(wire, alloy, mechanism.load, rubs=True, pretension_n=cold_n))
+        return OneWire(first.pulling(mechanism.load, cold_n))
     other = wire if partner.wire is None else load_wire(partner.wire)
-    metal = alloy if partner.wire is None else load_alloy(other.alloy)
+    second = Spool(other, alloy if partner.wire is None else load_alloy(other.alloy), bench, new_wire)
     if isinstance(partner, SecondFinger):
-        both = tuple(
-            made(spool, of, mechanism.load, rubs=True, pretension_n=cold_n)
-            for spool, of in ((wire, alloy), (other, metal))
-        )
-        pair = Pair(APART, SERIES, 0.0, 1.0)
-        return TwoWires((both[0], both[1]), pair, grip_between(parts, mechanism.tendon, both[0]))
-    alone = spring_load(0.0)
+        one, two = (spool.pulling(mechanism.load, cold_n) for spool in (first, second))
+        return TwoWires((one, two), Pair(APART, SERIES, 0.0, 1.0), grip_between(parts, mechanism.tendon, one))
     if isinstance(partner, Antagonist):
-        if partner.voltage > other.maximum_voltage_v.value:
-            raise CallerError(
-                f"the antagonist's voltage of {partner.voltage:g} V is above the {other.maximum_voltage_v.value:g} V "
-                f"that wire {other.name} allows"
-            )
-        first = made(wire, alloy, mechanism.load, rubs=True, pretension_n=cold_n)
-        second = made(other, metal, alone, rubs=False, pretension_n=stage_n)
-        pair = Pair(-1.0, OWN_SUPPLY, partner.voltage, first.series_resistance_ohm)
-        return TwoWires((first, second), pair, no_grip())
+        require_voltage(partner, other)
+        one, two = first.pulling(mechanism.load, cold_n), second.pulling(None, stage_n)
+        return TwoWires((one, two), Pair(-1.0, OWN_SUPPLY, partner.voltage, one.series_resistance_ohm), no_grip())
     sections = [spool.diameter_m.value**2 for spool in (wire, other)]
     own = sections[0] / sum(sections)
-    first = made(wire, alloy, mechanism.load, rubs=True, pretension_n=own * cold_n)
-    second = made(other, metal, alone, rubs=False, pretension_n=(1.0 - own) * cold_n)
-    return TwoWires((first, second), Pair(1.0, PARALLEL, 0.0, 1.0), no_grip())
+    one, two = first.pulling(mechanism.load, own * cold_n), second.pulling(None, (1.0 - own) * cold_n)
+    return TwoWires((one, two), Pair(1.0, PARALLEL, 0.0, 1.0), no_grip())
+
+
+class Spool(NamedTuple):
+    """A wire, its alloy and the bench it hangs on."""
+
+    wire: Wire
+    alloy: Alloy
+    bench: Bench
+    new_wire: bool
+
+    def pulling(self, load: Load | None, pretension_n: float) -> WireConstants:
+        """Return the constants of this wire at a cold pull; without a load it only shares another wire's connector.
+
+        Raises CallerError for a pull that the wire does not allow.
+        """
+        allowed_n = self.wire.maximum_force_n.value
+        if pretension_n > allowed_n:
+            raise CallerError(
+                f"stage and weight pull the cold wire {self.wire.name} with {pretension_n:g} N, "
+                f"{pretension_n - allowed_n:.3g} N more than the {allowed_n:g} N it allows: a lighter weight, less "
+                "pretension or a thicker wire"
+            )
+        changed = {"pretension_n": pretension_n}
+        if load is None:  # the guide rubs on the first wire's account
+            changed["guide_friction_n"] = 0.0
+        known = {name: getattr(self.bench, name).model_copy(update={"value": value}) for name, value in changed.items()}
+        around = self.bench.model_copy(update=known)
+        return constants_from(self.alloy, self.wire, around, load=load or spring_load(0.0), new_wire=self.new_wire)
+
+
+def require_voltage(partner: Antagonist, wire: Wire) -> None:
+    """Raise CallerError for an antagonist's voltage above what its wire allows."""
+    if partner.voltage > wire.maximum_voltage_v.value:
+        raise CallerError(
+            f"the antagonist's voltage of {partner.voltage:g} V is above the {wire.maximum_voltage_v.value:g} V "
+            f"that wire {wire.name} allows"
+        )
 
 
 def grip_between(parts: Sequence[Part], tendon: Tendon | None, constants: WireConstants) -> Grip:

@@ -6,10 +6,9 @@ import math
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field
 
-from musclewire.errors import CallerError
-from musclewire.signals.units import parse_quantity
+from musclewire.rigs.quantities import measured_in
 
 __all__ = ["Air", "Surroundings", "Weather"]
 
@@ -21,30 +20,8 @@ STREAM = 7919
 LARGEST_SWING_K = 20.0
 
 
-def seconds(given: object) -> object:
-    """Take a time as a number in seconds or as text with a unit."""
-    return converted(given, "s")
-
-
-def kelvins(given: object) -> object:
-    """Take a temperature difference as a number in kelvins or as text with a unit."""
-    if isinstance(given, str) and given.rstrip().endswith(("degC", "degF", "°C", "°F", "celsius", "fahrenheit")):
-        raise ValueError(f"'{given}': a difference of temperatures is needed, like '3 K'")
-    return converted(given, "K")
-
-
-def converted(given: object, unit: str) -> object:
-    """Return text with a unit in SI, anything else as it is."""
-    if not isinstance(given, str):
-        return given
-    try:
-        return parse_quantity(given, unit)
-    except CallerError as error:
-        raise ValueError(str(error)) from None
-
-
-Seconds = Annotated[float, BeforeValidator(seconds), Field(gt=0.0, allow_inf_nan=False)]
-Kelvins = Annotated[float, BeforeValidator(kelvins), Field(ge=0.0, le=LARGEST_SWING_K, allow_inf_nan=False)]
+Seconds = Annotated[float, measured_in("s"), Field(gt=0.0, allow_inf_nan=False)]
+Kelvins = Annotated[float, measured_in("K", difference=True), Field(ge=0.0, le=LARGEST_SWING_K, allow_inf_nan=False)]
 
 
 class Surroundings(BaseModel):

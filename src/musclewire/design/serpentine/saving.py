@@ -16,7 +16,6 @@ half_length_m = 0.01172
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Literal
 
@@ -24,8 +23,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.design.serpentine.analysis import Pretensioner
 from musclewire.design.serpentine.geometry import SerpentineGeometry
-from musclewire.errors import CallerError
 from musclewire.parameters.schema import Parameter
+from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import parameter_lines, quoted
 
@@ -66,13 +65,7 @@ class PretensionerFile(BaseModel):
 
 def read_pretensioner(path: str | Path) -> PretensionerFile:
     """Return a pretensioner's file, checked. Raises CallerError naming the file, the key and the nearest right key."""
-    try:
-        data = tomllib.loads(Path(path).read_text("utf-8"))
-    except FileNotFoundError:
-        raise CallerError(f"there is no pretensioner file {path}") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise CallerError(f"pretensioner file {path} cannot be read: {error}") from None
-    return validated(PretensionerFile, data, f"pretensioner file {path}")
+    return validated(PretensionerFile, read_toml(Path(path), "pretensioner file"), f"pretensioner file {path}")
 
 
 def pretensioner_text(made: Pretensioner, material_name: str) -> str:
