@@ -230,9 +230,10 @@ def derived_table(alloy: Alloy) -> str:
     return table(["quantity", "value", "published", "inside", "remark"], rows)
 
 
-WIRES_TEXT = """What belongs to one spool; everything else is the alloy's. `finger-100um` is the wire of the paper's finger, read
-as a spool of its own ([decision 10](../explanation/decisions/0010-the-fingers-wire-is-its-own-spool.md)). The isobar
-sample is the wire behind the published isobars, whose diameter and class are not stated."""
+WIRES_TEXT = """What belongs to one spool; everything else is the alloy's. `finger-100um` is the wire of the
+paper's finger, read as a spool of its own ([decision
+10](../explanation/decisions/0010-the-fingers-wire-is-its-own-spool.md)). The isobar sample is the wire behind the
+published isobars, whose diameter and class are not stated."""
 
 
 def wires_table(wires: list[Wire]) -> str:
