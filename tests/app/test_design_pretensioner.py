@@ -151,7 +151,9 @@ def test_a_material_of_ones_own_is_read_from_its_file(musclewire: Callable[..., 
         (("--stiffness", "386.2 N/m", "--plot", "p.gif"), ("a figure is one of",)),
         (("--stiffness", "386.2 N/m", "--drawing", "nowhere/p.svg"), ("there is no folder nowhere",)),
         (("--stifness", "386.2 N/m"), ("--stiffness",)),
-        ((*SMALL[:-2], "--pitch", "0.5 mm"), ("does not fit between beams",)),
+        ((*SMALL[:-2], "--pitch", "0.5 mm"), ("leave no gap: the pitch must be above the thickness",)),
+        (("--stiffness", "386.2 N/m", "--envelope", ""), ("'' is no envelope",)),
+        (("--stiffness", "386.2 N/m", "--envelope", "1e1x1e1x1e0 mm"), ("mm more than the 10.00 mm",)),
     ],
 )
 def test_what_cannot_be_is_one_line_and_exit_code_2(

@@ -215,7 +215,7 @@ def test_a_part_that_does_not_fit_is_told_by_how_much() -> None:
         ({"corner_radius_m": 5e-3}, "corner radius of 5 mm does not fit between beams 3.6 mm apart"),
         ({"corner_radius_m": -1e-3}, "corner radius is -1 mm"),
         ({"half_length_m": 1e-3}, "a half length of 1 mm is too short for beams of 0.4 mm"),
-        ({"pitch_m": 0.3e-3}, "does not fit between beams"),
+        ({"pitch_m": 0.3e-3}, "leave no gap"),
     ],
 )
 def test_what_is_no_serpentine_is_said_in_one_line(changes: dict[str, float], words: str) -> None:

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 __all__ = ["pretensioner"]
 
+# A number at the beginning of a text; what is left is its unit.
+NUMBER = re.compile(r"^[+-]?[\d.]+([eE][+-]?\d+)?\s*")
 FORMATS = (".svg", ".dxf")
 # Lan and Fan 2010, section 4: the pretensioner's dimensions and the pretension of the finger's wire. The stroke, 3 % of
 # a leg of 35 mm, is ours.
@@ -82,7 +84,7 @@ def pretensioner(
     room: Envelope | None
     if stiffness is not None:
         name = material or USUAL_MATERIAL
-        within = room_from(envelope or USUAL_ENVELOPE, depth)
+        within = room_from(USUAL_ENVELOPE if envelope is None else envelope, depth)
         made, room = sized(stiffness, duty, name, process, within), within
     else:
         # What is given as it is need not fit into anything, unless told to.
@@ -151,11 +153,11 @@ def room_from(envelope: str, depth: str | None) -> Envelope:
     from musclewire.signals.units import parse_quantity
 
     parts = [part.strip() for part in re.split(r"[x×]", envelope)]
-    unit = re.sub(r"^[\d.eE+-]*\s*", "", parts[-1])
+    unit = re.sub(NUMBER, "", parts[-1])
     if len(parts) != 3 or not unit:
         raise CallerError(f"'{envelope}' is no envelope: write three sizes and a unit, as '24.6x27.6x10 mm'")
     across, along, deep = (
-        parse_quantity(part if re.search(r"[a-zA-Z]", part) else f"{part} {unit}", "m") for part in parts
+        parse_quantity(part if re.sub(NUMBER, "", part) else f"{part} {unit}", "m") for part in parts
     )
     asked = quantity_option(depth, "m")
     if asked is not None and asked > deep:

@@ -35,10 +35,14 @@ MOST_ANGLE_RAD = 0.75 * math.pi
 WALL_M = 0.1e-3
 # Two legs of tendon side by side want this depth.
 LEAST_DEPTH_M = 2e-3
+# From one section to the next: a hundredth of a millimetre, or this share of a thick beam.
+SECTION_SHARE = 0.01
 # Columns stand out twice as far as their holes: the holes are in the middle, the outer half is the isolator.
 COLUMN_HEIGHT_OFFSETS = 2.0
 # The search for an offset begins so much further out than an even arc says, and goes inward in such steps.
 FURTHEST_GUESS, NEAREST_GUESS, GUESS_STEP = 1.6, 0.4, 1.08
+# Where the endpoint moves by less than this share of what is asked for, the travel is of another order.
+LEAST_SHARE = 0.05
 # Plates this much thicker than the beam bend a thousandth of what the beam does.
 PLATE_THICKNESSES = 5.0
 
@@ -121,7 +125,8 @@ def offset_for(request: FingerRequest) -> float:
             f"{1e3 * request.overall_length_m:g} mm gives at most {1e3 * reached.max():.2f} mm however far it curls, "
             f"{100 * (1 - reached.max() / request.endpoint_m):.1f} % too little; make the finger longer"
         )
-    turn = float(angles[np.argmax(reached >= request.endpoint_m)] - angles[0])
+    rising = slice(int(np.argmax(reached)) + 1)
+    turn = float(np.interp(request.endpoint_m, reached[rising], angles[rising]) - angles[0])
     return bracketed_offset(request, TRAVEL_SHARE * request.travel_m, TRAVEL_SHARE * request.travel_m / turn)
 
 
@@ -140,13 +145,21 @@ def bracketed_offset(request: FingerRequest, travel_m: float, guess_m: float) ->
         nearer = further / GUESS_STEP
         try:
             missing = too_far(nearer)
+            # Where the first step is too far already the guess was no guess: the limits say so below.
+            if missing >= 0.0 and too_far(further) < 0.0:
+                return float(brentq(too_far, nearer, further, xtol=1e-9))
         except NumericsError:
             break
-        if missing >= 0.0:
-            return float(brentq(too_far, nearer, further, xtol=1e-9))
-        if request.endpoint_m + missing < most:
+        if missing >= 0.0 or request.endpoint_m + missing < most:
             break
         further, most = nearer, request.endpoint_m + missing
+    if most <= LEAST_SHARE * request.endpoint_m:
+        raise CallerError(
+            f"a travel of {1e3 * request.travel_m:g} mm bends no such finger: its tendon would have to run about "
+            f"{1e3 * guess_m:.2g} mm from the middle of the beam; "
+            + ("less" if guess_m > 0.1 * request.overall_length_m else "more")
+            + f" travel for an endpoint of {1e3 * request.endpoint_m:g} mm"
+        )
     raise CallerError(
         f"{request.columns} columns on {1e3 * request.overall_length_m:g} mm move the endpoint {1e3 * most:.2f} mm at "
         f"most before it curls back, {100 * (1 - most / request.endpoint_m):.1f} % less than the "
@@ -219,13 +232,7 @@ def section_for(request: FingerRequest, material: Material, shape: FingerGeometr
         )
     found = sections(request, shape)
     if not found:
-        thinnest = rounded(request.least_thickness_m, up=True)
-        depth = depth_at(request, shape.with_(beam_thickness_m=thinnest))
-        raise CallerError(
-            f"a beam of {1e3 * thinnest:.2f} mm, the thinnest to be made, would have to be {1e3 * depth:.3f} mm deep "
-            f"for {request.stiffness_n_per_m:g} N/m; two tendon legs want {1e3 * LEAST_DEPTH_M:g} mm, "
-            f"{LEAST_DEPTH_M / depth:.1f} times that: another process, a softer material, or a stiffer finger"
-        )
+        raise no_section(request, shape)
     roomy = [section for section in found if section.depth_m <= request.most_depth_m]
     if not roomy:
         raise CallerError(
@@ -245,6 +252,25 @@ def section_for(request: FingerRequest, material: Material, shape: FingerGeometr
     return min(fitting, key=lambda section: abs(section.depth_m - request.depth_m))
 
 
+def no_section(request: FingerRequest, shape: FingerGeometry) -> CallerError:
+    """Return the error for a stiffness that no section between the thinnest and the thickest beam has."""
+    thinnest = rounded(request.least_thickness_m, up=True)
+    depth = depth_at(request, shape.with_(beam_thickness_m=thinnest))
+    if depth < LEAST_DEPTH_M:
+        return CallerError(
+            f"a beam of {1e3 * thinnest:.2f} mm, the thinnest to be made, would have to be {1e3 * depth:.3f} mm deep "
+            f"for {request.stiffness_n_per_m:g} N/m; two tendon legs want {1e3 * LEAST_DEPTH_M:g} mm, "
+            f"{LEAST_DEPTH_M / depth:.1f} times that: another process, a softer material, or a stiffer finger"
+        )
+    thickest = max(rounded(2.0 * (shape.tendon_offset_m - WALL_M - HOLE_RADIUS_M), down=True), thinnest)
+    depth = depth_at(request, shape.with_(beam_thickness_m=thickest))
+    return CallerError(
+        f"for {request.stiffness_n_per_m:g} N/m a beam of {1e3 * thickest:.2f} mm, the thickest beside the tendon's "
+        f"hole, would have to be {1e3 * depth:.2f} mm deep, {1e3 * (depth - request.most_depth_m):.2f} mm more than "
+        "there is room for: a softer finger or a stiffer material"
+    )
+
+
 class Section(NamedTuple):
     """A beam's section that gives the stiffness asked for, the finger at its endpoint, and its stress there."""
 
@@ -260,14 +286,17 @@ def sections(request: FingerRequest, shape: FingerGeometry) -> list[Section]:
     Of those too deep only the least deep one is kept, for the message.
     """
     found: list[Section] = []
-    thickness = rounded(request.least_thickness_m, up=True)
+    thinnest = rounded(request.least_thickness_m, up=True)
+    # Stiffness goes with the cube of the thickness: thinner than this is too deep anyway.
+    needless = 0.9 * np.cbrt(depth_at(request, shape.with_(beam_thickness_m=thinnest)) / (1.2 * request.most_depth_m))
+    thickness = max(thinnest, rounded(thinnest * float(needless)))
     while thickness < 2.0 * shape.tendon_offset_m:
         depth = depth_at(request, shape.with_(beam_thickness_m=thickness))
         if depth < LEAST_DEPTH_M:
             break
         if depth <= 1.2 * request.most_depth_m:
             found.append(section_at(request, shape.with_(beam_thickness_m=thickness, beam_depth_m=rounded(depth))))
-        thickness = rounded(thickness + ROUNDED_M)
+        thickness = rounded(thickness + max(ROUNDED_M, SECTION_SHARE * thickness))
     return found
 
 

@@ -116,6 +116,11 @@ class SerpentineGeometry:
                 f"a serpentine's corner radius is {1e3 * self.corner_radius_m:g} mm: it must be 0 or more"
             )
         widest = self.pitch_m - self.thickness_m
+        if widest <= 0.0:
+            raise CallerError(
+                f"beams of {1e3 * self.thickness_m:g} mm at a pitch of {1e3 * self.pitch_m:g} mm leave no gap: the "
+                f"pitch must be above the thickness, {-1e3 * widest:.3g} mm more at least"
+            )
         if 2.0 * self.corner_radius_m > widest + 1e-12:
             raise CallerError(
                 f"a corner radius of {1e3 * self.corner_radius_m:g} mm does not fit between beams "

@@ -55,6 +55,22 @@ def test_a_stiffer_finger_is_thicker_and_one_with_more_travel_has_its_tendon_fur
     assert further.tendon_offset_m > 1.2 * first.tendon_offset_m
 
 
+def test_all_lengths_and_the_stiffness_four_times_as_large_make_a_finger_four_times_as_large() -> None:
+    lengths = [
+        name for name in vars(PAPER) if name.endswith("_m") and name not in ("least_thickness_m", "stiffness_n_per_m")
+    ]
+    large = replace(PAPER, stiffness_n_per_m=4.0 * 1084.4, **{name: 4.0 * getattr(PAPER, name) for name in lengths})
+    first, finger = design_finger(PAPER, POM), design_finger(large, POM)
+    assert finger.tendon_offset_m == pytest.approx(4.0 * first.tendon_offset_m, rel=0.01)
+    assert finger.beam_thickness_m == pytest.approx(4.0 * first.beam_thickness_m, rel=0.04)
+
+
+def test_a_finger_far_longer_than_its_endpoint_moves_is_still_sized() -> None:
+    # The even arc for so small an angle once fell between two points of a grid, and the search had no bracket.
+    finger = design_finger(replace(PAPER, overall_length_m=0.1), POM)
+    assert finger_stiffness_n_per_m(finger) == pytest.approx(1084.4, rel=0.01)
+
+
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
@@ -69,6 +85,14 @@ def test_a_stiffer_finger_is_thicker_and_one_with_more_travel_has_its_tendon_fur
         ({"plate_length_m": 9.5e-3}, "nothing is left to bend"),
         ({"stiffness_n_per_m": -3.0}, "stiffness_n_per_m is -3"),
         ({"travel_m": float("nan")}, "travel_m is nan"),
+        (
+            {"stiffness_n_per_m": 1e9},
+            r"the thickest beside the tendon's hole, .* mm more than there is room for: a softer",
+        ),
+        ({"travel_m": 1.0}, r"a travel of 1000 mm bends no such finger: .* less travel"),
+        ({"endpoint_m": 1e-9}, r"tendon would have to run about \d.* mm .* less travel"),
+        ({"travel_m": 1e-9}, r"a travel of 1e-06 mm bends no such finger: .* more travel"),
+        ({"travel_m": 5e-3}, r"a travel of 5 mm bends no such finger: .* less travel"),
     ],
 )
 def test_the_limit_that_binds_is_named_and_by_how_much(changes: dict[str, float], said: str) -> None:
