@@ -325,8 +325,11 @@ def known_spring(loaded: SensingModel, path: Path, quantity: str, stiffness: flo
 
     Raises CallerError where the model does not sense the quantity, directly or by a stiffness.
     """
+    from musclewire.identify.recordings import QUANTITIES
     from musclewire.sensing.known_load import KnownSpring
 
+    if quantity not in QUANTITIES:
+        raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
     if stiffness is None:
         if loaded.quantity == quantity:
             return None

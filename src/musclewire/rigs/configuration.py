@@ -134,7 +134,8 @@ def open_rig(
 
     ``wire`` and ``bench`` name others than the rig's; ``wire`` may be a wire file, as ``musclewire calibrate`` writes
     it. ``settings`` change numbers of both by name, in SI or as text with a unit, as in ``open_rig("simulated",
-    pretension_n=1.7)``. Raises CallerError for unknown names and impossible numbers.
+    pretension_n=1.7)``. Raises CallerError for unknown names, impossible numbers, and settings that the rig's own load
+    leaves without effect.
     """
     from musclewire.rigs.simulated import SimulatedRig
 
@@ -144,8 +145,14 @@ def open_rig(
     around = load_bench(bench or configuration.bench)
     if bench is None and "bench" not in configuration.model_fields_set:
         around = changed_group(around, bench_known_with(name), f"wire file {name}")
-    chosen, around = with_settings(named, around, {**configuration.settings, **settings}, where)
-    return SimulatedRig(
+    given = {**configuration.settings, **settings}
+    chosen, around = with_settings(named, around, given, where)
+    if configuration.load and "spring_stiffness_n_per_m" in given:
+        raise CallerError(
+            f"{where}: the setting 'spring_stiffness_n_per_m' is of the bench's spring, and [[load]] takes its place: "
+            "give a part 'spring' with a stiffness"
+        )
+    opened = SimulatedRig(
         load_alloy(chosen.alloy),
         chosen,
         around,
@@ -155,3 +162,8 @@ def open_rig(
         new_wire=configuration.new_wire,
         real_time=real_time,
     )
+    if "pretension_n" in given and not opened.has_stage:
+        raise CallerError(
+            f"{where}: the setting 'pretension_n' has no stage to set: the part 'weight' is the pretension"
+        )
+    return opened

@@ -134,6 +134,11 @@ class SimulatedRig:
         return self._drive_voltage_v
 
     @property
+    def has_stage(self) -> bool:
+        """Whether a stage sets the pretension; where only a weight hangs, that is the pretension."""
+        return self._mechanism.stage
+
+    @property
     def wire_state(self) -> WireState:
         """The simulated truth: temperature, phases, energy. For judging a simulation, not for estimating."""
         return self._wires.state

@@ -24,6 +24,7 @@ __all__ = ["finger"]
 
 
 def finger(
+    context: typer.Context,
     stiffness: Annotated[
         str | None, typer.Option("--stiffness", help="Size a finger of this stiffness along the tendon, '1084.4 N/m'.")
     ] = None,
@@ -85,6 +86,7 @@ def finger(
     from musclewire.parameters.materials import load_material
 
     require_one_way({"--stiffness": stiffness, "--finger": file, "--thickness": thickness}, offset)
+    require_effect(context, {"--stiffness": stiffness, "--finger": file, "--wire": wire, "--foam": foam})
     drawings = drawing or []
     require_files(output, drawings, plot)
     metal = load_material(material)
@@ -150,6 +152,24 @@ def require_one_way(ways: dict[str, str | None], offset: str | None) -> None:
         raise CallerError(f"{' and '.join(taken)} exclude each other: give one of them")
     if (offset is None) != (ways["--thickness"] is None):
         raise CallerError("--thickness and --offset belong together: dimensions are given with both of them")
+
+
+# What an option needs beside it, or must not have, to change anything.
+NEEDS = {"clearance": "--foam", "wire_length": "--wire", "pretension": "--wire", "pretensioner": "--wire"}
+OF_A_FILE = ("depth", "length", "plate", "columns", "column_width", "inward", "process")
+
+
+def require_effect(context: typer.Context, others: dict[str, str | None]) -> None:
+    """Raise CallerError for an option that was given and would change nothing beside the others."""
+    sources = {name: context.get_parameter_source(name) for name in context.params}
+    for name in (name for name, source in sources.items() if source is not None and source.name == "COMMANDLINE"):
+        option = f"--{name.replace('_', '-')}"
+        if name in NEEDS and others[NEEDS[name]] is None:
+            raise CallerError(f"{option} goes with {NEEDS[name]}: give that too")
+        if name in OF_A_FILE and others["--finger"] is not None:
+            raise CallerError(f"{option} and --finger exclude each other: a finger's file has all dimensions")
+        if name == "most_depth" and others["--stiffness"] is None:
+            raise CallerError(f"{option} goes with --stiffness: dimensions are as given")
 
 
 def require_files(output: Path | None, drawings: list[Path], plot: Path | None) -> None:

@@ -77,6 +77,8 @@ def pretensioner(
         return
     given = {"--beams": beams, "--half-length": half_length, "--pitch": pitch, "--thickness": thickness}
     require_one_way(stiffness, file, given, corner)
+    if file is not None and depth is not None:
+        raise CallerError("--depth and --file contradict each other: the file has a depth")
     require_files(output, drawing, plot)
     from musclewire.design.serpentine.analysis import analyse
 
