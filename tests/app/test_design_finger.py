@@ -132,6 +132,7 @@ GIVEN = ("--finger", "lan-fan-2010")
         ((*GIVEN, "--plot", "finger.bmp"), "a figure is one of"),
         ((*GIVEN, "--depth", "5 mm"), "--depth and --finger exclude each other: a finger's file has all dimensions"),
         ((*GIVEN, "--column-width", "1 mm"), "--column-width and --finger exclude each other"),
+        ((*GIVEN, "--material", "spring-steel"), "is of 2.6 GPa, and spring-steel has 179 GPa"),
         ((*GIVEN, "--clearance", "3 mm"), "--clearance goes with --foam"),
         ((*SIZED, "--wire-length", "5 cm"), "--wire-length goes with --wire"),
         (("--thickness", "0.2 mm", "--offset", "1 mm", "--most-depth", "9 mm"), "--most-depth goes with --stiffness"),

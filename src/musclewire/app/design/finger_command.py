@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from musclewire.design.finger.question import FingerAnswer, WireQuestion
     from musclewire.design.finger.sizing import FingerRequest
     from musclewire.design.finger.statics import Foam
+    from musclewire.parameters.materials import Material
 
 __all__ = ["finger"]
 
@@ -103,6 +104,7 @@ def finger(
         request = requested(wanted, lengths, columns, (metres(depth), metres(most_depth), least))
     elif file is not None:
         geometry = of_file(file)
+        require_material_of(geometry, file, metal)
     else:
         section = (metres(thickness), metres(depth), metres(offset))
         geometry = given(section, lengths, columns, metal.youngs_modulus_pa.value)
@@ -133,6 +135,8 @@ def finger(
         raise typer.Exit(1)
 
 
+# Batches and sheets of one material differ by less.
+MODULUS_MARGIN = 0.3
 # Film and thin strip are sold from about here.
 LEAST_THICKNESS_M = 0.1e-3
 WAYS = "--stiffness '1084.4 N/m' to size one, --finger NAME for one that is there, or --thickness and --offset"
@@ -214,6 +218,16 @@ def given(
 
     thickness, depth, offset = section
     return geometry_of_section(thickness, depth, offset, lengths, columns, youngs_modulus_pa)
+
+
+def require_material_of(geometry: FingerGeometry, file: str, material: Material) -> None:
+    """Raise CallerError where a finger file is of a material much stiffer or softer than the one to judge it by."""
+    own, other = geometry.youngs_modulus_pa, material.youngs_modulus_pa.value
+    if abs(own / other - 1.0) > MODULUS_MARGIN:
+        raise CallerError(
+            f"finger {file} is of {1e-9 * own:g} GPa, and {material.name} has {1e-9 * other:g} GPa: name its own "
+            "--material, or compute another by --thickness and --offset"
+        )
 
 
 def require_made(geometry: FingerGeometry, process: str, least_m: float) -> None:
