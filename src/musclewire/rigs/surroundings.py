@@ -14,7 +14,6 @@ __all__ = ["Air", "Surroundings", "Weather"]
 
 # A draught stronger than this many of its standard deviations is cut off, so that convection never turns negative.
 STRONGEST = 3.0
-LEAST_CONVECTION = 0.2
 STREAM = 7919
 # The convection table stands at the bench's own air; further from it the table would no longer be of that air.
 LARGEST_SWING_K = 20.0
@@ -71,5 +70,5 @@ class Weather:
         swing = math.sin(2.0 * math.pi * time_s / self._of.ambient_period + self._phase)
         return Air(
             warmer_k=self._of.ambient_swing * swing,
-            convection_ratio=max(1.0 + self._of.draught * strength, LEAST_CONVECTION),
+            convection_ratio=1.0 + self._of.draught * strength,
         )
