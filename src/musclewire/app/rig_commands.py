@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 __all__ = ["add_rig_commands"]
 
 Amplitude = Annotated[str | None, typer.Option("--amplitude", help="Amplitude of the slow sine, as '3.2 V'.")]
+# Steps as a text: "2.5 mm to 6 mm by 0.5 mm".
+STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
 # Below this share of sensed samples a closed loop was not closed.
 LEAST_VALID_SHARE = 0.8
 Period = Annotated[float, typer.Option("--period", help="Period of the slow sine in seconds.", min=1.0, max=86400.0)]
@@ -194,7 +197,10 @@ def control(
         typer.Option("--stiffness", help="Force from a model of strain: the load's stiffness, as '588.6 N/m'."),
     ] = None,
     reference: Annotated[
-        str, typer.Option("--reference", help="'staircase', or a file with time_s and target_...")
+        str,
+        typer.Option(
+            "--reference", help="'staircase', steps of your own as '2.5 mm to 6 mm by 0.5 mm', or a file with targets."
+        ),
     ] = "staircase",
     output: OutputPath = None,
     rules: Annotated[
@@ -352,13 +358,18 @@ def staircase_for(loaded: SensingModel, load: KnownSpring | None, leg_length_m: 
 
 
 def read_reference(reference: str, quantity: str) -> Reference | None:
-    """Return the targets in a recording file, None for the built-in staircase."""
-    from musclewire.controllers import sampled_reference
+    """Return steps that the text tells, or the targets in a recording file; None for the built-in staircase."""
+    from musclewire.controllers import sampled_reference, staircase
     from musclewire.identify.recordings import COLUMN_SUFFIX
     from musclewire.signals import read_recording
+    from musclewire.signals.units import parse_quantity
 
     if reference == "staircase":
         return None
+    if steps := STEPS.fullmatch(reference.strip()):
+        unit = {"strain": "", "displacement": "m", "force": "N"}[quantity]
+        start, stop, by = (parse_quantity(text, unit) for text in steps.groups())
+        return staircase(start, stop, by)
     if not Path(reference).exists():
         raise CallerError(
             f"there is no reference '{reference}'{nearest_hint(reference, ['staircase'])}, or give a file"

@@ -34,6 +34,8 @@ APPROACH_S = 12.0
 LONGEST_BLIND_SAMPLES = 10
 # So far outside R_min..R_max, as a share of their span, no sample of this wire can be: another wire, or a fault.
 FOREIGN_SHARE = 0.15
+# Lengths that differ by less are one length, measured twice.
+SAME_LENGTH_SHARE = 0.005
 # What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
 RANGE_AS_PERCENT_STRAIN = 3.0
 # Where friction turns round, force moves steeply with strain: so many times the friction count as range, or the loop
@@ -245,10 +247,26 @@ def control(
 
 
 def check_same_wire(model: SensingModel, rig: Rig) -> None:
-    """Raise CallerError when model and rig both name their wire and the names differ."""
-    fitted, mounted = model.wire.get("wire"), rig.metadata().get("wire")
+    """Raise CallerError when model and rig both say what their wire is, how long, or what it moves, and differ.
+
+    Resistance goes with length, so a model of another length would read a cold wire as a contracted one; the
+    displacement of a finger's endpoint belongs to that finger.
+    """
+    known = rig.metadata()
+    fitted, mounted = model.wire.get("wire"), known.get("wire")
     if fitted and mounted and fitted != mounted:
         raise CallerError(f"this model was fitted to wire {fitted}, the rig has {mounted}: fit one for this wire")
+    lengths = model.wire.get("wire_length_m"), known.get("wire_length_m")
+    if all(isinstance(length, (int, float)) for length in lengths):
+        was, now = (float(length or 0.0) for length in lengths)
+        if abs(was - now) > SAME_LENGTH_SHARE * now:
+            raise CallerError(
+                f"this model was fitted to a wire of {1e3 * was:g} mm, the rig has one of {1e3 * now:g} mm: fit one "
+                "for this length"
+            )
+    moved, moves = model.wire.get("finger"), known.get("finger")
+    if model.quantity == "displacement" and moved and moves and moved != moves:
+        raise CallerError(f"this model was fitted to finger {moved}, the rig has {moves}: fit one for this finger")
 
 
 def check_targets(model: SensingModel, reference: Reference, sample_period_s: float) -> None:

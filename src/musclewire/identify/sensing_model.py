@@ -25,6 +25,7 @@ WIRE_NOTES = (
     "wire_length_m",
     "leg_length_m",
     "pretension_n",
+    "finger",
     "spring_stiffness_n_per_m",
 )
 

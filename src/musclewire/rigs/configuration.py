@@ -69,7 +69,7 @@ def beside(configuration: RigConfiguration, folder: Path) -> RigConfiguration:
         return str(folder / name) if name is not None and is_wire_file(name) else name
 
     def placed(part: Part) -> Part:
-        named = {key: found(getattr(part, key)) for key in ("wire", "finger") if hasattr(part, key)}
+        named = {key: found(getattr(part, key)) for key in ("wire", "finger", "file") if hasattr(part, key)}
         return part.model_copy(update=named)
 
     return configuration.model_copy(

@@ -15,6 +15,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from musclewire.parameters.pretensioner_file import read_pretensioner
 from musclewire.rigs.quantities import measured_in
 
 __all__ = [
@@ -52,10 +53,29 @@ class Spring(LoadPart):
 
 
 class Pretensioner(LoadPart):
-    """A flexure on the linear stage that carries the pretension alone (Eq. 8 of Lan and Fan 2010)."""
+    """A flexure on the linear stage that carries the pretension alone (Eq. 8 of Lan and Fan 2010).
+
+    Either its stiffness, or the ``file`` that ``musclewire design pretensioner`` writes.
+    """
 
     part: Literal["pretensioner"]
-    stiffness: Stiffness
+    stiffness: Stiffness | None = None
+    file: str | None = None
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Pretensioner:
+        if (self.stiffness is None) == (self.file is None):
+            raise ValueError("a pretensioner has either a stiffness or a file")
+        return self
+
+    @property
+    def stiffness_n_per_m(self) -> float:
+        """Stiffness along the wire [N/m]. Raises CallerError for a file that cannot be used."""
+        return (
+            read_pretensioner(self.file).stiffness_n_per_m
+            if self.stiffness is None and self.file
+            else (self.stiffness or 0.0)
+        )
 
 
 class Finger(LoadPart):

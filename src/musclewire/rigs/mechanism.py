@@ -101,7 +101,7 @@ def mechanism_of(
     ``tendon_slack_m`` takes the place of the finger's own; below 0 the finger's stage pulls the tendon taut by as much.
     Raises CallerError where the finger cannot carry the pretension.
     """
-    carrying = [part.stiffness for part in of_kind(parts, Pretensioner)]
+    carrying = [part.stiffness_n_per_m for part in of_kind(parts, Pretensioner)]
     carrying += [part.stiffness for part in of_kind(parts, Spring) if part.slack == 0.0]
     carrying += [part.mount_stiffness for part in of_kind(parts, Blocked)]
     stiffness = sum(carrying, start=0.0)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
+from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.rigs.instruments import Instruments
-from musclewire.rigs.load_parts import Contact, Part, Pretensioner, SecondFinger, Spring, Weight
+from musclewire.rigs.load_parts import Contact, Finger, Part, Pretensioner, SecondFinger, Spring, Weight
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_building import wires_of
@@ -186,6 +187,9 @@ class SimulatedRig:
             return {"spring_stiffness_n_per_m": stiffness}
         plain = all(isinstance(part, (Spring, Pretensioner, Weight)) for part in self._parts)
         named: Metadata = {"load": ", ".join(part.part for part in self._parts)}
+        for part in self._parts:
+            if isinstance(part, Finger):
+                named["finger"] = Path(part.finger).stem
         if self.partner_state is not None:
             named["wires"] = 2
         return {**named, "spring_stiffness_n_per_m": stiffness} if plain else named

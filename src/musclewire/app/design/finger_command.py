@@ -67,7 +67,7 @@ def finger(
     wire_length: Annotated[str, typer.Option("--wire-length", help="Both legs of the V together.")] = "7 cm",
     pretension: Annotated[str, typer.Option("--pretension", help="Pretension of the wire, both legs.")] = "0.71 N",
     pretensioner: Annotated[
-        str, typer.Option("--pretensioner", help="Stiffness of the pretensioner beside the finger.")
+        str, typer.Option("--pretensioner", help="Stiffness of the pretensioner beside the finger, or its file.")
     ] = "386.2 N/m",
     compare: Annotated[
         bool, typer.Option("--compare", help="Compare distributed with concentrated actuation.")
@@ -258,9 +258,13 @@ def foam_of(stiffness: str, clearance: str) -> Foam:
 def wire_of(name: str, length: str, pretension: str, pretensioner: str) -> WireQuestion:
     """Return the question about a wire."""
     from musclewire.design.finger.question import WireQuestion
+    from musclewire.parameters.pretensioner_file import read_pretensioner
 
-    force, stiffness = quantity_option(pretension, "N") or 0.0, quantity_option(pretensioner, "N/m") or 0.0
-    return WireQuestion(name, metres(length), force, stiffness)
+    if pretensioner.endswith(".toml"):
+        stiffness = read_pretensioner(pretensioner).stiffness_n_per_m
+    else:
+        stiffness = quantity_option(pretensioner, "N/m") or 0.0
+    return WireQuestion(name, metres(length), quantity_option(pretension, "N") or 0.0, stiffness)
 
 
 def write_text(path: Path, text: str) -> None:

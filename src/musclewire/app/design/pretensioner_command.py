@@ -195,13 +195,14 @@ def file_or_dimensions(
 ) -> tuple[str, str | None, SerpentineGeometry]:
     """Return material, process and dimensions from a file, or from the options."""
     from musclewire.design.serpentine.geometry import SerpentineGeometry
-    from musclewire.design.serpentine.saving import read_pretensioner
+    from musclewire.design.serpentine.saving import geometry_of
+    from musclewire.parameters.pretensioner_file import read_pretensioner
 
     if file is not None:
         saved = read_pretensioner(file)
         # Another material is another process, unless one is named.
         usual = saved.process if material is None else None
-        return material or saved.material, process or usual, saved.geometry.geometry()
+        return material or saved.material, process or usual, geometry_of(saved)
     half, pitch, thick = (
         quantity_option(str(given[name]), "m") or 0.0 for name in ("--half-length", "--pitch", "--thickness")
     )

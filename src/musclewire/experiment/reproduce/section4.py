@@ -17,7 +17,7 @@ from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.library import read_published
 from musclewire.rigs.configuration import rig_configuration
-from musclewire.rigs.load_parts import Finger
+from musclewire.rigs.load_parts import Finger, Pretensioner
 
 __all__ = ["SWEEP_N", "checks", "gaps_over_pretension"]
 
@@ -139,7 +139,7 @@ def eq8_error_n(runs: Runs) -> float:
     loop = runs.finger.loop(pretension_n())
     configuration, _ = rig_configuration("finger")
     curve = shipped_finger().curve
-    stiffness = sum(getattr(part, "stiffness", 0.0) for part in configuration.load)
+    stiffness = sum(part.stiffness_n_per_m for part in configuration.load if isinstance(part, Pretensioner))
     x = np.linspace(*EQUATION_8_SPAN, 200) * loop.recording["displacement_m"].max()
     measured = np.zeros_like(x)
     for half in loop.halves():

@@ -1,0 +1,64 @@
+"""The finger's staircase as a user runs it: Table 3's bars, from the command line alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+# The paper's worst step is 5.368 % and its mean 1.593 %; the bars are these, rounded.
+WORST_PCT, MEAN_PCT = 5.4, 1.6
+
+
+@pytest.fixture
+def model(musclewire: Any, tmp_path: Path) -> Path:
+    assert musclewire("characterize", "finger", "-o", tmp_path / "loop.h5").code == 0
+    fitted = musclewire("fit", tmp_path / "loop.h5", "--quantity", "displacement", "-o", tmp_path / "model.json")
+    assert fitted.code == 0
+    return tmp_path / "model.json"
+
+
+def test_every_step_of_fig_18_keeps_to_the_papers_worst_and_their_mean_to_its_mean(
+    musclewire: Any, model: Path
+) -> None:
+    steps = ("--reference", "2.5 mm to 6 mm by 0.5 mm")
+    answer = musclewire("control", "finger", model, "--quantity", "displacement", *steps, "--json")
+    assert answer.code == 0
+    assert [round(1e3 * step["target_m"], 6) for step in answer.json["steps"]] == [
+        *(2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5, 6.0),
+        *(5.5, 5.0, 4.5, 4.0, 3.5, 3.0, 2.5),
+    ]
+    assert answer.json["mae_max_pct"] <= WORST_PCT
+    assert answer.json["mae_mean_pct"] <= MEAN_PCT
+
+
+@pytest.mark.parametrize(
+    ("steps", "says"),
+    [
+        ("2.5 mm to 6 mm by 0.4 mm", "increments of 0.0004 miss the stop"),
+        ("2.5 to 6 by 0.5", "no unit"),
+        ("6 mm to 2.5 mm by 0.5 mm", "stop must be above start"),
+        ("2.5 mm to 60 mm by 0.5 mm", "this model senses displacement only from"),
+        ("stairs", "did you mean 'staircase'"),
+    ],
+)
+def test_steps_that_cannot_be_are_one_line_and_exit_code_2(musclewire: Any, model: Path, steps: str, says: str) -> None:
+    answer = musclewire("control", "finger", model, "--quantity", "displacement", "--reference", steps)
+    assert answer.code == 2
+    assert says in answer.err.strip().splitlines()[-1]
+
+
+def test_a_pretensioners_file_stands_in_a_rig_file_for_its_stiffness(musclewire: Any, tmp_path: Path) -> None:
+    made = musclewire("design", "pretensioner", "--stiffness", "386.2 N/m", "-o", tmp_path / "p.toml")
+    assert made.code == 0
+    text = (
+        'wire = "finger-100um"\nbench = "finger"\n'
+        '[[load]]\npart = "pretensioner"\nfile = "p.toml"\n'
+        '[[load]]\npart = "finger"\nfinger = "lan-fan-2010"\n'
+    )
+    (tmp_path / "rig.toml").write_text(text, "utf-8")
+    assert musclewire("characterize", tmp_path / "rig.toml", "-o", tmp_path / "loop.h5", "--cycles", "1").code == 0
+    (tmp_path / "rig.toml").write_text(text.replace('file = "p.toml"', ""), "utf-8")
+    answer = musclewire("characterize", tmp_path / "rig.toml", "-o", tmp_path / "again.h5")
+    assert (answer.code, "either a stiffness or a file" in answer.err) == (2, True)
