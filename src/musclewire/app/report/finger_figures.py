@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER
-from musclewire.app.report.paper_drawing import SHADES, SIZE, WHITE_BOX, one_panel, printed_line, ramp
+from musclewire.app.report.paper_drawing import SHADES, SIZE, one_panel, printed_line, ramp
 from musclewire.experiment.metrics import elapsed
 from musclewire.experiment.reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n
 from musclewire.experiment.reproduce.section4 import SWEEP_N, gaps_over_pretension
@@ -171,8 +171,8 @@ def fig17(runs: Runs) -> Figure:
               markerfacecolor="none", markeredgewidth=1.6)  # fmt: skip
     printed_line(axes, printed["pretension_n"], f"paper: smallest at {printed['pretension_n']} N", 0.0)
     axes.annotate(f"paper {printed['displacement_gap_pct']} %",
-                  (printed["pretension_n"], printed["displacement_gap_pct"]), xytext=(10, -12),
-                  textcoords="offset points", color=PAPER, fontsize=8.5, bbox=dict(WHITE_BOX))  # fmt: skip
+                  (printed["pretension_n"], printed["displacement_gap_pct"]), xytext=(0, 9),
+                  textcoords="offset points", ha="left", color=PAPER, fontsize=8.5)  # fmt: skip
     axes.set(xlabel="pretension $F_p$ [N]", ylabel="gap [% of maximum]", ylim=(0.0, None))
     axes.legend(loc="center right", bbox_to_anchor=(1.0, 0.52), fontsize=8.5)
     return figure
