@@ -76,7 +76,11 @@ def characterize(
     """
     amplitude = rig.drive_amplitude_v if amplitude_v is None else amplitude_v
     if amplitude > rig.maximum_voltage_v:
-        raise CallerError(f"amplitude {amplitude} V is above the rig's maximum of {rig.maximum_voltage_v} V")
+        raise CallerError(
+            f"amplitude {amplitude:g} V is {amplitude - rig.maximum_voltage_v:.3g} V above the rig's maximum of "
+            f"{rig.maximum_voltage_v:g} V: drive less or, where the wire stands it, raise the rig file's setting "
+            "maximum_voltage_v"
+        )
     if cycles < 1:
         raise CallerError(f"cycles is {cycles}: give at least 1")
     waveform = slow_sine(amplitude, rig.sense_voltage_v, period_s)

@@ -4,15 +4,46 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from types import UnionType
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from musclewire.errors import CallerError, nearest_hint
 
 __all__ = ["first_problem", "validated"]
 
 Model = TypeVar("Model", bound=BaseModel)
+
+# What is wrong with a value, by pydantic's name for it; braces are filled with what the rule says, u is the unit.
+IN_WORDS = {
+    "greater_than": "must be above {gt:g}{u}",
+    "greater_than_equal": "must be {ge:g}{u} or more",
+    "less_than": "must be below {lt:g}{u}",
+    "less_than_equal": "must be {le:g}{u} or less",
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "float_parsing": "must be a number",
+    "int_type": "must be a whole number",
+    "int_parsing": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "bool_type": "must be true or false",
+    "bool_parsing": "must be true or false",
+    "string_type": "must be text in quotes",
+    "string_too_short": "must be text of at least {min_length} characters",
+    "literal_error": "must be {expected}",
+    "too_short": "must have at least {min_length} entries",
+    "too_long": "must have at most {max_length} entries",
+    "dict_type": "must be a table, [{key}] in TOML",
+}
+TABLE_EXPECTED = ("model_type", "model_attributes_type")
+
+
+class Place(NamedTuple):
+    """Where in a model a problem is: the model that has the key, and the key's field where it is one of its own."""
+
+    model: type[BaseModel]
+    field: FieldInfo | None
 
 
 def validated(model: type[Model], data: Any, where: str) -> Model:
@@ -33,10 +64,61 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
         return f"unknown key '{place}'{nearest_hint(str(problem['loc'][-1]), known_keys(model, problem['loc']))}"
     if problem["type"] in ("union_tag_invalid", "union_tag_not_found"):
         return tag_problem(place, {name: str(text) for name, text in problem["ctx"].items()})
-    message = str(problem["msg"]).removeprefix("Value error, ").replace("\n", " ")
     if problem["type"] == "missing":
         return f"the key '{place}' is missing"
+    message = in_words(dict(problem), model) or str(problem["msg"]).removeprefix("Value error, ").replace("\n", " ")
     return f"{place}: {message}" if place else message
+
+
+def in_words(problem: Mapping[str, Any], model: type[BaseModel]) -> str | None:
+    """Return what is wrong with a value in plain words, with the unit where the key has one; None where none are known.
+
+    ``problem`` is one of pydantic's errors: its ``type``, ``loc``, ``input`` and ``ctx``.
+    """
+    key = str(problem["loc"][-1]) if problem["loc"] else ""
+    field = place_of(model, problem["loc"]).field
+    if problem["type"] in TABLE_EXPECTED:
+        return f"must be a table{keys_hint(field)}, not {shown(problem['input'])}"
+    if problem["type"] == "list_type":
+        tables = field is not None and "part" in key_names(field)
+        return f"must be a list: write [[{key}]], with two brackets, before each part" if tables else "must be a list"
+    words = IN_WORDS.get(problem["type"])
+    if words is None:
+        return None
+    unit = unit_of(field)
+    said = words.format(key=key, u=f" {unit}" if unit else "", **problem.get("ctx", {}))
+    return f"{said}, not {shown(problem['input'])}"
+
+
+def shown(value: Any) -> str:
+    """Return a value as a message shows it: text in quotes, a table or list by its kind."""
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, (list, tuple)):
+        return "a list"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"'{value}'" if isinstance(value, str) else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def unit_of(field: FieldInfo | None) -> str:
+    """Return the unit in which a key is given, "" where it has none."""
+    said = (getattr(getattr(item, "func", None), "unit", "") for item in (field.metadata if field else ()))
+    return next((str(unit) for unit in said if unit), "")
+
+
+def keys_hint(field: FieldInfo | None) -> str:
+    """Return ``" with the keys a, b"`` for a key that holds a table."""
+    names = key_names(field) if field else []
+    return f" with the keys {', '.join(names)}" if names else ""
+
+
+def key_names(field: FieldInfo) -> list[str]:
+    """Return the keys of the table, or of the first kind of table in a list, that a key holds."""
+    annotation = field.annotation
+    while get_origin(annotation) is not None:
+        annotation = get_args(annotation)[0]
+    return list(annotation.model_fields) if isinstance(annotation, type) and issubclass(annotation, BaseModel) else []
 
 
 def tag_problem(place: str, context: Mapping[str, str]) -> str:
@@ -50,8 +132,14 @@ def tag_problem(place: str, context: Mapping[str, str]) -> str:
 
 def known_keys(model: type[BaseModel], place: Iterable[Any]) -> list[str]:
     """Return the keys allowed where the wrong one stands, following nested models as far as they go."""
+    return list(place_of(model, place).model.model_fields)
+
+
+def place_of(model: type[BaseModel], place: Iterable[Any]) -> Place:
+    """Return the model that has the last key of a place, following nested models as far as they go, and its field."""
     current: type[BaseModel] = model
-    parts = iter(list(place)[:-1])
+    keys = list(place)
+    parts = iter(keys[:-1])
     for part in parts:
         field = current.model_fields.get(str(part))
         annotation = field.annotation if field else None
@@ -63,9 +151,9 @@ def known_keys(model: type[BaseModel], place: Iterable[Any]) -> list[str]:
         if get_origin(annotation) in (Union, UnionType):
             annotation = tagged(get_args(annotation), str(next(parts, "")))
         if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
-            break
+            return Place(current, None)
         current = annotation
-    return list(current.model_fields)
+    return Place(current, current.model_fields.get(str(keys[-1])) if keys else None)
 
 
 def tagged(models: Iterable[Any], tag: str) -> Any:

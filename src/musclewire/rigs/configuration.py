@@ -51,6 +51,8 @@ class RigConfiguration(BaseModel):
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> RigConfiguration:
+        if "load" in self.model_fields_set and not self.load:
+            raise ValueError("load is empty: give a [[load]] part, or leave load out for the bench's spring")
         Parts(load=self.load)
         return self
 
@@ -94,7 +96,9 @@ def rig_configuration(rig: str | Path | RigConfiguration) -> tuple[RigConfigurat
     if str(rig) in rig_names():
         return read_rig_file(FOLDER / f"{rig}.toml"), f"rig {rig}"
     if Path(rig).suffix != ".toml" and not Path(rig).exists():
-        raise CallerError(f"there is no rig '{rig}'{nearest_hint(str(rig), rig_names())}; or give a TOML rig file")
+        hint = nearest_hint(str(rig), rig_names())
+        or_file = " Otherwise give" if hint.endswith("?") else ", or give"
+        raise CallerError(f"there is no rig '{rig}'{hint}{or_file} the path of a TOML rig file")
     return read_rig_file(rig), f"rig file {rig}"
 
 

@@ -89,13 +89,27 @@ def test_an_unknown_setting_is_answered_with_the_nearest() -> None:
         ("[settings]\npretention_n = 1.7", "unknown setting 'pretention_n'; did you mean 'pretension_n'?"),
         ('wire = "paper-100"', "there is no wire called 'paper-100'; did you mean 'paper-100um'?"),
         ('bench = "papers"', "there is no bench called 'papers'; did you mean 'paper'?"),
-        ('seed = "many"', "seed"),
-        ('kind = "real"', "kind"),
+        ('seed = "many"', "seed: must be a whole number, not 'many'"),
+        ("seed = -1", "seed: must be 0 or more, not -1"),
+        ('kind = "real"', "kind: must be 'simulated', not 'real'"),
+        ('new_wire = "perhaps"', "new_wire: must be true or false, not 'perhaps'"),
+        ("settings = 3", "settings: must be a table, [settings] in TOML, not 3"),
+        ('[load]\npart = "finger"', "load: must be a list: write [[load]], with two brackets, before each part"),
+        ("load = []", "load is empty: give a [[load]] part, or leave load out for the bench's spring"),
+        ("surroundings = 3", "surroundings: must be a table with the keys ambient_swing, ambient_period, draught"),
+        ('[surroundings]\nambient_swing = "40 K"', "surroundings.ambient_swing: must be 20 K or less, not '40 K'"),
+        ("[surroundings]\nambient_period = 0", "surroundings.ambient_period: must be above 0 s, not 0"),
         ("seed = ", "cannot be read"),
     ],
 )
 def test_a_mistake_in_a_rig_file_is_one_line_with_a_hint(rig_file, text: str, hint: str) -> None:
     assert hint in refusal(rig_file(text))
+
+
+def test_a_name_that_is_no_rig_is_answered_in_whole_sentences() -> None:
+    near, far = refusal("griper"), refusal("lever")
+    assert near.endswith("did you mean 'gripper'? Otherwise give the path of a TOML rig file")
+    assert far.endswith("known: finger, gripper, simulated, or give the path of a TOML rig file")
 
 
 def test_a_mistake_in_a_rig_file_names_the_file(rig_file) -> None:

@@ -52,10 +52,12 @@ def test_a_number_is_in_si_or_carries_its_unit() -> None:
         ({"stiffness": 3.0}, "the key 'load.0.part' is missing"),
         ({"part": "spring"}, "the key 'load.0.spring.stiffness' is missing"),
         ({"part": "spring", "stiffness": "3 mm"}, "'3 mm': mm is a length; a stiffness is needed"),
-        ({"part": "spring", "stiffness": 0.0}, "load.0.spring.stiffness: Input should be greater than 0"),
+        ({"part": "spring", "stiffness": 0.0}, "load.0.spring.stiffness: must be above 0 N/m, not 0"),
         ({"part": "spring", "stiffness": float("inf")}, "load.0.spring.stiffness"),
-        ({**CONTACT, "clearance": -1e-3}, "load.0.contact.clearance"),
-        ({"part": "weight", "force": float("nan")}, "load.0.weight.force"),
+        ({**CONTACT, "clearance": -1e-3}, "load.0.contact.clearance: must be 0 m or more, not -0.001"),
+        ({"part": "weight", "force": float("nan")}, "load.0.weight.force: must be above 0 N, not nan"),
+        ({"part": "weight", "force": [1.0]}, "load.0.weight.force: must be a number, not a list"),
+        ({"part": "finger", "finger": 3}, "load.0.finger.finger: must be text in quotes, not 3"),
     ],
 )
 def test_a_mistake_in_a_part_is_one_line_that_names_key_and_nearest(part: dict[str, Any], hint: str) -> None:
@@ -111,10 +113,10 @@ def test_what_only_opening_the_rig_can_tell_is_refused_as_well(parts: list[dict[
     [
         ({"ambient_swng": "2 K"}, "unknown key 'surroundings.ambient_swng'; did you mean 'ambient_swing'?"),
         ({"ambient_swing": "3 degC"}, "a difference of temperatures is needed, like '3 K'"),
-        ({"ambient_swing": "30 K"}, "surroundings.ambient_swing: Input should be less than or equal to 20"),
+        ({"ambient_swing": "30 K"}, "surroundings.ambient_swing: must be 20 K or less"),
         ({"ambient_period": "2 m"}, "m is a length; a time is needed"),
-        ({"ambient_period": 0.0}, "surroundings.ambient_period: Input should be greater than 0"),
-        ({"draught": 0.5}, "surroundings.draught: Input should be less than or equal to 0.25"),
+        ({"ambient_period": 0.0}, "surroundings.ambient_period: must be above 0 s, not 0"),
+        ({"draught": 0.5}, "surroundings.draught: must be 0.25 or less, not 0.5"),
     ],
 )
 def test_a_mistake_about_the_air_is_one_line_too(air: dict[str, Any], hint: str) -> None:
