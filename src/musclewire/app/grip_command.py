@@ -63,12 +63,17 @@ def grip(
     require_figure_file(plot)
     if output is not None:
         require_recording_file(output, force)
-    target_n, known = quantity_option(target, "N") or 0.0, quantity_option(stiffness, "N/m")
+    target_n, known = quantity_option(target, "N", "--target") or 0.0, quantity_option(stiffness, "N/m", "--stiffness")
     if not target_n > 0.0:
         raise CallerError(f"--target is {target_n:g} N and must be above 0")
     if known is not None and not known > 0.0:
         raise CallerError(f"--stiffness is {known:g} N/m and must be above 0")
-    block = chosen_object(rig, quantity_option(object_stiffness, "N/m"), quantity_option(clearance, "m"), away)
+    block = chosen_object(
+        rig,
+        quantity_option(object_stiffness, "N/m", "--object-stiffness"),
+        quantity_option(clearance, "m", "--clearance"),
+        away,
+    )
     configuration = with_object(rig, block)
     with stops_between_samples():
         knowledge = knowledge_of(configuration, learned, seed, quiet=json)

@@ -209,8 +209,8 @@ def read(
     from musclewire.signals import read_recording
 
     known: dict[str, MetadataValue] = {
-        "leg_length_m": quantity_option(length, "m"),
-        "shunt_resistance_ohm": quantity_option(shunt, "ohm"),
+        "leg_length_m": quantity_option(length, "m", "--length"),
+        "shunt_resistance_ohm": quantity_option(shunt, "ohm", "--shunt"),
     }
     metadata = {name: value for name, value in known.items() if value is not None}
     if recording in PUBLISHED and not Path(recording).exists():

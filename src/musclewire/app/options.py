@@ -29,7 +29,9 @@ EXAMPLES = {
     "--column": "NAME=HEADER or NAME=HEADER:UNIT, as wire_voltage_v='Vw:V'",
     "--set": "NAME=VALUE, as pretension_n='1.9 N'",
 }
-RigName = Annotated[str, typer.Argument(metavar="RIG", help="'simulated', or the path of a TOML rig file.")]
+RigName = Annotated[
+    str, typer.Argument(metavar="RIG", help="'simulated', 'finger', 'gripper', or the path of a TOML rig file.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of everything random in a simulated rig.")]
 RealTime = Annotated[bool, typer.Option("--real-time", help="Pace a simulated rig by the clock.")]
@@ -64,10 +66,16 @@ def mapping(pairs: list[str] | None, option: str = "--column") -> dict[str, str]
     return found
 
 
-def quantity_option(text: str | None, unit: str) -> float | None:
-    """Return an option such as '70 mm' in SI, None where it was not given."""
+def quantity_option(text: str | None, unit: str, option: str) -> float | None:
+    """Return an option such as '70 mm' in SI, None where it was not given.
+
+    Raises CallerError that names the option where the text is no such quantity.
+    """
     if text is None:
         return None
     from musclewire.signals.units import parse_quantity
 
-    return parse_quantity(text, unit)
+    try:
+        return parse_quantity(text, unit)
+    except CallerError as error:
+        raise CallerError(f"{option}: {error}") from None

@@ -102,7 +102,7 @@ def characterize(
 
     require_recording_file(output, force)
     with stops_between_samples(), open_rig(rig, seed=seed, real_time=real_time) as opened:
-        volts = quantity_option(amplitude, "V")
+        volts = quantity_option(amplitude, "V", "--amplitude")
         with progress_bar("Slow sine", cycles * period, quiet=json) as on_sample:
             recording = run_characterize(
                 opened,
@@ -151,13 +151,13 @@ def pretension(
     from musclewire.rigs.configuration import open_rig
 
     require_figure_file(plot)
-    forces = [force for text in at or () if (force := quantity_option(text, "N")) is not None] or None
+    forces = [force for text in at or () if (force := quantity_option(text, "N", "--at")) is not None] or None
     with stops_between_samples(), open_rig(rig, seed=seed) as opened:
         sweep = pretension_sweep(
             opened,
             forces,
             quantity=quantity,
-            amplitude_v=quantity_option(amplitude, "V"),
+            amplitude_v=quantity_option(amplitude, "V", "--amplitude"),
             period_s=period,
             cycles=cycles,
             folder=folder,
@@ -223,7 +223,7 @@ def control(
     from musclewire.sensing import load_model
 
     loaded = load_model(model)
-    load = known_spring(loaded, model, quantity, quantity_option(stiffness, "N/m"))
+    load = known_spring(loaded, model, quantity, quantity_option(stiffness, "N/m", "--stiffness"))
     target = read_reference(reference, quantity)
     settings = FuzzyPidSettings(rule_base=rules)
     if output is not None:
@@ -285,7 +285,7 @@ def train(
     with stops_between_samples(), open_rig(rig, seed=seed) as opened:
         training = run_train(
             opened,
-            amplitude_v=quantity_option(amplitude, "V"),
+            amplitude_v=quantity_option(amplitude, "V", "--amplitude"),
             period_s=period,
             most_cycles=most_cycles,
             folder=folder,

@@ -57,16 +57,16 @@ def simulate(
 
     question = DriveQuestion(
         wire=wire,
-        supply_v=quantity_option(supply, "V"),
-        current_a=quantity_option(current, "A"),
+        supply_v=quantity_option(supply, "V", "--supply"),
+        current_a=quantity_option(current, "A", "--current"),
         on_s=off_after,
         duration_s=duration,
-        length_m=quantity_option(length, "m") or 0.0,
-        load_n=quantity_option(load, "N"),
-        stress_pa=quantity_option(stress, "Pa"),
-        spring_n_per_m=quantity_option(spring, "N/m") or 0.0,
-        shunt_ohm=quantity_option(shunt, "ohm"),
-        ambient_k=quantity_option(ambient, "K") or 0.0,
+        length_m=quantity_option(length, "m", "--length") or 0.0,
+        load_n=quantity_option(load, "N", "--load"),
+        stress_pa=quantity_option(stress, "Pa", "--stress"),
+        spring_n_per_m=quantity_option(spring, "N/m", "--spring") or 0.0,
+        shunt_ohm=quantity_option(shunt, "ohm", "--shunt"),
+        ambient_k=quantity_option(ambient, "K", "--ambient") or 0.0,
         seed=seed,
     )
     if output is not None:

@@ -92,29 +92,35 @@ def finger(
     require_files(output, drawings, plot)
     metal = load_material(material)
     lengths = {
-        "overall_length_m": metres(length),
-        "plate_length_m": metres(plate),
-        "column_width_m": metres(column_width),
+        "overall_length_m": metres(length, "--length"),
+        "plate_length_m": metres(plate, "--plate"),
+        "column_width_m": metres(column_width, "--column-width"),
         "inward_angle_rad": math.radians(inward),
     }
     request = geometry = None
     if stiffness is not None:
         least = metal.minimum_thickness_by(process) if process else LEAST_THICKNESS_M
-        wanted = (quantity_option(stiffness, "N/m") or 0.0, metres(endpoint), metres(travel))
-        request = requested(wanted, lengths, columns, (metres(depth), metres(most_depth), least))
+        wanted = (
+            quantity_option(stiffness, "N/m", "--stiffness") or 0.0,
+            metres(endpoint, "--endpoint"),
+            metres(travel, "--travel"),
+        )
+        request = requested(
+            wanted, lengths, columns, (metres(depth, "--depth"), metres(most_depth, "--most-depth"), least)
+        )
     elif file is not None:
         geometry = of_file(file)
         require_material_of(geometry, file, metal)
     else:
-        section = (metres(thickness), metres(depth), metres(offset))
+        section = (metres(thickness, "--thickness"), metres(depth, "--depth"), metres(offset, "--offset"))
         geometry = given(section, lengths, columns, metal.youngs_modulus_pa.value)
         if process is not None:
             require_made(geometry, process, metal.minimum_thickness_by(process))
     answer = ask_finger(
         FingerQuestion(
             material=metal,
-            endpoint_m=metres(endpoint),
-            travel_m=metres(travel),
+            endpoint_m=metres(endpoint, "--endpoint"),
+            travel_m=metres(travel, "--travel"),
             request=request,
             geometry=geometry,
             friction=friction,
@@ -142,9 +148,9 @@ LEAST_THICKNESS_M = 0.1e-3
 WAYS = "--stiffness '1084.4 N/m' to size one, --finger NAME for one that is there, or --thickness and --offset"
 
 
-def metres(text: str | None) -> float:
+def metres(text: str | None, option: str) -> float:
     """Return a length option in metres."""
-    return quantity_option(text, "m") or 0.0
+    return quantity_option(text, "m", option) or 0.0
 
 
 def require_one_way(ways: dict[str, str | None], offset: str | None) -> None:
@@ -252,7 +258,7 @@ def foam_of(stiffness: str, clearance: str) -> Foam:
     """Return the object in the endpoint's way."""
     from musclewire.design.finger.statics import Foam
 
-    return Foam(metres(clearance), quantity_option(stiffness, "N/m") or 0.0)
+    return Foam(metres(clearance, "--clearance"), quantity_option(stiffness, "N/m", "--foam") or 0.0)
 
 
 def wire_of(name: str, length: str, pretension: str, pretensioner: str) -> WireQuestion:
@@ -263,8 +269,10 @@ def wire_of(name: str, length: str, pretension: str, pretensioner: str) -> WireQ
     if pretensioner.endswith(".toml"):
         stiffness = read_pretensioner(pretensioner).stiffness_n_per_m
     else:
-        stiffness = quantity_option(pretensioner, "N/m") or 0.0
-    return WireQuestion(name, metres(length), quantity_option(pretension, "N") or 0.0, stiffness)
+        stiffness = quantity_option(pretensioner, "N/m", "--pretensioner") or 0.0
+    return WireQuestion(
+        name, metres(length, "--wire-length"), quantity_option(pretension, "N", "--pretension") or 0.0, stiffness
+    )
 
 
 def write_text(path: Path, text: str) -> None:

@@ -142,10 +142,10 @@ def duty_from(pretension: str | None, stroke: str, travel: str | None, finger: s
     if pretension is None and travel is None:
         pretension = USUAL_PRETENSION
     return Duty(
-        pretension_n=quantity_option(pretension, "N"),
-        stroke_m=quantity_option(stroke, "m") or 0.0,
-        travel_m=quantity_option(travel, "m"),
-        finger_stiffness_n_per_m=quantity_option(finger, "N/m"),
+        pretension_n=quantity_option(pretension, "N", "--pretension"),
+        stroke_m=quantity_option(stroke, "m", "--stroke") or 0.0,
+        travel_m=quantity_option(travel, "m", "--travel"),
+        finger_stiffness_n_per_m=quantity_option(finger, "N/m", "--finger-stiffness"),
     )
 
 
@@ -161,7 +161,7 @@ def room_from(envelope: str, depth: str | None) -> Envelope:
     across, along, deep = (
         parse_quantity(part if re.sub(NUMBER, "", part) else f"{part} {unit}", "m") for part in parts
     )
-    asked = quantity_option(depth, "m")
+    asked = quantity_option(depth, "m", "--depth")
     if asked is not None and asked > deep:
         raise CallerError(
             f"a depth of {1e3 * asked:g} mm does not fit: it is {1e3 * (asked - deep):g} mm more than the "
@@ -181,7 +181,7 @@ def sized(stiffness: str, duty: Duty, material: str, process: str | None, room: 
     """Return the pretensioner of a wanted stiffness."""
     from musclewire.design.serpentine.sizing import PretensionerRequest, design_pretensioner
 
-    wanted = quantity_option(stiffness, "N/m") or 0.0
+    wanted = quantity_option(stiffness, "N/m", "--stiffness") or 0.0
     return design_pretensioner(PretensionerRequest(wanted, duty, material_named(material), room, process))
 
 
@@ -204,12 +204,12 @@ def file_or_dimensions(
         usual = saved.process if material is None else None
         return material or saved.material, process or usual, geometry_of(saved)
     half, pitch, thick = (
-        quantity_option(str(given[name]), "m") or 0.0 for name in ("--half-length", "--pitch", "--thickness")
+        quantity_option(str(given[name]), "m", name) or 0.0 for name in ("--half-length", "--pitch", "--thickness")
     )
-    deep = quantity_option(USUAL_DEPTH if depth is None else depth, "m") or 0.0
+    deep = quantity_option(USUAL_DEPTH if depth is None else depth, "m", "--depth") or 0.0
     geometry = SerpentineGeometry.of(int(given["--beams"] or 0), half, pitch, thick, deep)
     if corner is not None:
-        geometry = geometry.with_(corner_radius_m=quantity_option(corner, "m") or 0.0)
+        geometry = geometry.with_(corner_radius_m=quantity_option(corner, "m", "--corner-radius") or 0.0)
     return material or USUAL_MATERIAL, process, geometry
 
 
