@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from musclewire.identify.recordings import reference_quantity, required_quantity, resistance_reading
+from musclewire.errors import RecordingError
+from musclewire.identify.recordings import reference_quantity, required_quantity, resistance_reading, without_loop
 from musclewire.sensing.gaps import hysteresis_gap
 from musclewire.sensing.segments import LoopSegments, find_segments
 from musclewire.signals.recording import Recording
@@ -29,7 +30,10 @@ def loop_gaps(recording: Recording, *, cycle: int | str = "last") -> LoopGaps:
     """
     reading = resistance_reading(recording)
     strain = required_quantity(recording, "strain")
-    segments = find_segments(reading.resistance_ohm, strain, reading.valid, cycle)
+    try:
+        segments = find_segments(reading.resistance_ohm, strain, reading.valid, cycle)
+    except RecordingError as error:
+        raise without_loop(error, recording) from None
     heating = slice(segments.heating_b, segments.heating_c + 1)
     cooling = slice(segments.cooling_c, segments.cooling_b + 1)
     resistance, valid = reading.resistance_ohm, reading.valid

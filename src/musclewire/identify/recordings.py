@@ -10,7 +10,14 @@ from musclewire.sensing.resistance import ArrayReading, wire_resistance, wire_re
 from musclewire.signals.electrical import ElectricalSource, require_electrical
 from musclewire.signals.recording import Recording
 
-__all__ = ["COLUMN_SUFFIX", "QUANTITIES", "reference_quantity", "required_quantity", "resistance_reading"]
+__all__ = [
+    "COLUMN_SUFFIX",
+    "QUANTITIES",
+    "reference_quantity",
+    "required_quantity",
+    "resistance_reading",
+    "without_loop",
+]
 
 FloatArray = NDArray[np.float64]
 QUANTITIES = ("strain", "displacement", "force")
@@ -90,4 +97,17 @@ def required_quantity(recording: Recording, quantity: str = "strain") -> FloatAr
     }
     raise RecordingError(
         f"this recording has no {quantity}: it needs the column {needed[quantity]}; it has {', '.join(recording.names)}"
+    )
+
+
+def without_loop(error: RecordingError, recording: Recording) -> RecordingError:
+    """Return why a recording shows no loop: for a wire held at both ends that, otherwise the error as it is."""
+    parts = str(recording.metadata.get("load") or "").split(", ")
+    strain, force = (reference_quantity(recording, quantity) for quantity in ("strain", "force"))
+    if "blocked" not in parts or strain is None or force is None:
+        return error
+    return RecordingError(
+        f"no loop: the part 'blocked' holds the wire, so that its strain moves by {100 * np.ptp(strain):.2g} % while "
+        f"its force rises by {np.ptp(force):.3g} N, and its resistance does not fall; the recording serves for the "
+        "force and its limit, and there is nothing to fit"
     )

@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from musclewire.errors import RecordingError
 from musclewire.identify.guide_friction import guide_friction_n
-from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity, required_quantity, resistance_reading
+from musclewire.identify.recordings import (
+    COLUMN_SUFFIX,
+    reference_quantity,
+    required_quantity,
+    resistance_reading,
+    without_loop,
+)
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.resistance import ArrayReading
@@ -51,16 +57,20 @@ def fit(
     friction_n = guide_friction_n(recording)
     if friction_n is not None:
         notes["guide_friction_n"] = friction_n
-    return fit_loop(
-        reading.resistance_ohm,
-        required_quantity(recording, quantity),
-        reading.valid,
-        order=order,
-        cycle=cycle,
-        quantity=quantity,
-        wire=notes,
-        source=source,
-    )
+    measured = required_quantity(recording, quantity)
+    try:
+        return fit_loop(
+            reading.resistance_ohm,
+            measured,
+            reading.valid,
+            order=order,
+            cycle=cycle,
+            quantity=quantity,
+            wire=notes,
+            source=source,
+        )
+    except RecordingError as error:
+        raise without_loop(error, recording) from None
 
 
 def fit_table(recording: Recording, order: int | str, notes: dict[str, str | float], source: str) -> SensingModel:

@@ -36,7 +36,9 @@ AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
 # g_a must fall over at least this share of the range of the data to be of use as a sensor.
 LEAST_FALLING_SHARE = 0.6
 LARGE_GAP = 0.05
-USUAL_COLD_SHARE = (0.05, 0.25)
+# Segment A-B usually takes 5 to 25 % of the stroke. Less costs nothing: the simulated finger even goes back by a
+# percent before it bends.
+LARGE_COLD_SHARE = 0.25
 # Cold strain of more than this share of the stroke means that the sensor was not zeroed.
 UNZEROED_SHARE = 0.05
 # No wire contracts by more; 3.5 instead of 0.035 is percent.
@@ -64,7 +66,7 @@ def fit_loop(
     FitRejectedError when the average polynomial cannot be inverted, CallerError for wrong arguments.
     """
     _check_arguments(order, quantity)
-    segments = find_segments(resistance_ohm, strain, valid, cycle)
+    segments = find_segments(resistance_ohm, strain, valid, cycle, quantity)
     return fit_segments(segments, order, quantity, wire, source)
 
 
@@ -253,7 +255,7 @@ def _fit_warnings(
     if gap > LARGE_GAP:
         warnings.append(
             f"the gap between heating and cooling is {100 * gap:.1f} %, above {100 * LARGE_GAP:.0f} %: "
-            "the average will be off by half of it, more pretension usually narrows it"
+            "the average will be off by half of it ('musclewire pretension' finds the pretension at which it is least)"
         )
     if valid_range != shared:
         lost = 1.0 - (valid_range[1] - valid_range[0]) / (shared[1] - shared[0])
@@ -270,18 +272,19 @@ def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
     factor, unit = SHOWN_AS[quantity]
     stroke = segments.strain_max - segments.strain_cold
     cold_share = 1.0 - segments.transformation_share
+    at_b = segments.strain_cold + cold_share * stroke
     if not segments.returns_cold:
         warnings.append("the loop does not come back to cold: B is where it turns, resistances above it are unknown")
-    elif not USUAL_COLD_SHARE[0] <= cold_share <= USUAL_COLD_SHARE[1]:
+    elif cold_share > LARGE_COLD_SHARE:
         warnings.append(
-            f"segment A-B takes {100 * cold_share:.1f} % of the stroke (usually 5 to 25 %): strain below "
-            f"{factor * (segments.strain_cold + cold_share * stroke):.3g} {unit} cannot be told "
-            "from resistance"
+            f"segment A-B takes {100 * cold_share:.1f} % of the stroke (usually 5 to 25 %): {quantity} below "
+            f"{factor * at_b:.3g} {unit} cannot be told from resistance"
         )
     if not segments.complete:
         warnings.append(
-            "the transformation is not seen to complete (resistance never rises again when hot): C is where "
-            f"the loop turns, {quantity} above {factor * segments.strain_max:.3g} {unit} is unknown"
+            "the transformation is not seen to complete (the resistance still falls where the wire is hottest): "
+            f"{quantity} above {factor * segments.strain_max:.3g} {unit} is unknown; harmless where more drive adds no "
+            "stroke, otherwise raise the amplitude if the wire's temperature allows"
         )
     if segments.returns_cold and abs(segments.strain_cold) > UNZEROED_SHARE * stroke:
         warnings.append(f"{quantity} at cold is {factor * segments.strain_cold:.3g} {unit}, not zero: zero the sensor")

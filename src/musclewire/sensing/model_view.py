@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 __all__ = ["html", "plot_model", "report", "rows", "summary"]
 
+# How names of notes end, and how their numbers are shown: factor and unit. Longer endings come first.
+NOTE_UNITS = (("_n_per_m", 1.0, "N/m"), ("_ohm", 1.0, "ohm"), ("_m", 1e3, "mm"), ("_n", 1.0, "N"), ("_v", 1.0, "V"))
+
 
 def report(model: SensingModel) -> dict[str, Any]:
     """Numbers of ``musclewire fit --json``: gap in percent of the largest quantity, errors in percent strain.
@@ -56,11 +59,19 @@ def rows(model: SensingModel) -> list[tuple[str, str]]:
             ", ".join(f"{factor * error:.4f}" for error in errors) + f" {unit}",
         ),
         ("samples", str(model.samples)),
-        *[(name.replace("_", " "), str(value)) for name, value in model.wire.items()],
+        *[note(name, value) for name, value in model.wire.items()],
         ("created by", model.created_by),
         *[("source", model.source)][: bool(model.source)],
         *[("warning", warning) for warning in model.warnings],
     ]
+
+
+def note(name: str, value: str | float) -> tuple[str, str]:
+    """Return a note on the wire as name and text, with the unit that its name ends in; lengths in mm."""
+    for ending, factor, unit in NOTE_UNITS:
+        if name.endswith(ending) and not isinstance(value, str):
+            return name.removesuffix(ending).replace("_", " "), f"{factor * value:.4g} {unit}"
+    return name.replace("_", " "), value if isinstance(value, str) else f"{value:.4g}"
 
 
 def summary(model: SensingModel) -> str:

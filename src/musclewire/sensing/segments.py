@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.sensing.branches import Branch
+from musclewire.sensing.model import SHOWN_AS
 from musclewire.sensing.smoothing import noise_level
 from musclewire.sensing.turning import (
     LEAST_SWING,
@@ -38,6 +39,9 @@ LEAST_STRAIN_SHARE = 0.3
 SETTLED_SIGN = 0.5
 # Heating without transformation raises the resistance by less than this; a flipped loop moves it by more.
 THERMAL_SHARE = 0.05
+# What reads each quantity, and how its whole change is called.
+INSTRUMENTS = {"strain": "strain sensor", "displacement": "displacement sensor", "force": "load cell"}
+SPANS = {"strain": "a stroke", "displacement": "a stroke", "force": "a change"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,17 +94,19 @@ def find_segments(
     strain: npt.ArrayLike,
     valid: npt.ArrayLike | None = None,
     cycle: str | int = "last",
+    quantity: str = "strain",
 ) -> LoopSegments:
     """Find A, B and C on one loop of a recording.
 
     Source: Lan and Fan 2010, Fig. 3(b) and its text. All three columns have shape (n_times,); ``strain`` is
-    contraction positive (displacement or force serve as well), ``valid`` marks samples with current.
+    contraction positive (displacement or force serve as well: ``quantity`` says which, for messages), ``valid`` marks
+    samples with current.
     ``cycle`` is "last", "first" or "largest" complete cycle, or its number (0 the first, -1 the last).
 
     Raises RecordingError when there is no transformation, the strain has the wrong sign, points are too few
     or no cycle is complete; CallerError for an unknown ``cycle``.
     """
-    signals = _Signals.read(resistance_ohm, strain, valid)
+    signals = _Signals.read(resistance_ohm, strain, valid, quantity)
     pairs = signals.cycles()
     return signals.segments(pairs, _chosen(cycle, pairs, signals.curves))
 
@@ -124,16 +130,23 @@ class _Signals:
     curves: Smoothed
     turns: list[int]
     starts_low: bool
+    quantity: str
 
     @classmethod
-    def read(cls, resistance_ohm: npt.ArrayLike, strain: npt.ArrayLike, valid: npt.ArrayLike | None) -> _Signals:
-        place, resistance, contraction = _usable(resistance_ohm, strain, valid)
-        _check_stroke(contraction)
+    def read(
+        cls,
+        resistance_ohm: npt.ArrayLike,
+        strain: npt.ArrayLike,
+        valid: npt.ArrayLike | None,
+        quantity: str = "strain",
+    ) -> _Signals:
+        place, resistance, contraction = _usable(resistance_ohm, strain, valid, quantity)
+        _check_stroke(contraction, quantity)
         swing = max(LEAST_SWING * float(np.ptp(contraction)), LEAST_SIGNAL * noise_level(contraction))
         turns, starts_low = turning_points(contraction, swing)
         curves = smoothed(resistance, contraction, len(turns) - 1)
-        _check_fall(curves)
-        return cls(place, resistance, contraction, curves, turns, starts_low)
+        _check_fall(curves, quantity)
+        return cls(place, resistance, contraction, curves, turns, starts_low, quantity)
 
     def cycles(self) -> list[tuple[Run, Run]]:
         """Complete cycles as (heating, cooling); cooling may come first when no cycle starts cold."""
@@ -145,14 +158,14 @@ class _Signals:
             return from_cold
         if closed:
             return [(after, before) for before, after in closed]
-        raise RecordingError(_no_cycle(runs, self.curves.strain))
+        raise RecordingError(_no_cycle(runs, self.curves.strain, self.quantity))
 
     def segments(self, pairs: list[tuple[Run, Run]], number: int) -> LoopSegments:
         heating, cooling = pairs[number]
         curves, place = self.curves, self.place
         up, down = _points(heating, curves), _points(cooling, curves)
         for run, points in ((heating, up), (cooling, down)):
-            _check_branch(run, points, curves)
+            _check_branch(run, points, curves, self.quantity)
         cold, at_b = float(curves.strain[up.a]), float(curves.strain[up.b])
         warm = float(curves.strain[up.c])
         return LoopSegments(
@@ -183,7 +196,7 @@ class _Signals:
 
 
 def _usable(
-    resistance_ohm: npt.ArrayLike, strain: npt.ArrayLike, valid: npt.ArrayLike | None
+    resistance_ohm: npt.ArrayLike, strain: npt.ArrayLike, valid: npt.ArrayLike | None, quantity: str
 ) -> tuple[npt.NDArray[np.intp], FloatArray, FloatArray]:
     """Check the columns and keep the samples that carry a resistance."""
     resistance = np.asarray(resistance_ohm, dtype=np.float64)
@@ -191,7 +204,7 @@ def _usable(
     mask = np.ones(resistance.shape, dtype=np.bool_) if valid is None else np.asarray(valid, dtype=np.bool_)
     if resistance.ndim != 1 or not resistance.shape == contraction.shape == mask.shape:
         raise RecordingError(
-            f"resistance has shape {resistance.shape}, strain {contraction.shape}, valid {mask.shape}: "
+            f"resistance has shape {resistance.shape}, {quantity} {contraction.shape}, valid {mask.shape}: "
             "give one wire, columns of equal length"
         )
     place = np.flatnonzero(mask)
@@ -203,37 +216,49 @@ def _usable(
     bad = ~(np.isfinite(resistance) & np.isfinite(contraction) & (resistance > 0.0))
     if bad.any():
         raise RecordingError(
-            f"{int(bad.sum())} of {bad.size} samples have no finite positive resistance and finite strain, "
+            f"{int(bad.sum())} of {bad.size} samples have no finite positive resistance and finite {quantity}, "
             f"the first at index {int(place[np.argmax(bad)])}: mark them in `valid` or drop them"
         )
     return place, resistance, contraction
 
 
-def _check_stroke(strain: FloatArray) -> None:
+def _shown(value: float, quantity: str) -> str:
+    factor, unit = SHOWN_AS[quantity]
+    return f"{factor * value:.3g} {unit}"
+
+
+def _check_stroke(strain: FloatArray, quantity: str) -> None:
     stroke, noise = float(np.ptp(strain)), noise_level(strain)
     if stroke <= 0.0 or stroke < LEAST_STROKE_NOISES * noise:
         raise RecordingError(
-            f"no transformation: the strain moves by {stroke:.3g}, its noise is {noise:.3g}, and at least "
-            f"{LEAST_STROKE_NOISES:g} times that are needed: raise the drive or check the strain sensor"
+            f"no transformation: the {quantity} moves by {_shown(stroke, quantity)}, its noise is "
+            f"{_shown(noise, quantity)}, and at least {LEAST_STROKE_NOISES:g} times that are needed: raise the drive "
+            f"or check the {INSTRUMENTS[quantity]}"
         )
 
 
-def _check_fall(curves: Smoothed) -> None:
+def _check_fall(curves: Smoothed, quantity: str) -> None:
     """Resistance must fall while strain rises, over the middle of the stroke."""
     strain, resistance = curves.strain, curves.resistance_ohm
     sign, change = _middle_trend(strain, resistance)
     if sign < -SETTLED_SIGN:
         return
-    stroke = float(np.ptp(strain))
+    span = f"{SPANS[quantity]} of {_shown(float(np.ptp(strain)), quantity)}"
     if sign > SETTLED_SIGN and change >= THERMAL_SHARE:
+        backwards = "pulling must read" if quantity == "force" else "contraction must be"
+        option = "" if quantity == "force" else " (--invert)"
         raise RecordingError(
-            f"strain of the wrong sign: over a stroke of {stroke:.3g} the resistance rises with it by "
-            f"{100 * change:.1f} %: contraction must be positive, negate the strain (--invert)"
+            f"{quantity} of the wrong sign: over {span} the resistance rises with it by {100 * change:.1f} %: "
+            f"{backwards} positive, negate the {quantity}{option}"
         )
+    # Held at both ends a wire pulls without contracting: stress keeps most of it from transforming, and its resistance
+    # goes with its temperature.
+    wanted = "pulling" if quantity == "force" else "contraction"
+    held = "a wire that may hardly contract has no such loop; where it may, " if quantity == "force" else ""
     raise RecordingError(
-        f"no transformation: the resistance does not fall as the strain rises over a stroke of {stroke:.3g} "
+        f"no transformation: the resistance does not fall as the {quantity} rises over {span} "
         f"(correlation {sign:+.2f}, fall needed {-SETTLED_SIGN:+.1f}; change {100 * change:.1f} %): "
-        "raise the drive voltage, and check that contraction is positive"
+        f"{held}raise the drive voltage, and check that {wanted} is positive"
     )
 
 
@@ -264,14 +289,16 @@ def _is_closed(pair: tuple[Run, Run], strain: FloatArray) -> bool:
     return bool(stroke > 0.0 and abs(begin - end) <= CLOSURE * stroke)
 
 
-def _no_cycle(runs: list[Run], strain: FloatArray) -> str:
+def _no_cycle(runs: list[Run], strain: FloatArray, quantity: str) -> str:
+    factor, unit = SHOWN_AS[quantity]
     story = ", ".join(
-        f"{'heating' if run.rising else 'cooling'} from {strain[run.first]:.3g} to {strain[run.last]:.3g}"
+        f"{'heating' if run.rising else 'cooling'} from {factor * strain[run.first]:.3g} to "
+        f"{factor * strain[run.last]:.3g} {unit}"
         for run in runs
     )
     return (
-        f"no complete cycle: the recording holds only {story or 'one turning point'} (strain): "
-        "record heating and cooling back to the strain at the start"
+        f"no complete cycle: the recording holds only {story or 'one turning point'} ({quantity}): "
+        f"record heating and cooling back to the {quantity} at the start"
     )
 
 
@@ -311,7 +338,7 @@ def _points(run: Run, curves: Smoothed) -> _Points:
     return _Points(at_a, at_b, at_c, returns_cold, complete)
 
 
-def _check_branch(run: Run, points: _Points, curves: Smoothed) -> None:
+def _check_branch(run: Run, points: _Points, curves: Smoothed, quantity: str) -> None:
     """A fall of resistance that stands out of the noise, with much of the strain, over enough samples."""
     resistance, strain = curves.resistance_ohm, curves.strain
     name = "heating" if run.rising else "cooling"
@@ -320,13 +347,13 @@ def _check_branch(run: Run, points: _Points, curves: Smoothed) -> None:
     if fall < LEAST_SIGNAL * curves.resistance_noise_ohm or gain < LEAST_STRAIN_SHARE:
         raise RecordingError(
             f"no transformation: on the {name} branch the resistance falls by {fall:.3g} ohm (its noise is "
-            f"{curves.resistance_noise_ohm:.2g} ohm after smoothing) while strain gains {100 * gain:.0f} % "
-            "of the stroke: raise the drive voltage or average more samples"
+            f"{curves.resistance_noise_ohm:.2g} ohm after smoothing) while the {quantity} gains "
+            f"{100 * gain:.0f} % of its range: raise the drive voltage or average more samples"
         )
     if strain[points.c] <= 0.0:
         raise RecordingError(
-            f"no transformation: on the {name} branch the strain is {strain[points.c]:.3g} at the least "
-            "resistance: contraction must be positive and zero when cold, check drive voltage, sign and zero"
+            f"no transformation: on the {name} branch the {quantity} is {_shown(float(strain[points.c]), quantity)} at "
+            "the least resistance: contraction must be positive and zero when cold, check drive voltage, sign and zero"
         )
     samples = abs(points.c - points.b) + 1
     if samples < LEAST_BRANCH_SAMPLES:

@@ -8,7 +8,7 @@ from musclewire.experiment.open_loop import characterize
 from musclewire.identify import estimate, fit
 from musclewire.identify.loop_gaps import loop_gaps
 from musclewire.identify.recordings import reference_quantity, resistance_reading
-from musclewire.rigs.configuration import open_rig
+from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.signals import Recording
 
 
@@ -70,3 +70,16 @@ def test_another_wires_recording_is_refused_with_both_ranges(loop: Recording) ->
 def test_an_unknown_quantity_suggests_the_nearest(loop: Recording) -> None:
     with pytest.raises(CallerError, match="did you mean 'strain'"):
         fit(loop, quantity="strian")
+
+
+def test_a_wire_held_at_both_ends_is_said_to_have_no_loop_to_fit() -> None:
+    with open_rig(RigConfiguration(load=[{"part": "blocked"}])) as rig:  # type: ignore[list-item]
+        held = characterize(rig, cycles=1, period_s=30.0)
+    for ask in (lambda: loop_gaps(held), lambda: fit(held), lambda: fit(held, quantity="force")):
+        with pytest.raises(RecordingError, match=r"^no loop: the part 'blocked' holds the wire.*nothing to fit$"):
+            ask()
+
+
+def test_a_held_wires_soft_mount_lets_it_move_and_is_fitted_like_a_spring() -> None:
+    with open_rig(RigConfiguration(load=[{"part": "blocked", "mount_stiffness": 588.6}])) as rig:  # type: ignore[list-item]
+        assert fit(characterize(rig, cycles=1)).quantity_max > 0.03

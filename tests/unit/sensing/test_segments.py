@@ -179,6 +179,22 @@ def test_a_stroke_within_its_noise_is_no_transformation() -> None:
         find_segments(16 + 0.01 * random.normal(size=500), 1e-5 * random.normal(size=500))
 
 
+def test_what_is_wrong_with_a_force_is_said_of_the_force() -> None:
+    loop = MAKER.record()
+    resistance = 16.0 + 0.1 * loop.strain / loop.strain.max()
+    with pytest.raises(RecordingError, match=r"as the force rises over a change of 4\.65 N .*hardly contract"):
+        find_segments(resistance, 4.65 * loop.strain / loop.strain.max(), quantity="force")
+    with pytest.raises(RecordingError, match=r"the force moves by 0 N.*check the load cell"):
+        find_segments(resistance, 0 * loop.strain, quantity="force")
+    with pytest.raises(
+        RecordingError, match=r"displacement of the wrong sign: over a stroke of 7 mm .*negate the disp"
+    ):
+        find_segments(loop.resistance_ohm, -0.2 * loop.strain, quantity="displacement")
+    half = MAKER.record(cycles=0.5)
+    with pytest.raises(RecordingError, match=r"heating from 0 to 2\.1 N \(force\)"):
+        find_segments(half.resistance_ohm, 60 * half.strain, quantity="force")
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_a_resistance_that_is_only_noise_is_no_transformation(seed: int) -> None:
     loop = MAKER.record()
