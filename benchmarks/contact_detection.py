@@ -162,7 +162,7 @@ def show_forces(days: Sequence[GripperKnowledge], quick: bool) -> None:
         print(
             f"held force, stiffness {'known' if known else 'unknown'}; errors of the estimate against the load cell [N]"
         )
-        all_errors = []
+        all_errors, all_held = [], []
         for stiffness in (200.0,) if quick else STIFFNESSES_N_PER_M:
             errors, held, bounded = [], [], []
             for clearance in (4e-3,) if quick else CLEARANCES_M:
@@ -174,14 +174,18 @@ def show_forces(days: Sequence[GripperKnowledge], quick: bool) -> None:
                         held.append(run.true_force_n)
                         bounded.append(run.true_force_n <= (run.most_force_n or 0.0))
             all_errors += errors
+            all_held += held
             if not errors:
                 print(f"  {stiffness:6.0f} N/m: 0.3 N is out of reach")
                 continue
+            rms = np.sqrt(np.mean(np.square(errors)))
             print(f"  {stiffness:6.0f} N/m: {len(held):2d} holds of {min(held):.3f} to {max(held):.3f} N; error rms "
-                  f"{np.sqrt(np.mean(np.square(errors))):.3f}, from {min(errors):+.3f} to {max(errors):+.3f}; within "
-                  f"the bound in {sum(bounded)}")  # fmt: skip
+                  f"{rms:.3f}, mean {np.mean(errors):+.3f}, from {min(errors):+.3f} to {max(errors):+.3f}; "
+                  f"within the bound in {sum(bounded)}")  # fmt: skip
         rms = np.sqrt(np.mean(np.square(all_errors)))
-        print(f"  all: error rms {rms:.3f} N, largest {np.abs(all_errors).max():.3f} N")
+        print(f"  all: error rms {rms:.3f} N, mean {np.mean(all_errors):+.3f} N, largest "
+              f"{np.abs(all_errors).max():.3f} N; force held, of 0.3 N asked for: {np.mean(all_held):.3f} N in the mean, "
+              f"{np.sqrt(np.mean(np.square(np.subtract(all_held, 0.3)))):.3f} N rms off")  # fmt: skip
 
 
 def main() -> int:

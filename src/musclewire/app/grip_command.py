@@ -116,10 +116,10 @@ def knowledge_of(
     configuration: RigConfiguration, file: Path | None, seed: int | None, *, quiet: bool
 ) -> GripperKnowledge:
     """Return what the gripper has learned: from a file, or learned now and, with a file named, written there."""
-    from musclewire.experiment.closings import learn_gripper, load_knowledge
+    from musclewire.experiment.closings import learn_gripper
 
     if file is not None and file.exists():
-        return load_knowledge(file)
+        return knowledge_from(file, configuration)
     if file is not None:
         if file.suffix != ".json":
             raise CallerError(f"{file}: what a gripper has learned is a .json file")
@@ -130,6 +130,20 @@ def knowledge_of(
     knowledge = learn_gripper(configuration, seed=chosen + LEARNING_SEED_STEP, on_sample=stop_if_asked)
     if file is not None:
         knowledge.save(file)
+    return knowledge
+
+
+def knowledge_from(file: Path, configuration: RigConfiguration) -> GripperKnowledge:
+    """Return what a file says, refused where it was learned on another gripper."""
+    from musclewire.experiment.closings import gripper_of, load_knowledge
+    from musclewire.rigs.configuration import open_rig
+
+    knowledge = load_knowledge(file)
+    with open_rig(configuration) as opened:
+        try:
+            knowledge.gripper.require_same(gripper_of(opened))
+        except CallerError as error:
+            raise CallerError(f"{file}: {error}") from None
     return knowledge
 
 
@@ -169,11 +183,19 @@ def grip_text(run: GripRun, known: float | None) -> str:
         return "\n".join([*lines, f"{run.target_n:g} N was not reached: the fingers closed fully"])
     if known is None:
         lines.append(f"stiffness of the object by power: {run.stiffness_n_per_m:.0f} N/m, a rough number")
-    true = "" if run.true_force_n is None else f", instrument {run.true_force_n:.3f} N"
-    lines.append(
-        f"held: estimated {run.estimated_force_n:.3f} N{true}; a rigid object would have {run.most_force_n:.3f} N"
-    )
+    lines.append(f"held: target {run.target_n:g} N, estimated {run.estimated_force_n:.3f} N{at_instrument(run)}")
+    lines.append(f"a rigid object would have {run.most_force_n:.3f} N at this resistance")
     return "\n".join(lines)
+
+
+def at_instrument(run: GripRun) -> str:
+    """Return the force the instrument showed in the hold and how far the estimate was off, in words."""
+    if run.true_force_n is None or run.estimated_force_n is None:
+        return ""
+    error_n, missed_n = run.estimated_force_n - run.true_force_n, run.true_force_n - run.target_n
+    return (
+        f", instrument {run.true_force_n:.3f} N: estimate off by {error_n:+.3f} N, target missed by {missed_n:+.3f} N"
+    )
 
 
 def at_force(run: GripRun) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -24,11 +24,13 @@ from musclewire.signals.whole_files import write_whole
 
 __all__ = [
     "CLOSING_S",
+    "Gripper",
     "GripperKnowledge",
     "Object",
     "close_fingers",
     "closing_waveform",
     "fingers_of",
+    "gripper_of",
     "learn_gripper",
     "load_knowledge",
     "object_of",
@@ -47,10 +49,22 @@ LAG_S = 1.75
 # weather, and grips of one block of known stiffness, at different openings for the lever to change.
 LEARNING_CLOSINGS_S = (2.5, 4.0, 7.0) * 6
 KNOWN_STIFFNESS_N_PER_M = 300.0
-KNOWN_CLEARANCES_M = (4e-3, 5.5e-3, 7e-3, 8.5e-3)
+KNOWN_CLEARANCES_M = (4e-3, 5.5e-3, 7e-3, 8.5e-3) * 3
+# Each known grip has weather of its own: alike, a draught would be learned as what a newton costs.
+SEED_STEP = 100
 # An object that is taken away is this far away.
 AWAY_M = 1.0
-FORMAT, VERSION = "musclewire-gripper", 1
+FORMAT, VERSION = "musclewire-gripper", 2
+# A gripper is the one that was learned while its measured numbers are within this share.
+ALIKE = 0.01
+SHOWN = {
+    "wire": ("wire", 1.0, ""),
+    "leg_length_m": ("legs of", 1e3, " mm"),
+    "finger": ("finger", 1.0, ""),
+    "finger_stiffness_n_per_m": ("finger stiffness", 1.0, " N/m"),
+    "fingers": ("fingers:", 1.0, ""),
+    "pretension_n": ("pretension", 1.0, " N"),
+}
 
 
 @dataclass(frozen=True)
@@ -62,14 +76,52 @@ class Object:
 
 
 @dataclass(frozen=True)
+class Gripper:
+    """Which gripper something was learned on; what a rig does not say of itself is None."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
+
+    wire: str | None
+    leg_length_m: float | None
+    finger: str | None
+    finger_stiffness_n_per_m: float | None
+    fingers: int
+    pretension_n: float | None
+
+    def require_same(self, other: Gripper) -> None:
+        """Raise CallerError where the other gripper is known to be another one; measured numbers may differ by 1 %."""
+        for item in fields(self):
+            learned, mounted = getattr(self, item.name), getattr(other, item.name)
+            if learned is None or mounted is None or same(learned, mounted):
+                continue
+            raise CallerError(
+                f"learned on another gripper: {in_words(item.name, learned)} there, "
+                f"{in_words(item.name, mounted)} here: learn this one anew, into another file"
+            )
+
+
+def same(one: str | float, other: str | float) -> bool:
+    """Return whether two values stand for the same gripper."""
+    if isinstance(one, str) or isinstance(other, str):
+        return one == other
+    return math.isclose(one, other, rel_tol=ALIKE)
+
+
+def in_words(name: str, value: str | float) -> str:
+    """Return one property of a gripper as a reader would write it."""
+    label, factor, unit = SHOWN[name]
+    return f"{label} {value}" if isinstance(value, str) else f"{label} {factor * value:.4g}{unit}"
+
+
+@dataclass(frozen=True)
 class GripperKnowledge:
-    """What a gripper has learned: free closings, and how force follows from resistance."""
+    """What a gripper has learned: free closings, how force follows from resistance, and which gripper it was."""
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
 
     free: FreeClosing
     curve: GripCurve
-    wire: str
+    gripper: Gripper
 
     def save(self, path: Path) -> None:
         """Write it as JSON, whole or not at all; CallerError when the folder cannot be written."""
@@ -90,8 +142,10 @@ def load_knowledge(path: Path) -> GripperKnowledge:
         raise CallerError(f"cannot read {path}: {error.strerror or error}") from None
     except ValidationError:
         raise CallerError(f"{path} is not what a gripper has learned: no JSON document") from None
-    if document.pop("format", None) != FORMAT or document.pop("version", None) != VERSION:
+    if document.pop("format", None) != FORMAT:
         raise CallerError(f"{path} is not what a gripper has learned: 'musclewire grip --learned' writes one")
+    if (version := document.pop("version", None)) != VERSION:
+        raise CallerError(f"{path} is of version {version} and {VERSION} is read: learn the gripper anew")
     try:
         return TypeAdapter(GripperKnowledge).validate_python(document)
     except ValidationError as error:
@@ -110,7 +164,9 @@ def closing_waveform(rig: Rig, closing_s: float, rest_s: float = REST_S) -> Wave
     high = rig.drive_amplitude_v * math.sqrt(1.0 + LAG_S / closing_s)
     if high > rig.maximum_voltage_v:
         raise CallerError(
-            f"closing in {closing_s:g} s takes {high:.3g} V and the rig allows {rig.maximum_voltage_v:g} V: be slower"
+            f"closing in {closing_s:g} s ends at {high:.3g} V and the rig allows {rig.maximum_voltage_v:g} V: set "
+            f"maximum_voltage_v = {math.ceil(10.0 * high) / 10.0:g} under [settings] of the rig file, or a lower "
+            "drive_amplitude_v there"
         )
 
     def drive_voltage_v(time_s: float) -> float:
@@ -159,6 +215,27 @@ def fingers_of(configuration: RigConfiguration) -> int:
     return 2 if any(isinstance(part, SecondFinger) for part in configuration.load) else 1
 
 
+def gripper_of(rig: Rig) -> Gripper:
+    """Return which gripper a rig is, by what it says of itself."""
+    said = rig.metadata()
+
+    def number(name: str) -> float | None:
+        value = said.get(name)
+        return float(value) if isinstance(value, int | float) else None
+
+    def word(name: str) -> str | None:
+        return None if said.get(name) is None else str(said[name])
+
+    return Gripper(
+        wire=word("wire"),
+        leg_length_m=number("leg_length_m"),
+        finger=word("finger"),
+        finger_stiffness_n_per_m=number("finger_stiffness_n_per_m"),
+        fingers=int(number("wires") or 1),
+        pretension_n=number("pretension_n"),
+    )
+
+
 def learn_gripper(
     rig: str | Path | RigConfiguration,
     *,
@@ -183,12 +260,13 @@ def learn_gripper(
         for closing_s in closings_s:
             say(f"free closing of {closing_s:g} s")
             free_runs.append(close_fingers(opened, closing_s=closing_s, on_sample=on_sample))
-        wire = str(opened.metadata()["wire"])
+        gripper = gripper_of(opened)
     free = fit_free_closing(free_runs)
     known = []
-    for clearance in clearances:
+    first_seed = configuration.seed if seed is None else seed
+    for index, clearance in enumerate(clearances, start=1):
         say(f"grip of a block of {KNOWN_STIFFNESS_N_PER_M:g} N/m, {1e3 * clearance:g} mm away")
         block = Object(KNOWN_STIFFNESS_N_PER_M, clearance)
-        with open_rig(with_object(configuration, block), seed=seed) as opened:
+        with open_rig(with_object(configuration, block), seed=first_seed + SEED_STEP * index) as opened:
             known.append(KnownGrip(close_fingers(opened, on_sample=on_sample), KNOWN_STIFFNESS_N_PER_M))
-    return GripperKnowledge(free, fit_grip_curve(free_runs, known, free, fingers=fingers), wire)
+    return GripperKnowledge(free, fit_grip_curve(free_runs, known, free, fingers=fingers), gripper)

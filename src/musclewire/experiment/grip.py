@@ -13,11 +13,12 @@ import numpy as np
 
 from musclewire.controllers import DriveLimits
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment.closings import CLOSING_S, REST_S, GripperKnowledge, closing_waveform
+from musclewire.experiment.closings import CLOSING_S, REST_S, GripperKnowledge, closing_waveform, gripper_of
 from musclewire.experiment.open_loop import Waveform
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.contact import AirMoves, ContactDetector
+from musclewire.sensing.grip_force import fall_by_cooling
 from musclewire.sensing.polynomials import evaluate
 from musclewire.sensing.resistance import wire_resistance
 from musclewire.signals.recording import MetadataValue, Recording
@@ -70,6 +71,7 @@ class GripPolicy:
         self.stiffness_n_per_m: float | None = None
         self.contact = 1.0
         self._held_v: float | None = None
+        self._held_places: list[float] = []
         self._force_n = 0.0
         self._place_before = 1.0
         self._blind_samples = 0
@@ -110,7 +112,7 @@ class GripPolicy:
             self.state = self._detector.step(self.state, resistance_ohm, power_w, self._sample_period_s)
             if not self.state.touched:
                 return self._closing(elapsed_s)
-            stiffness = self._follow_contact(place)
+            stiffness = self._follow_contact()
             self._force_n = self._curve.force_n(place, self.contact, stiffness)
             # The wire goes on for a sample: the hold begins where the next one would reach the target.
             if self._force_n <= 0.0 or 2.0 * self._force_n - before_n < self._target_n:
@@ -118,16 +120,18 @@ class GripPolicy:
             self.stiffness_n_per_m = stiffness
             self._held_v = self._holding_voltage_v(sample.drive_voltage_v, power_w, place, moved)
             return self._held_v
-        self._force_n = self._curve.force_n(place, self.contact, self.stiffness_n_per_m or 0.0)
+        self._held_places.append(place)
+        cooled = fall_by_cooling(self._held_places, self._sample_period_s, self._free.thermal_time_s)
+        self._force_n = self._curve.force_n(place + cooled, self.contact, self.stiffness_n_per_m or 0.0)
         return self._held_v
 
-    def _follow_contact(self, place: float) -> float:
+    def _follow_contact(self) -> float:
         """Say anew where contact began, and return the object's stiffness: the known one, or what power tells."""
         if self._known_n_per_m is not None:
             self.contact = self._curve.contact_place(self.state, self._known_n_per_m)
             return self._known_n_per_m
-        self.contact = self.state.place
-        return self._curve.stiffness_by_power_n_per_m(place, self.contact, self.state.slope_w)
+        self.contact, stiffness = self._curve.met_by_power(self.state)
+        return stiffness
 
     def _holding_voltage_v(self, drive_voltage_v: float, power_w: float, place: float, moved: float) -> float:
         """Return the drive that holds: without the power that the motion of the last sample took, and a little less."""
@@ -183,15 +187,13 @@ def grip(
     """Close the fingers, find contact, go on to a force and hold it, by the wires' resistance alone.
 
     ``stiffness_n_per_m`` is the object's, None where nobody knows it; ``air`` is what weather to expect. Raises
-    CallerError for a target not above 0, a stiffness not above 0, or another wire than the one learned from.
+    CallerError for a target not above 0, a stiffness not above 0, or another gripper than the one learned on.
     """
     if not target_n > 0.0 or (stiffness_n_per_m is not None and not stiffness_n_per_m > 0.0):
         raise CallerError(f"target force {target_n:g} N and stiffness {stiffness_n_per_m} N/m must be above 0")
     if not hold_s > JUDGED_S:
         raise CallerError(f"a hold of {hold_s:g} s is too short: its last {JUDGED_S:g} s are judged")
-    mounted = rig.metadata().get("wire")
-    if mounted and knowledge.wire != mounted:
-        raise CallerError(f"this gripper was learned with wire {knowledge.wire}, the rig has {mounted}: learn it anew")
+    knowledge.gripper.require_same(gripper_of(rig))
     policy = GripPolicy(
         knowledge,
         ContactDetector(knowledge.free, air),

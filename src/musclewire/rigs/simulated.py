@@ -10,12 +10,13 @@ from types import TracebackType
 from typing import Self
 
 from musclewire.errors import CallerError, NumericsError, RigError
+from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.rigs.instruments import Instruments
 from musclewire.rigs.load_parts import Contact, Finger, Part, Pretensioner, SecondFinger, Spring, Weight
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.protocol import Metadata
-from musclewire.rigs.simulated_building import wires_of
+from musclewire.rigs.simulated_building import force_limit_n, wires_of
 from musclewire.rigs.simulated_wires import Means, TwoWires
 from musclewire.rigs.surroundings import Surroundings, Weather
 from musclewire.signals.samples import RawSample
@@ -166,6 +167,7 @@ class SimulatedRig:
             "leg_length_m": self.leg_length_m,
             "shunt_resistance_ohm": self.shunt_resistance_ohm,
             "maximum_force_n": self._wire.maximum_force_n.value,
+            "force_limit_n": force_limit_n(self._wire, self._parts),
             "pretension_n": self._pretension_n,
             **self._load_metadata(),
             "sample_period_s": self.sample_period_s,
@@ -190,6 +192,7 @@ class SimulatedRig:
         for part in self._parts:
             if isinstance(part, Finger):
                 named["finger"] = Path(part.finger).stem
+                named["finger_stiffness_n_per_m"] = load_finger(part.finger).curve.stiffness_n_per_m
         if self.partner_state is not None:
             named["wires"] = 2
         return {**named, "spring_stiffness_n_per_m": stiffness} if plain else named

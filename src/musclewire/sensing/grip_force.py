@@ -9,21 +9,35 @@ stretched wires in series:
 with n fingers, c_f the compliance of a finger at its endpoint, c_w that of a wire at its tendon, and e' the endpoint's
 travel per travel of the tendon, which is also the tendon's force per endpoint force. Weather does not enter: resistance
 tells strain whatever the air does. Without k there is a bound (a rigid object), and an estimate from the power that
-contact has cost, in which weather does enter.
+contact has cost, in which weather does enter: the mean over all contacts and stiffnesses that power leaves likely.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
 
 from musclewire.errors import CallerError
 from musclewire.sensing.contact import ContactState
 from musclewire.sensing.polynomials import evaluate
 
-__all__ = ["GripCurve"]
+__all__ = ["GripCurve", "fall_by_cooling"]
+
+FloatArray = npt.NDArray[np.float64]
 
 # An object is taken for rigid from this stiffness, and never softer than this.
 STIFFEST_N_PER_M, SOFTEST_N_PER_M = 1e6, 1.0
+# What objects there are, where nothing is known: from a sponge's 20 N/m to 2000 N/m, on which fingers hardly tell it
+# from a stone's.
+THINKABLE_N_PER_M = np.geomspace(20.0, 2000.0, 33)
+# In thermal times of the wire, once its drive has been taken back: the fingers stand after the first, and their wires
+# have cooled after the second.
+STANDS_AFTER, COOLED_AFTER = 1.0 / 3.0, 2.0
+# Noise is averaged over so many samples.
+AVERAGED = 3
 
 
 @dataclass(frozen=True)
@@ -70,19 +84,35 @@ class GripCurve:
         """Return the grip force on a rigid object [N]: no softer one can have more."""
         return self.force_n(normalised, contact, STIFFEST_N_PER_M)
 
-    def force_by_power_n(self, normalised: float, contact: float, slope_w: float) -> float:
-        """Return the grip force [N] that the power spent since contact speaks of, whatever the object's stiffness."""
-        cost_w = float(evaluate(self.power_per_newton_w, self._within(normalised)))
-        return max(contact - normalised, 0.0) * slope_w / (cost_w * self._lever(normalised))
+    def slopes_w(self, here: float, places: FloatArray, stiffness_n_per_m: FloatArray) -> FloatArray:
+        """Return how steeply power must have grown [W], (n_stiffnesses, n_places), from each place to ``here``."""
+        cost_w = float(evaluate(self.power_per_newton_w, self._within(here))) * self._lever(here)
+        return cost_w * self._forces_n(here, places, stiffness_n_per_m) / (places - here)
 
-    def stiffness_by_power_n_per_m(self, normalised: float, contact: float, slope_w: float) -> float:
-        """Return the stiffness of an object [N/m] that would have cost this power; within what can be told."""
-        force = self.force_by_power_n(normalised, contact, slope_w)
-        travel_m = self.closed_m(normalised) - self.closed_m(contact)
-        if force <= 0.0 or travel_m <= 0.0:
-            return SOFTEST_N_PER_M
-        give = travel_m / force - self.compliance_m_per_n(normalised)
-        return min(max(1.0 / give, SOFTEST_N_PER_M), STIFFEST_N_PER_M) if give > 0.0 else STIFFEST_N_PER_M
+    def met_by_power(self, state: ContactState) -> tuple[float, float]:
+        """Return where contact began, as normalised resistance, and the object's stiffness [N/m], both by power.
+
+        Neither is known, and the pair that explains power best is one in which a draught is taken for force. So every
+        pair is weighed by its likelihood and by what objects there are: stiffnesses of ``THINKABLE_N_PER_M``, in
+        decades alike. The force of the answer is the mean over all pairs, and such a mean stays unbiased although
+        the closing ends by it.
+        """
+        here = state.normalised
+        if here is None or not (state.places > here).any():
+            return state.place, SOFTEST_N_PER_M
+        behind = state.places > here
+        places, overlaps, weights = state.places[behind], state.overlaps[behind], state.weights[behind]
+        slopes = self.slopes_w(here, places, THINKABLE_N_PER_M)
+        likelihood = slopes * overlaps - 0.5 * slopes * slopes * weights
+        share = np.exp(likelihood - likelihood.max())
+        share /= share.sum()
+        force_n = float((share * self._forces_n(here, places, THINKABLE_N_PER_M)).sum())
+        contact = float((share.sum(axis=0) * places).sum())
+        travel_m = self.closed_m(here) - self.closed_m(contact)
+        if force_n <= 0.0 or travel_m <= 0.0:
+            return contact, SOFTEST_N_PER_M
+        give = travel_m / force_n - self.compliance_m_per_n(here)
+        return contact, min(max(1.0 / give, SOFTEST_N_PER_M), STIFFEST_N_PER_M) if give > 0.0 else STIFFEST_N_PER_M
 
     def contact_place(self, state: ContactState, stiffness_n_per_m: float) -> float:
         """Return where contact most likely began with an object of known stiffness, as normalised resistance.
@@ -93,19 +123,38 @@ class GripCurve:
         here = state.normalised
         if here is None or not state.places.size:
             return state.place
-        cost_w = float(evaluate(self.power_per_newton_w, self._within(here))) * self._lever(here)
-        best, place = 0.0, state.place
-        for at, overlap, weight in zip(state.places, state.overlaps, state.weights, strict=True):
-            if at <= here:
-                continue
-            slope = cost_w * self.force_n(here, float(at), stiffness_n_per_m) / (at - here)
-            likelihood = slope * overlap - 0.5 * slope * slope * weight
-            if likelihood > best:
-                best, place = likelihood, float(at)
-        return place
+        behind = state.places > here
+        if not behind.any():
+            return state.place
+        slopes = self.slopes_w(here, state.places[behind], np.array([stiffness_n_per_m]))[0]
+        likelihood = slopes * state.overlaps[behind] - 0.5 * slopes * slopes * state.weights[behind]
+        best = int(np.argmax(likelihood))
+        return float(state.places[behind][best]) if likelihood[best] > 0.0 else state.place
+
+    def _forces_n(self, here: float, places: FloatArray, stiffness_n_per_m: FloatArray) -> FloatArray:
+        """Return ``force_n`` for many contacts and stiffnesses [N], (n_stiffnesses, n_places)."""
+        met = np.clip(places, self.normalised_min, self.normalised_max)
+        met_m = self.fingers * np.polynomial.polynomial.polyval(met, np.array(self.endpoint_m))
+        travel_m = np.maximum(self.closed_m(here) - met_m, 0.0)
+        forces: FloatArray = travel_m / (1.0 / stiffness_n_per_m[:, None] + self.compliance_m_per_n(here))
+        return forces
 
     def _within(self, normalised: float) -> float:
         return min(max(normalised, self.normalised_min), self.normalised_max)
 
     def _lever(self, normalised: float) -> float:
         return float(evaluate(self.leverage, self._within(normalised)))
+
+
+def fall_by_cooling(places: Sequence[float], sample_period_s: float, thermal_time_s: float) -> float:
+    """Return by how much normalised resistance has fallen because the wire cools in a hold, not because it contracts.
+
+    ``places`` are normalised resistances since the drive was taken back below what closes further. Metal that cools
+    loses resistance; the fingers, by hysteresis, stand. So a fall between the moment they stand and the wire's new
+    temperature is no motion; what comes later may be, and is left alone.
+    """
+    first = round(STANDS_AFTER * thermal_time_s / sample_period_s)
+    cooling = places[first : round(COOLED_AFTER * thermal_time_s / sample_period_s)]
+    if len(cooling) <= AVERAGED:
+        return 0.0
+    return max(float(np.mean(cooling[:AVERAGED]) - np.mean(cooling[-AVERAGED:])), 0.0)

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.sensing.contact import ContactDetector, FreeClosing
-from musclewire.sensing.grip_force import GripCurve
+from musclewire.sensing.contact import ContactDetector, ContactState, FreeClosing
+from musclewire.sensing.grip_force import GripCurve, fall_by_cooling
 
 # Two fingers whose endpoints move 6 mm while resistance falls through its range, lever 5 throughout.
 CURVE = GripCurve(
@@ -40,22 +40,72 @@ def test_no_object_is_held_harder_than_a_rigid_one(place: float, stiffness: floa
     assert CURVE.most_force_n(place, 0.95) == pytest.approx(12e-3 * (0.95 - place) / GIVE_M_PER_N, rel=1e-3)
 
 
-@given(st.floats(0.1, 0.8), st.floats(20.0, 2000.0))
-def test_power_tells_stiffness_where_a_newton_costs_what_was_learned(place: float, stiffness: float) -> None:
-    force = CURVE.force_n(place, 0.9, stiffness)
-    slope_w = 0.05 * 5.0 * force / (0.9 - place)
-    assert CURVE.force_by_power_n(place, 0.9, slope_w) == pytest.approx(force)
-    assert CURVE.stiffness_by_power_n_per_m(place, 0.9, slope_w) == pytest.approx(stiffness, rel=1e-6)
+def seen(here: float, places: list[float], slopes_w: list[float], sharpness: float) -> ContactState:
+    """A detector's state whose candidates each have a best slope, told ``sharpness`` standard deviations well."""
+    weights = np.array([(sharpness / slope) ** 2 for slope in slopes_w])
+    return (
+        ContactDetector(FREE)
+        .start()
+        ._replace(
+            normalised=here,
+            places=np.array(places),
+            overlaps=weights * np.array(slopes_w),
+            weights=weights,
+            place=places[0],
+        )
+    )
 
 
-def test_power_beyond_what_a_rigid_object_costs_says_rigid_and_none_says_soft() -> None:
-    assert CURVE.stiffness_by_power_n_per_m(0.5, 0.9, 100.0) == 1e6
-    assert CURVE.stiffness_by_power_n_per_m(0.5, 0.9, 0.0) == 1.0
+@given(st.floats(0.1, 0.8), st.floats(25.0, 1600.0))
+def test_power_that_leaves_no_doubt_tells_the_force(here: float, stiffness: float) -> None:
+    force = CURVE.force_n(here, 0.9, stiffness)
+    contact, told = CURVE.met_by_power(seen(here, [0.9], [0.05 * 5.0 * force / (0.9 - here)], 200.0))
+    assert contact == pytest.approx(0.9)
+    assert CURVE.force_n(here, contact, told) == pytest.approx(force, rel=0.08)
+
+
+@given(st.floats(0.1, 0.8))
+def test_power_that_says_nothing_gives_the_mean_over_all_thinkable_objects(here: float) -> None:
+    contact, told = CURVE.met_by_power(seen(here, [0.9], [1.0], 1e-9))
+    forces = [CURVE.force_n(here, 0.9, stiffness) for stiffness in np.geomspace(20.0, 2000.0, 33)]
+    assert CURVE.force_n(here, contact, told) == pytest.approx(np.mean(forces), rel=1e-6)
+
+
+@given(st.floats(30.0, 1500.0), st.integers(0, 2**32 - 1))
+@settings(max_examples=10)
+def test_over_thinkable_objects_the_force_by_power_is_right_in_the_mean(sharpness: float, seed: int) -> None:
+    # Draw objects as the estimator thinks of them, and slopes with the noise it is told of: then a posterior mean
+    # has no bias, whatever the noise (the law of total expectation).
+    rng, here, off = np.random.default_rng(seed), 0.5, []
+    noise_w = 30.0 / sharpness
+    for stiffness in np.exp(rng.uniform(np.log(20.0), np.log(2000.0), 400)):
+        force = CURVE.force_n(here, 0.9, float(stiffness))
+        slope = 0.05 * 5.0 * force / (0.9 - here) + rng.normal(0.0, noise_w)
+        contact, told = CURVE.met_by_power(seen(here, [0.9], [slope], abs(slope) / noise_w))
+        off.append(CURVE.force_n(here, contact, told) - force)
+    assert abs(np.mean(off)) < 5.0 * np.std(off) / np.sqrt(len(off)) + 0.01
+
+
+def test_power_beyond_what_a_rigid_object_costs_says_stiff_and_none_says_soft() -> None:
+    assert CURVE.met_by_power(seen(0.5, [0.9], [100.0], 200.0))[1] == pytest.approx(2000.0, rel=0.01)
+    assert CURVE.met_by_power(seen(0.5, [0.9], [1e-6], 200.0))[1] < 2000.0
+    assert CURVE.met_by_power(ContactDetector(FREE).start())[1] == 1.0
+
+
+def test_a_fall_of_resistance_while_the_fingers_stand_is_cooling_and_a_later_one_is_not() -> None:
+    # Samples of 50 ms and a thermal time of 0.6 s: the fingers stand from sample 4, the wire has cooled at sample 24.
+    closing, cooled, later = [0.50, 0.49, 0.48, 0.47], [0.46] * 17 + [0.44] * 3, [0.40] * 20
+    assert fall_by_cooling(closing, 0.05, 0.6) == 0.0
+    assert fall_by_cooling(closing + cooled, 0.05, 0.6) == pytest.approx(0.02)
+    assert fall_by_cooling(closing + cooled + later, 0.05, 0.6) == pytest.approx(0.02)
+
+
+def test_resistance_that_rises_in_a_hold_is_fingers_that_let_go() -> None:
+    assert fall_by_cooling([0.5, 0.5, 0.5, 0.5] + [0.5 + 0.001 * step for step in range(20)], 0.05, 0.6) == 0.0
 
 
 def test_before_contact_there_is_no_force() -> None:
     assert CURVE.force_n(0.9, 0.8, 200.0) == 0.0
-    assert CURVE.force_by_power_n(0.9, 0.8, 1.0) == 0.0
 
 
 @pytest.mark.parametrize("wrong", [{"fingers": 0}, {"finger_compliance_m_per_n": -1.0}, {"power_per_newton_w": (0.0,)}])
