@@ -42,3 +42,41 @@ def test_an_amplitude_too_high_names_the_setting_and_by_how_much(musclewire: Cal
     assert answer.code == 2
     assert "amplitude 2.3 V is 0.275 V above the rig's maximum of 2.025 V" in answer.err
     assert "setting maximum_voltage_v" in answer.err
+
+
+def test_a_blocked_wire_is_recorded_with_a_warning_and_the_word_that_there_is_no_loop(
+    musclewire: Callable[..., Any], tmp_path: Any
+) -> None:
+    rig = tmp_path / "held.toml"
+    rig.write_text('[[load]]\npart = "blocked"\n', "utf-8")
+    call = ("characterize", rig, "-o", tmp_path / "held.h5", "--cycles", "1", "--period", "30")
+    answer = musclewire(*call)
+    assert answer.code == 1
+    assert "no loop: the part 'blocked' holds the wire" in answer.out
+    assert "warning: the wire pulls with up to 6." in answer.err
+    document = musclewire(*call, "--force", "--json").json
+    assert len(document["warnings"]) == 1
+    assert document["strain_gap_pct"] is document["stroke_pct"] is None
+    refused = musclewire("fit", tmp_path / "held.h5", "--quantity", "force")
+    assert refused.code == 2
+    assert "there is nothing to fit" in refused.err
+
+
+def test_characterize_shows_every_gap_and_that_of_a_fingers_endpoint(
+    musclewire: Callable[..., Any], tmp_path: Any
+) -> None:
+    short = ("--cycles", "1", "--period", "40")
+    finger = musclewire("characterize", "finger", "-o", tmp_path / "finger.h5", *short).out
+    assert all(f"{name} gap" in finger for name in ("strain", "displacement", "force"))
+    spring = musclewire("characterize", "simulated", "-o", tmp_path / "spring.h5", *short).out
+    assert "strain gap" in spring
+    assert "displacement gap" not in spring
+
+
+def test_a_sweep_warns_on_stderr_and_in_json(musclewire: Callable[..., Any], tmp_path: Any) -> None:
+    rig = tmp_path / "stiff.toml"
+    rig.write_text('[[load]]\npart = "spring"\nstiffness = "2000 N/m"\n', "utf-8")
+    answer = musclewire("pretension", rig, "--at", "3 N", "--cycles", "1", "--period", "60", "--json")
+    assert answer.code == 0, answer.err
+    assert answer.json["warnings"][0].startswith("pretension 3 N: the wire pulls with up to ")
+    assert f"warning: {answer.json['warnings'][0]}" in answer.err

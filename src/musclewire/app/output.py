@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
 
-__all__ = ["console", "emit_json", "progress_bar", "say", "show", "step_bar"]
+__all__ = ["console", "emit_json", "progress_bar", "say", "show", "step_bar", "warn"]
 
 Advance = Callable[..., None]
 OnStage = Callable[[str, int, int, float], None]
@@ -30,6 +30,14 @@ def console() -> Console:
 def say(text: str) -> None:
     """Print progress, a warning or an error: stderr."""
     print(text, file=sys.stderr)
+
+
+def warn(warnings: Iterable[str]) -> list[str]:
+    """Print warnings on stderr, a line each, and return them for a JSON document."""
+    listed = list(warnings)
+    for text in listed:
+        say(f"warning: {text}")
+    return listed
 
 
 def show(text: str) -> None:

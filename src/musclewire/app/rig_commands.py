@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Mapping
+from math import isclose
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,7 +13,7 @@ import typer
 
 from musclewire.app.files import require_figure_file, require_model_file, require_recording_file, save_figure
 from musclewire.app.options import Force, Json, OutputPath, RealTime, RigName, Seed, quantity_option
-from musclewire.app.output import emit_json, progress_bar, say, show
+from musclewire.app.output import emit_json, progress_bar, say, show, warn
 from musclewire.app.pace import Pace
 from musclewire.app.stopping import stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError, RecordingError, nearest_hint
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.metrics import ControlMetrics
     from musclewire.sensing.known_load import KnownSpring
     from musclewire.sensing.model import SensingModel
+    from musclewire.signals.recording import Recording
 
 __all__ = ["add_rig_commands"]
 
@@ -96,8 +98,8 @@ def characterize(
     json: Json = False,
 ) -> None:
     """Heat and cool the wire slowly (the slow sine) and record it."""
+    from musclewire.experiment.force_limit import force_warnings
     from musclewire.experiment.open_loop import characterize as run_characterize
-    from musclewire.identify.loop_gaps import loop_gaps
     from musclewire.rigs.configuration import open_rig
 
     require_recording_file(output, force)
@@ -113,23 +115,43 @@ def characterize(
                 overwrite=force,
                 on_sample=on_sample,
             )
-    answer: dict[str, Any] = {"recording": str(output), "samples": len(recording), "strain_gap_pct": None}
-    try:
-        gaps = loop_gaps(recording)
-        answer["strain_gap_pct"] = 100 * gaps.strain_gap
-        answer["stroke_pct"] = 100 * gaps.segments.strain_max
-    except RecordingError as error:
-        # The recording is sound and kept; it only shows no loop, which is worth knowing now.
-        answer["problem"] = str(error)
+    answer: dict[str, Any] = {
+        "recording": str(output),
+        "samples": len(recording),
+        **loop_json(recording),
+        "warnings": warn(force_warnings(recording)),
+    }
     if json:
         emit_json(answer)
     else:
         show(f"{len(recording)} samples in {output}")
-        show(
-            answer.get("problem") or f"strain gap {answer['strain_gap_pct']:.3f} %, stroke {answer['stroke_pct']:.2f} %"
-        )
+        show(answer.get("problem") or loop_text(answer))
     if "problem" in answer:
         raise typer.Exit(1)
+
+
+def loop_json(recording: Recording) -> dict[str, Any]:
+    """Return what the last loop of a recording shows, or under ``problem`` why it shows none."""
+    from musclewire.identify.loop_gaps import loop_gaps
+
+    keys = ("strain_gap_pct", "displacement_gap_pct", "force_gap_pct", "stroke_pct")
+    try:
+        gaps = loop_gaps(recording)
+    except RecordingError as error:
+        # The recording is sound and kept; it only shows no loop, which is worth knowing now.
+        return {**dict.fromkeys(keys), "problem": str(error)}
+    shares = (gaps.strain_gap, gaps.displacement_gap, gaps.force_gap, gaps.segments.strain_max)
+    return {key: None if share is None else 100 * share for key, share in zip(keys, shares, strict=True)}
+
+
+def loop_text(answer: Mapping[str, Any]) -> str:
+    """Return the gaps of a loop in words; of the displacement only where it is not the wire's own."""
+    gaps = [("strain", answer["strain_gap_pct"]), ("displacement", answer["displacement_gap_pct"])]
+    if answer["displacement_gap_pct"] is not None and isclose(answer["displacement_gap_pct"], answer["strain_gap_pct"]):
+        gaps.pop()
+    gaps.append(("force", answer["force_gap_pct"]))
+    said = (f"{name} gap {gap:.3f} %" for name, gap in gaps if gap is not None)
+    return ", ".join([*said, f"stroke {answer['stroke_pct']:.2f} %"])
 
 
 def pretension(
@@ -166,6 +188,7 @@ def pretension(
         )
     for failure in sweep.failures:
         say(f"not usable: {failure}")
+    warnings = warn(sweep.warnings)
     if plot is not None:
         save_figure(sweep.plot(), plot)
     rows = [
@@ -179,7 +202,14 @@ def pretension(
         for row in sweep.rows
     ]
     if json:
-        emit_json({"rows": rows, "best_pretension_n": sweep.best.pretension_n, "failures": list(sweep.failures)})
+        emit_json(
+            {
+                "rows": rows,
+                "best_pretension_n": sweep.best.pretension_n,
+                "failures": list(sweep.failures),
+                "warnings": warnings,
+            }
+        )
         return
     for row in sweep.rows:
         gaps = {name: row.gap_pct(name) for name in dict.fromkeys((quantity, "strain", "force"))}

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.experiment.force_limit import force_warnings
 from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.run import OnSample, file_in
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
@@ -58,6 +59,8 @@ class PretensionSweep:
     rows: tuple[PretensionRow, ...]
     failures: tuple[str, ...]
     quantity: str = "strain"
+    # Settings at which a wire pulled harder than it may.
+    warnings: tuple[str, ...] = ()
 
     @property
     def best(self) -> PretensionRow:
@@ -135,6 +138,7 @@ def pretension_sweep(
         )
     rows: list[PretensionRow] = []
     failures: list[str] = []
+    warnings: list[str] = []
     for pretension in default_pretensions_n(rig) if pretensions_n is None else pretensions_n:
         rig.set_pretension(pretension)
         if on_setting is not None:
@@ -148,6 +152,7 @@ def pretension_sweep(
             overwrite=True,
             on_sample=on_sample,
         )
+        warnings += [f"pretension {pretension:g} N: {warning}" for warning in force_warnings(recording)]
         try:
             gaps = loop_gaps(recording)
         except RecordingError as error:
@@ -158,7 +163,7 @@ def pretension_sweep(
         raise RecordingError(f"no pretension gave a usable loop; the last: {failures[-1] if failures else 'none'}")
     if all(row.gap_pct(quantity) is None for row in rows):
         raise RecordingError(f"this rig has no instrument for {quantity}: sweep for another quantity")
-    return PretensionSweep(tuple(rows), tuple(failures), quantity)
+    return PretensionSweep(tuple(rows), tuple(failures), quantity, tuple(warnings))
 
 
 def row_of(pretension_n: float, gaps: LoopGaps, recording: Recording) -> PretensionRow:

@@ -18,7 +18,7 @@ from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip,
 from musclewire.simulate.state import WireConstants
 from musclewire.simulate.wire import constants_from
 
-__all__ = ["wires_of"]
+__all__ = ["force_limit_n", "wires_of"]
 
 
 def wires_of(
@@ -48,6 +48,24 @@ def wires_of(
     own = sections[0] / sum(sections)
     one, two = first.pulling(mechanism.load, own * cold_n), second.pulling(None, (1.0 - own) * cold_n)
     return TwoWires((one, two), Pair(1.0, PARALLEL, 0.0, 1.0), no_grip())
+
+
+def force_limit_n(wire: Wire, parts: Sequence[Part]) -> float:
+    """Return the largest reading of the load cell that every wire of a rig may pull with.
+
+    Wires side by side are read together and share the force by their cross sections, as they do cold. Of others each
+    pulls about what is read: an antagonist on the same connector, or a second finger's wire against the same object.
+    """
+    partner = next((part for part in parts if isinstance(part, (Antagonist, ParallelWire, SecondFinger))), None)
+    own_n = wire.maximum_force_n.value
+    if partner is None:
+        return own_n
+    other = wire if partner.wire is None else load_wire(partner.wire)
+    other_n = other.maximum_force_n.value
+    if not isinstance(partner, ParallelWire):
+        return min(own_n, other_n)
+    sections = [spool.diameter_m.value**2 for spool in (wire, other)]
+    return min(own_n / sections[0], other_n / sections[1]) * sum(sections)
 
 
 class Spool(NamedTuple):

@@ -1,0 +1,39 @@
+"""Whether a wire pulled harder than it may: what a run should say that heated it against a stiff load."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from musclewire.sensing.smoothing import noise_level
+from musclewire.signals.recording import Recording
+
+__all__ = ["force_warnings"]
+
+# A reading counts as above the limit when it is so by this many standard deviations of the load cell's noise.
+NOISES = 4.0
+
+
+def force_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return a warning where the measured force, ``force_n``, exceeds what the wire allows; none otherwise.
+
+    The limit is the recording's ``force_limit_n`` or, without it, the wire's ``maximum_force_n`` [N]. A recording
+    without load cell or limit cannot be judged and gets no warning.
+    """
+    limit = recording.metadata.get("force_limit_n", recording.metadata.get("maximum_force_n"))
+    if "force_n" not in recording or not isinstance(limit, (int, float)) or isinstance(limit, bool):
+        return ()
+    force, time = recording["force_n"], recording["time_s"]
+    above = force > limit + NOISES * noise_level(force)
+    if not above.any():
+        return ()
+    worst = int(np.argmax(force))
+    step_s = float(np.median(np.diff(time))) if time.size > 1 else 0.0
+    drive = f", drive {recording['drive_voltage_v'][worst]:.2f} V" if "drive_voltage_v" in recording else ""
+    whose = f" of wire {recording.metadata['wire']}" if recording.metadata.get("wire") else ""
+    together = "parallel wire" in str(recording.metadata.get("load") or "")
+    over_s = step_s * int(above.sum())
+    return (
+        f"{'the wires pull' if together else 'the wire pulls'} with up to {force[worst]:.2f} N at {time[worst]:.1f} s"
+        f"{drive}, {force[worst] - limit:.2f} N above the {limit:g} N allowed (maximum_force_n{whose}), and above it "
+        f"for {over_s:.1f} s in all: drive less, set less pretension, or take a softer load or a thicker wire",
+    )

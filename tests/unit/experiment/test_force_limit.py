@@ -1,0 +1,77 @@
+"""A wire that pulls harder than it may is warned of, whatever it pulls and however it was driven."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from musclewire.experiment.force_limit import force_warnings
+from musclewire.experiment.open_loop import characterize
+from musclewire.experiment.pretension import pretension_sweep
+from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.signals import Recording
+from musclewire.signals.recording import MetadataValue
+
+
+def pulled(force_n: np.ndarray, **metadata: MetadataValue) -> Recording:
+    time = 0.5 * np.arange(force_n.size)
+    return Recording({"time_s": time, "drive_voltage_v": 0.1 * time, "force_n": force_n}, metadata)
+
+
+def opened(*parts: dict[str, object], **settings: float | str):
+    return open_rig(RigConfiguration(load=list(parts)), **settings)  # type: ignore[arg-type]
+
+
+def test_a_force_above_the_limit_is_named_with_limit_place_and_duration() -> None:
+    force = np.r_[np.linspace(1.0, 6.0, 51), np.linspace(6.0, 1.0, 51)]
+    (warning,) = force_warnings(pulled(force, maximum_force_n=4.95, wire="mine"))
+    assert warning.startswith(
+        "the wire pulls with up to 6.00 N at 25.0 s, drive 2.50 V, 1.05 N above the 4.95 N allowed"
+    )
+    assert "maximum_force_n of wire mine" in warning
+    assert "above it for 11.0 s in all" in warning
+
+
+def test_at_the_limit_noise_is_no_warning_and_without_a_limit_there_is_none() -> None:
+    noise = 2e-3 * np.random.default_rng(0).normal(size=4000)
+    assert force_warnings(pulled(4.6 + noise, maximum_force_n=4.601)) == ()
+    assert force_warnings(pulled(4.63 + noise, maximum_force_n=4.601)) != ()
+    assert force_warnings(pulled(9.0 + noise)) == ()
+    assert force_warnings(Recording({"time_s": np.arange(3.0)}, {"maximum_force_n": 1.0})) == ()
+
+
+def test_the_limit_of_the_load_cell_is_that_of_the_weakest_wire_of_the_rig() -> None:
+    spring = {"part": "spring", "stiffness": 100.0}
+    limits = {
+        "alone": open_rig("simulated"),
+        "against": opened({"part": "antagonist"}),
+        "against a stronger one": opened({"part": "antagonist", "wire": "paper-200um"}),
+        "beside its like": opened(spring, {"part": "parallel wire"}),
+        "beside a thicker one": opened(spring, {"part": "parallel wire", "wire": "paper-200um"}),
+    }
+    found = {name: rig.metadata()["force_limit_n"] for name, rig in limits.items()}
+    assert found["alone"] == found["against"] == found["against a stronger one"] == 4.601
+    assert found["beside its like"] == pytest.approx(2 * 4.601)
+    # Four times the section takes four fifths of the force, and may take 18.247 N of it.
+    assert found["beside a thicker one"] == pytest.approx(min(5 * 4.601, 18.247 * 5 / 4), rel=1e-6)
+
+
+@pytest.mark.parametrize("part", ["blocked", "antagonist"])
+def test_a_hot_wire_on_a_stiff_load_is_warned_of(part: str) -> None:
+    with opened({"part": part}) as rig:
+        loop = characterize(rig, cycles=1, period_s=30.0)
+    (warning,) = force_warnings(loop)
+    assert f"{loop['force_n'].max():.2f} N" in warning
+    assert "above the 4.601 N allowed (maximum_force_n of wire paper-100um)" in warning
+
+
+def test_a_sweep_says_at_which_pretension_the_wire_pulled_too_hard() -> None:
+    with opened({"part": "spring", "stiffness": "2000 N/m"}) as rig:
+        sweep = pretension_sweep(rig, [0.5, 3.0], cycles=1, period_s=60.0)
+    assert [warning.partition(":")[0] for warning in sweep.warnings] == ["pretension 3 N"]
+
+
+def test_the_papers_bench_and_the_finger_stay_below_their_limit() -> None:
+    for name in ("simulated", "finger"):
+        with open_rig(name) as rig:
+            assert force_warnings(characterize(rig, cycles=1, period_s=30.0)) == ()
