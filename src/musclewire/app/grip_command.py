@@ -9,7 +9,7 @@ import typer
 
 from musclewire.app.files import require_figure_file, require_folder, require_recording_file, save_figure
 from musclewire.app.options import Force, Json, OutputPath, Seed, quantity_option
-from musclewire.app.output import emit_json, progress_bar, say, show
+from musclewire.app.output import emit_json, progress_bar, say, show, warn
 from musclewire.app.stopping import stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
 
@@ -56,6 +56,7 @@ def grip(
 ) -> None:
     """Close fingers on an object, find contact and hold a force, all by the wires' resistance."""
     from musclewire.experiment.closings import CLOSING_S, REST_S, with_object
+    from musclewire.experiment.force_limit import force_warnings
     from musclewire.experiment.grip import HOLD_S
     from musclewire.experiment.grip import grip as run_grip
     from musclewire.rigs.configuration import open_rig
@@ -89,7 +90,8 @@ def grip(
         from musclewire.app.report.grip_figure import plot_grip
 
         save_figure(plot_grip(run, knowledge), plot)
-    emit_json(grip_json(run, block, known)) if json else show(grip_text(run, known))
+    warnings = warn(force_warnings(run))
+    emit_json({**grip_json(run, block, known), "warnings": warnings}) if json else show(grip_text(run, known))
     if not run.held:
         raise typer.Exit(1)
 
