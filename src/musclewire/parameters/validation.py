@@ -66,6 +66,10 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
         return tag_problem(place, {name: str(text) for name, text in problem["ctx"].items()})
     if problem["type"] == "missing":
         return f"the key '{place}' is missing"
+    beside = {other["type"] for other in problems if other["loc"][:-1] == problem["loc"][:-1]}
+    if {"float_type", "string_type"} <= beside:  # one key that takes either, refused as both
+        key = place.rpartition(".")[0]
+        return f"{key}: must be a number in SI or text with a unit, not {shown(problem['input'])}"
     message = in_words(dict(problem), model) or str(problem["msg"]).removeprefix("Value error, ").replace("\n", " ")
     return f"{place}: {message}" if place else message
 
@@ -98,7 +102,7 @@ def shown(value: Any) -> str:
         return "a list"
     if isinstance(value, bool):
         return str(value).lower()
-    return f"'{value}'" if isinstance(value, str) else f"{value:g}" if isinstance(value, float) else str(value)
+    return repr(value) if isinstance(value, str) else f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def unit_of(field: FieldInfo | None) -> str:
@@ -159,6 +163,8 @@ def place_of(model: type[BaseModel], place: Iterable[Any]) -> Place:
 def tagged(models: Iterable[Any], tag: str) -> Any:
     """Return the model of a tagged union that has this tag as one of its literal texts."""
     for model in models:
+        if not (isinstance(model, type) and issubclass(model, BaseModel)):
+            continue
         literals = (get_args(field.annotation) for field in model.model_fields.values())
         if any(tag in values for values in literals):
             return model

@@ -6,6 +6,8 @@ import copy
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
 from musclewire.parameters import Alloy, Bench, Wire
@@ -96,7 +98,51 @@ def test_an_empty_source_is_no_source(wire: dict[str, Any]) -> None:
 
 def test_a_bare_number_is_refused(wire: dict[str, Any]) -> None:
     wire["diameter_m"] = 100e-6
-    assert "diameter_m" in complaint(Wire, wire)
+    assert complaint(Wire, wire).endswith(
+        "diameter_m: must be a table with the keys value, unit, kind, source, note, not 0.0001"
+    )
+
+
+@pytest.mark.parametrize(
+    ("part", "given", "words"),
+    [
+        ("value", "thick", "must be a number, not 'thick'"),
+        ("value", float("inf"), "must be a finite number, not inf"),
+        ("value", [1.0], "must be a number, not a list"),
+        ("unit", 3, "must be text in quotes, not 3"),
+        ("source", "", "must be text of at least 3 characters, not ''"),
+        ("kind", "guessed", "must be 'measured', 'datasheet', 'fitted', 'derived' or 'assumed', not 'guessed'"),
+    ],
+)
+def test_what_is_wrong_with_a_value_is_said_in_plain_words(
+    wire: dict[str, Any], part: str, given: object, words: str
+) -> None:
+    wire["diameter_m"][part] = given
+    assert complaint(Wire, wire).endswith(f"diameter_m.{part}: {words}")
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=2) | st.dictionaries(st.text(max_size=4), inner, max_size=2),
+    max_leaves=4,
+)
+
+
+@settings(deadline=None, max_examples=150)
+@given(key=st.sampled_from([*Wire.model_fields, "other"]), part=st.sampled_from(["", "value", "kind"]), value=VALUES)
+def test_any_value_anywhere_is_accepted_or_one_line(key: str, part: str, value: Any) -> None:
+    data = copy.deepcopy(read_named("wire", "paper-100um"))
+    if part and isinstance(data.get(key), dict):
+        data[key][part] = value
+    else:
+        data[key] = value
+    message = ""
+    try:
+        validated(Wire, data, "wire mine")
+    except CallerError as error:
+        message = str(error)
+    assert "\n" not in message
+    assert "Input should" not in message
 
 
 def test_a_parameter_cannot_be_changed_afterwards() -> None:

@@ -5,10 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
 from musclewire.parameters import Parameter, load_alloy, load_bench, load_wire
 from musclewire.parameters.finger_file import finger_file_text, load_finger
+from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import wire_file_text
 from musclewire.rigs.configuration import RigConfiguration, open_rig, read_rig_file
 
@@ -93,6 +96,12 @@ def test_an_unknown_setting_is_answered_with_the_nearest() -> None:
         ("seed = -1", "seed: must be 0 or more, not -1"),
         ('kind = "real"', "kind: must be 'simulated', not 'real'"),
         ('new_wire = "perhaps"', "new_wire: must be true or false, not 'perhaps'"),
+        (
+            "[settings]\npretension_n = [1]",
+            "settings.pretension_n: must be a number in SI or text with a unit, not a list",
+        ),
+        ('load = ["spring"]', "load.0: must be a table, not 'spring'"),
+        ("wire = 3", "wire: must be text in quotes, not 3"),
         ("settings = 3", "settings: must be a table, [settings] in TOML, not 3"),
         ('[load]\npart = "finger"', "load: must be a list: write [[load]], with two brackets, before each part"),
         ("load = []", "load is empty: give a [[load]] part, or leave load out for the bench's spring"),
@@ -205,3 +214,24 @@ def test_a_rig_file_finds_the_fingers_and_second_wires_of_its_parts_beside_itsel
     assert facts["load"] == "antagonist, finger"
     (tmp_path / "bendy.toml").unlink()
     assert "there is no finger file" in refusal(tmp_path / "rig.toml")
+
+
+ANYTHING = st.recursive(
+    st.booleans() | st.integers(-3, 3) | st.floats() | st.sampled_from(["", "3 N", "finger", "spring", "antagonist"]),
+    lambda inner: st.lists(inner, max_size=2) | st.dictionaries(
+        st.sampled_from(["part", "finger", "stiffness", "draught", "pretension_n", "force"]), inner, max_size=3
+    ),
+    max_leaves=6,
+)  # fmt: skip
+
+
+@settings(deadline=None, max_examples=200)
+@given(data=st.dictionaries(st.sampled_from([*RigConfiguration.model_fields, "other"]), ANYTHING, max_size=3))
+def test_whatever_a_rig_file_holds_it_is_read_or_refused_in_plain_words(data: dict[str, object]) -> None:
+    message = ""
+    try:
+        validated(RigConfiguration, data, "rig file my_rig.toml")
+    except CallerError as error:
+        message = str(error)
+    assert "\n" not in message
+    assert "Input should" not in message
