@@ -101,7 +101,17 @@ def test_given_dimensions_are_answered_in_words(musclewire: Callable[..., Any]) 
     assert answer.code == 0, answer.err
     assert "beam          0.18 mm thick, 4.00 mm deep" in answer.out
     assert "easing (friction 0.3)" in answer.out
-    assert "warning: a beam of 0.18 mm is thinner than laser-cut makes" in answer.err
+    assert "no process listed for pom makes a beam of 0.18 mm: the finest, mill, makes 0.8 mm" in answer.err
+
+
+def test_a_beam_that_some_process_makes_is_no_warning_without_a_process(musclewire: Callable[..., Any]) -> None:
+    # POM is laser-cut from 1 mm and milled from 0.8 mm.
+    dimensions = ("--thickness", "0.85 mm", "--offset", "3 mm", "--depth", "4 mm", "--endpoint", "0.5 mm")
+    answer = musclewire(*COMMAND, *dimensions)
+    assert answer.code in {0, 1}, answer.err
+    assert "process" not in answer.err
+    thinner = musclewire(*COMMAND, *dimensions, "--process", "laser-cut")
+    assert (thinner.code, "1 mm" in thinner.err) == (2, True)
 
 
 SIZED = ("--stiffness", "1084.4 N/m")

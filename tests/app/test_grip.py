@@ -48,6 +48,23 @@ def test_target_and_error_are_said(musclewire: Callable[..., Any], learned: Path
     assert "target missed by" in said
 
 
+def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name() -> None:
+    from musclewire.app.report.grip_figure import plot_grip
+    from musclewire.experiment.closings import learn_gripper
+    from musclewire.experiment.grip import grip
+    from musclewire.rigs.configuration import open_rig
+
+    knowledge = learn_gripper("gripper", seed=1000)
+    with open_rig("gripper", seed=1) as rig:
+        by_time = plot_grip(grip(rig, knowledge, stiffness_n_per_m=200.0), knowledge)
+    by_place = by_time.figure.axes[0]
+    (free,) = (line for line in by_place.get_lines() if line.get_label() == "holds free fingers there")
+    # The axis is inverted: closing is towards smaller resistance, and a tighter closing takes more to hold.
+    assert all(after < before for before, after in zip(free.get_ydata()[:-1], free.get_ydata()[1:], strict=True))
+    assert "target, 0.3 N" in [text.get_text() for text in by_time.get_legend().get_texts()]
+    assert not by_time.texts
+
+
 def test_what_another_gripper_learned_is_refused(musclewire: Callable[..., Any], learned: Path, tmp_path: Path) -> None:
     musclewire("grip", "--stiffness", "200 N/m", "--learned", learned)
     rig = tmp_path / "other.toml"

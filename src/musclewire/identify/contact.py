@@ -31,6 +31,9 @@ CURVE_ORDER, LEVERAGE_ORDER, COST_ORDER = 7, 5, 1
 # Forces below this are too near the load cell's noise to learn compliances from.
 LEAST_FORCE_N = 0.05
 LEAST_FORCE_SAMPLES = 12
+# What a newton costs, by the detector's account, is learned up to here: half more than the usual grip. The account
+# changes as a closing goes on, and the grip is decided within the first samples after contact.
+MOST_COST_FORCE_N = 0.45
 # The thermal time at this wall temperature, in this air: near where a wire under load transforms.
 WALL_K, AIR_K = 363.15, 295.15
 NOISE_SEARCH = (1e-4, 3e-2)
@@ -284,10 +287,21 @@ def compliances(curve: GripCurve, grips: Sequence[Squeezed]) -> tuple[float, flo
 
 
 def power_per_newton_w(curve: GripCurve, grips: Sequence[Squeezed]) -> tuple[float, ...]:
-    """Return what a newton at a tendon costs in power by the detector's account [W], a line over where it is."""
+    """Return what a newton at a tendon costs in power by the detector's account [W], a line over where it is.
+
+    Raises RecordingError where too few samples carry forces of the size of a grip.
+    """
     leverage = np.polynomial.Polynomial(curve.leverage)
-    tendon_n = np.concatenate([leverage(one.place) * one.force_n for one in grips])
-    place = np.concatenate([one.place for one in grips])
-    basis = tendon_n[:, None] * np.vander(place, COST_ORDER + 1, increasing=True)
-    found = np.linalg.lstsq(basis, np.concatenate([one.cost_w for one in grips]), rcond=None)[0]
+    place, force_n, cost_w = (
+        np.concatenate([getattr(one, name) for one in grips]) for name in ("place", "force_n", "cost_w")
+    )
+    like_a_grip = force_n < MOST_COST_FORCE_N
+    if (samples := np.count_nonzero(like_a_grip)) < LEAST_FORCE_SAMPLES:
+        raise RecordingError(
+            f"the known grips have {samples} samples with contact found from {LEAST_FORCE_N:g} to "
+            f"{MOST_COST_FORCE_N:g} N, and {LEAST_FORCE_SAMPLES} are needed: record more grips, or use a softer block"
+        )
+    tendon_n = (leverage(place) * force_n)[like_a_grip]
+    basis = tendon_n[:, None] * np.vander(place[like_a_grip], COST_ORDER + 1, increasing=True)
+    found = np.linalg.lstsq(basis, cost_w[like_a_grip], rcond=None)[0]
     return tuple(map(float, found))

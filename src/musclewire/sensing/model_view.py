@@ -109,8 +109,8 @@ def plot_model(model: SensingModel, axes: Axes | None = None) -> Axes:
         (model.average_coefficients, "average", "k--"),
     ):
         axes.plot(resistance, factor * evaluate(coefficients, share), style, label=name)
-    axes.set_xlabel("wire resistance (ohm)")
-    axes.set_ylabel(f"{model.quantity} ({unit})")
+    axes.set_xlabel("wire resistance [ohm]")
+    axes.set_ylabel(f"{model.quantity} [{unit}]")
     axes.set_title(f"Self-sensing model, gap {100 * model.hysteresis_gap:.2f} %")
     axes.legend()
     return axes

@@ -36,7 +36,7 @@ def plot_grip(run: GripRun, knowledge: GripperKnowledge) -> Axes:
 
 
 def draw_power(axes: Axes, run: GripRun, knowledge: GripperKnowledge) -> None:
-    """Draw what the closing took, and what it would have taken with nothing in the way."""
+    """Draw the power that held the fingers on their way, and what holds them there with nothing in the way."""
     free = knowledge.free
     place = (run["wire_resistance_ohm"] - free.resistance_min_ohm) / (free.resistance_max_ohm - free.resistance_min_ohm)
     power = 1e3 * run["wire_voltage_v"] * run["shunt_voltage_v"] / float(run.metadata["shunt_resistance_ohm"] or 1.0)
@@ -46,14 +46,20 @@ def draw_power(axes: Axes, run: GripRun, knowledge: GripperKnowledge) -> None:
     inside = closing & (place < free.normalised_max) & (place > free.normalised_min) & (rate < 0.0)
     # From the first sample that contracts: before it resistance has the same values, and another meaning.
     inside &= np.arange(place.size) > int(np.argmax(np.where(closing, place, -np.inf)))
-    expected = 1e3 * (evaluate(free.holding_power_w, place) - rate * evaluate(free.closing_energy_j, place))
-    axes.plot(place[inside], expected[inside], color=FREE, marker="o", ms=3, label="free fingers, this fast")
-    axes.plot(place[inside], power[inside], color=MEASURED, marker="o", ms=3, label="measured")
+    # Motion takes power too, and fingers that meet something slow down: without it only what holds them is left.
+    holding = power + 1e3 * rate * evaluate(free.closing_energy_j, place)
+    across = np.linspace(place[inside].min(), place[inside].max(), 100) if inside.any() else np.empty(0)
+    axes.plot(
+        across, 1e3 * evaluate(free.holding_power_w, across), color=FREE, lw=2.5, label="holds free fingers there"
+    )
+    axes.plot(
+        place[inside], holding[inside], color=MEASURED, marker="o", ms=3, label="measured, less what motion takes"
+    )
     if run.contact_s is not None:
         first = int(np.argmax(run["contact"] > 0.0))
-        axes.plot(place[first], power[first], "o", ms=8, mfc="none", mec=FOUND, mew=2, label="contact found")
+        axes.plot(place[first], holding[first], "o", ms=8, mfc="none", mec=FOUND, mew=2, label="contact found")
     axes.invert_xaxis()
-    axes.set(xlabel="normalised resistance (fingers close to the right)", ylabel="power [mW]")
+    axes.set(xlabel="normalised resistance (fingers close to the right)", ylabel="holding power [mW]")
 
 
 def draw_force(axes: Axes, run: GripRun) -> None:
@@ -65,6 +71,5 @@ def draw_force(axes: Axes, run: GripRun) -> None:
     axes.plot(since[shown], run["estimated_grip_force_n"][shown], color=MEASURED, label="estimated")
     if run.contact_s is not None:
         axes.axvline(run.contact_s, color=FOUND, ls=":", label="contact found")
-    axes.axhline(run.target_n, color="black", lw=0.6, ls="--")
-    axes.text(float(since[-1]), run.target_n, "target", ha="right", va="top", fontsize="small")
+    axes.axhline(run.target_n, color="black", lw=0.8, ls="--", label=f"target, {run.target_n:g} N")
     axes.set(xlabel="time since closing began [s]", ylabel="grip force [N]")

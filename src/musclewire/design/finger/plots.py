@@ -71,12 +71,14 @@ def draw_shapes(figure: Figure, axes: Any, answer: FingerAnswer) -> None:
     draw_endpoint_arrow(axes, resting, bent, at.endpoint_displacement_m)
     draw_foam(axes, answer, resting, bent)
     bar = figure.colorbar(stressed, ax=axes, location="bottom", shrink=0.62, aspect=32, pad=0.02)
-    bar.set_label("stress in the beam, MPa; the scale ends where it yields")
+    bar.set_label("stress in the beam [MPa]; the scale ends where it yields")
     bar.outline.set_visible(False)
     axes.set_aspect("equal")
     axes.set_xlim(-4.6, MM * geometry.overall_length_m + 1.6)
     axes.set_ylim(-1.5, MM * max(bent.outline()[:, 1].max(), geometry.column_height_m) + 0.8)
-    axes.set(xlabel="mm", ylabel="mm", title=f"endpoint {MM * at.endpoint_displacement_m:.2f} mm")
+    where = "" if answer.foam is None else " on the object"
+    title = f"endpoint {MM * at.endpoint_displacement_m:.2f} mm{where}"
+    axes.set(xlabel="along the finger [mm]", ylabel="across the finger [mm]", title=title)
     axes.grid(visible=False)
 
 
@@ -131,9 +133,19 @@ def draw_foam(axes: Any, answer: FingerAnswer, resting: FingerShape, bent: Finge
     # The plate's corner touches, ahead of the endpoint on the middle of the beam.
     ahead = bent.outline()[:, 1].max() - bent.endpoint[1]
     low, x = MM * (resting.endpoint[1] + foam.clearance_m + ahead), MM * bent.endpoint[0]
-    axes.text(x - 2.1, low + 0.1, f"{found.force_n:.2f} N", ha="right", va="bottom", fontsize=8.5, color="#a9812c")
+    axes.text(x - 2.5, low + 1.1, f"{found.force_n:.2f} N", ha="right", va="center", fontsize=8.5, color="#a9812c")
     axes.add_patch(
         Rectangle((x - 2.0, low), 4.0, 2.2, facecolor="#f7e7c6", edgecolor="#d9b667", lw=0.8, hatch="..", zorder=0)
+    )
+
+
+def mark(axes: Any, answer: FingerAnswer, free: float, touching: float | None, color: str) -> None:
+    """Mark the free finger at the endpoint asked for and, where there is an object, the finger on it."""
+    axes.plot([MM * answer.at.travel_m], [free], "o", color=color, ms=4.5, label="free, endpoint asked for")
+    if touching is None or answer.foam is None:
+        return
+    axes.plot(
+        [MM * answer.foam.at.travel_m], [touching], "D", ms=5, mfc="white", mec=color, mew=1.4, label="on the object"
     )
 
 
@@ -145,25 +157,29 @@ def draw_force(axes: Any, answer: FingerAnswer) -> None:
     )
     axes.fill_between(MM * travel, force * (1 - share), force * (1 + share), color=COOLING, alpha=0.18, lw=0)
     axes.plot(MM * travel, force, color=COOLING)
-    axes.plot([MM * answer.at.travel_m], [answer.at.tendon_force_n], "o", color=COOLING, ms=4.5)
+    mark(axes, answer, answer.at.tendon_force_n, None if answer.foam is None else answer.foam.tendon_force_n, COOLING)
     axes.text(
-        0.04, 0.92, f"{answer.stiffness_n_per_m:.1f} N/m\nband: friction {answer.question.friction:g}",
+        0.04, 0.95, f"{answer.stiffness_n_per_m:.1f} N/m\nband: friction {answer.question.friction:g}",
         transform=axes.transAxes, va="top", fontsize=8.5, color="#444444",
     )  # fmt: skip
-    axes.set(ylabel="tendon force, N", xlim=(0.0, None), ylim=(0.0, None))
+    if answer.foam is not None:
+        axes.legend(frameon=False, fontsize=8, loc="lower right", handletextpad=0.2, borderaxespad=0.1)
+    axes.set(ylabel="tendon force [N]", xlim=(0.0, None), ylim=(0.0, None))
 
 
 def draw_endpoint(axes: Any, answer: FingerAnswer) -> None:
     """Draw the endpoint's displacement over the travel."""
     curve = answer.curve
     axes.plot(MM * np.array(curve.tendon_travel_m), MM * np.array(curve.endpoint_displacement_m), color=HEATING)
-    axes.plot([MM * answer.at.travel_m], [MM * answer.at.endpoint_displacement_m], "o", color=HEATING, ms=4.5)
+    touching = None if answer.foam is None else MM * answer.foam.endpoint_m
+    mark(axes, answer, MM * answer.at.endpoint_displacement_m, touching, HEATING)
     axes.axvline(MM * answer.question.travel_m, color=TARGET, lw=1.0, ls=(0, (4, 3)))
     axes.text(
-        MM * answer.question.travel_m, 0.06 * MM * curve.endpoint_displacement_m[-1], " travel there is",
+        MM * answer.question.travel_m, 0.04 * MM * curve.endpoint_displacement_m[-1],
+        f"available: {MM * answer.question.travel_m:.2f} mm ",
         color="#777777", fontsize=8, ha="right", rotation=90, va="bottom",
     )  # fmt: skip
-    axes.set(xlabel="tendon travel, mm", ylabel="endpoint, mm", xlim=(0.0, None), ylim=(0.0, None))
+    axes.set(xlabel="tendon travel [mm]", ylabel="endpoint [mm]", xlim=(0.0, None), ylim=(0.0, None))
 
 
 def draw_schemes(figure: Figure, place: Any, answer: FingerAnswer) -> None:
@@ -192,5 +208,5 @@ def draw_scheme(axes: Any, geometry: FingerGeometry, scheme: Scheme, shape: Fing
         transform=axes.transAxes, ha="right", va="bottom", fontsize=8, color="#555555",
     )  # fmt: skip
     axes.set_aspect("equal")
-    axes.set(xlabel="mm")
+    axes.set(xlabel="along the finger [mm]")
     axes.grid(visible=False)

@@ -309,11 +309,13 @@ def warnings_of(question: FingerQuestion, geometry: FingerGeometry, at: Equilibr
             f"bent that far, a strip so deep and thin comes near to a plate, which is {plate:.0f} % stiffer; all "
             "numbers here are a beam's"
         )
-    usual = material.minimum_thickness_by(None)
-    if geometry.beam_thickness_m < usual:
+    # A process that was chosen has been held to; without one the beam is somebody's to make, if anybody can.
+    finest = min(material.processes, key=material.minimum_thickness_by)
+    least = material.minimum_thickness_by(finest)
+    if geometry.beam_thickness_m < least:
         found.append(
-            f"a beam of {1e3 * geometry.beam_thickness_m:.2f} mm is thinner than {material.processes[0]} makes "
-            f"({1e3 * usual:g} mm): a strip of film, or micro-moulding"
+            f"no process listed for {material.name} makes a beam of {1e3 * geometry.beam_thickness_m:.2f} mm: the "
+            f"finest, {finest}, makes {1e3 * least:g} mm; a strip of film, or micro-moulding"
         )
     return found
 
