@@ -182,8 +182,8 @@ def test_a_plot_returns_its_axes_with_units() -> None:
     axes = Figure().subplots()
     kept = replace(MODEL, heating_samples=((16.0, 0.02),), cooling_samples=((16.0, 0.02),))
     assert kept.plot(axes) is axes
-    assert axes.get_xlabel() == "wire resistance (ohm)"
-    assert axes.get_ylabel() == "strain (%)"
+    assert axes.get_xlabel() == "wire resistance [ohm]"
+    assert axes.get_ylabel() == "strain [%]"
     assert len(axes.lines) == 5
     top = max(line.get_ydata().max() for line in axes.lines)  # type: ignore[union-attr]
     assert top == pytest.approx(3.52)
