@@ -248,6 +248,7 @@ def control(
     from musclewire.controllers import FuzzyPidSettings
     from musclewire.experiment.closed_loop import APPROACH_S
     from musclewire.experiment.closed_loop import control as run_control
+    from musclewire.experiment.force_limit import force_warnings
     from musclewire.experiment.training import recalibrate as anchor
     from musclewire.rigs.configuration import open_rig
     from musclewire.sensing import load_model
@@ -281,6 +282,7 @@ def control(
         "known_friction_n": None if load is None else load.friction_n,
         "ended": run.metadata["ended"],
         "samples": len(run),
+        "warnings": warn(force_warnings(run)),
     }
     if json:
         emit_json(answer)
