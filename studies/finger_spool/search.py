@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import product
-from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
 
 from finger_spool.bars import PAPER_N, PAPER_PCT, distance, least_place_n, sweep
-from finger_spool.loops import FloatArray, LoopRow, Trial, read_gap_pct, slow_path
+from finger_spool.loops import LoopRow, Trial, read_gap_pct, slow_path
 
 AMPLITUDE_V = 1.8
+BARRIER_SHIFTS_K, BARRIER_STEP_K = (2.0, 10.0), 0.1
 Found = tuple[float, str, list[LoopRow]]
 
 # Amplitudes from what leaves a seventh of the wire in martensite to what leaves none; shifts within what is sold as 70
@@ -100,28 +99,14 @@ def with_least_at_paper(start: Trial, barrier_shift_k: float) -> Trial:
 def fitted(start: Trial, *, seeds: int) -> Trial:
     """Return the spool whose least gap is at 0.71 N and, as read by the instruments, the paper's.
 
-    Two numbers for two: R-phase shift and barrier shift, by Nelder and Mead; the seeds are always the same, so that
-    noise does not make the search restless.
+    Two numbers for two, one inside the other: the R-phase shift puts the least gap at its place for each barrier shift,
+    and the wider the hysteresis, the larger the gap there. The seeds are always the same, so that noise does not make
+    the search restless.
     """
-
-    def trial_at(numbers: FloatArray) -> Trial:
-        shifts = {"r_phase_shift_k": float(numbers[0]), "martensite_barrier_shift_k": float(numbers[1])}
-        return replace(start, wire={**start.wire, **shifts})
-
-    def misfit(numbers: Any) -> float:
-        trial = trial_at(numbers)
-        place = least_place_n(sweep(trial, (0.63, 0.67, 0.71, 0.75, 0.79), time_step_s=0.01, grains=160))
-        path = slow_path(trial, PAPER_N, time_step_s=0.005, grains=160)
-        read = float(np.mean([read_gap_pct(path, seed) for seed in range(1, seeds + 1)]))
-        return float(((place - PAPER_N) / 0.02) ** 2 + ((read - PAPER_PCT) / 0.02) ** 2)
-
-    first = np.array([start.wire["r_phase_shift_k"], start.wire["martensite_barrier_shift_k"]])
-    simplex = first + np.array([[0.0, 0.0], [0.5, 0.0], [0.0, -0.8]])
-    result = minimize(
-        misfit,
-        first,
-        method="Nelder-Mead",
-        options={"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.02, "maxfev": 60},
-    )
-    best: FloatArray = np.round(np.array([float(number) for number in result.x]), 2)
-    return trial_at(best)
+    low, high = BARRIER_SHIFTS_K
+    while high - low > BARRIER_STEP_K:
+        middle = 0.5 * (low + high)
+        path = slow_path(with_least_at_paper(start, middle), PAPER_N, time_step_s=0.005, grains=160)
+        read = np.mean([read_gap_pct(path, seed) for seed in range(1, seeds + 1)])
+        low, high = (middle, high) if read < PAPER_PCT else (low, middle)
+    return with_least_at_paper(start, round(0.5 * (low + high), 2))

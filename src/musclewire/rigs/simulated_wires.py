@@ -14,7 +14,7 @@ __all__ = ["Means", "OneWire", "SimulatedWires", "TwoWires"]
 
 
 class Means(NamedTuple):
-    """Means over a sample: what averaging instruments see; the partner's are None where there is none.
+    """Means over a sample: what averaging instruments see; ``grip_n`` is None with one wire.
 
     Force is that of both wires where they pull together, of the first one otherwise.
     """
@@ -23,7 +23,6 @@ class Means(NamedTuple):
     shunt_voltage_v: float
     displacement_m: float
     force_n: float
-    partner_displacement_m: float | None = None
     grip_n: float | None = None
 
 
@@ -33,11 +32,6 @@ class SimulatedWires(Protocol):
     @property
     def state(self) -> WireState:
         """State of the wire whose voltages are measured, the first of two."""
-        ...
-
-    @property
-    def constants(self) -> WireConstants:
-        """Constants of that wire."""
         ...
 
     def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> Means:
@@ -107,11 +101,6 @@ class TwoWires:
         """State of the second wire."""
         return self._states[1]
 
-    @property
-    def constants(self) -> WireConstants:
-        """Constants of the first wire."""
-        return self._both[0]
-
     def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> Means:
         """Go on by some steps at one drive voltage."""
         self._states, means = advance_pair(
@@ -123,7 +112,6 @@ class TwoWires:
             means.shunt_voltage_v,
             means.displacement_m,
             together_n,
-            means.partner_displacement_m,
             means.grip_n,
         )
 
@@ -137,7 +125,7 @@ class TwoWires:
 
     def age_like(self, before: SimulatedWires) -> None:
         """Take over clock and cycles from the wires of the setting before."""
-        others = before.partner_state if isinstance(before, TwoWires) else before.state
+        assert isinstance(before, TwoWires)  # another setting of one rig: its parts are the same
         first, state = aged(self._both[0], before.state)
-        second, other = aged(self._both[1], others)
+        second, other = aged(self._both[1], before.partner_state)
         self._both, self._states = (first, second), (state, other)

@@ -15,6 +15,7 @@ from musclewire.simulate.state import WireConstants
 
 __all__ = [
     "compliance_per_pa",
+    "contraction_at_stress",
     "contraction_of",
     "convection_w_per_m2_k",
     "friction_limit_n",

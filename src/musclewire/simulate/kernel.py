@@ -13,12 +13,11 @@ from musclewire.compiled import compiled, compiled_inline
 from musclewire.physics.mechanics import friction_force_n
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
 from musclewire.simulate.balances import (
-    contraction_of,
+    contraction_at_stress,
     convection_w_per_m2_k,
     friction_limit_n,
     resistance_of,
     stress_in_balance_pa,
-    total_strain,
 )
 from musclewire.simulate.state import FloatArray, Sums, WireConstants, WireNumbers, WireState
 from musclewire.simulate.switching import drives_at, drives_from, keep_drives, switch_grains
@@ -169,8 +168,9 @@ def settled(
     How stress followed temperature is kept for the next step's prediction, as far as it can be trusted.
     """
     martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
-    strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k)
-    contraction = contraction_of(constants, strain + freshness.residual_strain)
+    contraction = contraction_at_stress(
+        constants, stress_pa, martensite, r_phase, temperature_k, freshness.residual_strain
+    )
     moved_m = (contraction - state.contraction) * constants.leg_length_m
     limit_n = friction_limit_n(constants, contraction * constants.leg_length_m)
     friction_n = friction_force_n(state.friction_n, moved_m, limit_n, constants.friction_presliding_m)

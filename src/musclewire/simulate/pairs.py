@@ -12,12 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.compiled import compiled
-from musclewire.simulate.balances import (
-    compliance_per_pa,
-    contraction_of,
-    load_beyond_spring,
-    total_strain,
-)
+from musclewire.simulate.balances import compliance_per_pa, contraction_at_stress, load_beyond_spring
 from musclewire.simulate.kernel import Freshness, balanced, freshness_of, heated, plain, settled
 from musclewire.simulate.state import FloatArray, WireConstants, WireNumbers, WireState
 
@@ -99,9 +94,11 @@ def contraction_at(
     state: WireNumbers, constants: WireConstants, freshness: Freshness, stress_pa: float
 ) -> tuple[float, float]:
     """Return contraction at a stress while the phases stay, and how much of it a pascal takes away."""
-    strain = total_strain(constants, stress_pa, state.martensite_fraction, state.r_phase_fraction, state.temperature_k)
-    taken = compliance_per_pa(constants, stress_pa, state.martensite_fraction) / (1.0 + constants.cold_strain)
-    return contraction_of(constants, strain + freshness.residual_strain), taken
+    martensite = state.martensite_fraction
+    shortened = contraction_at_stress(
+        constants, stress_pa, martensite, state.r_phase_fraction, state.temperature_k, freshness.residual_strain
+    )
+    return shortened, compliance_per_pa(constants, stress_pa, martensite) / (1.0 + constants.cold_strain)
 
 
 @compiled
