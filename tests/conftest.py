@@ -1,11 +1,15 @@
 from __future__ import annotations
 
 import os
+import sys
+from pathlib import Path
 
 # As the command line has it: BLAS on several threads only waits for itself. Before anything loads NumPy.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from hypothesis import settings
+
+sys.path.insert(0, str(Path(__file__).parent))  # for tools
 
 # The first call of a compiled function takes seconds, and a busy machine is no defect: no deadlines. The same examples
 # every time, so that a red run can be repeated.
