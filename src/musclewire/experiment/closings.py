@@ -14,7 +14,7 @@ from musclewire.errors import CallerError
 from musclewire.experiment.open_loop import Waveform, WaveformPolicy
 from musclewire.experiment.run import OnSample, run_on_rig
 from musclewire.identify.contact import KnownGrip, fit_free_closing, fit_grip_curve
-from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
+from musclewire.rigs.configuration import RigConfiguration, open_rig, simulated_configuration
 from musclewire.rigs.load_parts import Contact, Finger, SecondFinger
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.contact import FreeClosing
@@ -191,7 +191,7 @@ def with_object(rig: str | Path | RigConfiguration, block: Object | None) -> Rig
 
     Raises CallerError for a rig without a part "contact".
     """
-    configuration, _ = rig_configuration(rig)
+    configuration, _ = simulated_configuration(rig)
     object_of(rig)
     stiffness, clearance = (None, AWAY_M) if block is None else (block.stiffness_n_per_m, block.clearance_m)
     changed = {"clearance": clearance} | ({} if stiffness is None else {"stiffness": stiffness})
@@ -201,7 +201,7 @@ def with_object(rig: str | Path | RigConfiguration, block: Object | None) -> Rig
 
 def object_of(rig: str | Path | RigConfiguration) -> Object:
     """Return the block between a rig's fingers. Raises CallerError for a rig without finger or part "contact"."""
-    configuration, where = rig_configuration(rig)
+    configuration, where = simulated_configuration(rig)
     blocks = [part for part in configuration.load if isinstance(part, Contact)]
     if not blocks or not any(isinstance(part, Finger) for part in configuration.load):
         raise CallerError(
@@ -252,7 +252,7 @@ def learn_gripper(
     ``fit_free_closing`` and ``fit_grip_curve``.
     """
     say = on_closing or (lambda _: None)
-    configuration, _ = rig_configuration(rig)
+    configuration, _ = simulated_configuration(rig)
     fingers = fingers_of(configuration)
     clearances = known_clearances_m or tuple(clearance * fingers / 2.0 for clearance in KNOWN_CLEARANCES_M)
     with open_rig(with_object(configuration, None), seed=seed) as opened:

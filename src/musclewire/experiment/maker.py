@@ -31,6 +31,7 @@ from musclewire.parameters.catalogue import CatalogueRow, catalogue_names, catal
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.parameters.schema import Wire
 from musclewire.rigs.configuration import RigConfiguration, open_rig, with_settings
+from musclewire.rigs.mounted import LimitsTable
 from musclewire.signals.recording import Recording
 
 if TYPE_CHECKING:
@@ -42,6 +43,8 @@ FloatArray = NDArray[np.float64]
 
 BENCH = "dead-weight"
 DEFAULT_LENGTH_M = 0.14
+# The question is how hot it would get: a protection that switches off before would hide the answer.
+SIZING_LIMITS = LimitsTable(maximum_temperature=5000.0, jump_share=1.0)
 # Dynalloy, Technical Characteristics of Flexinol Actuator Wires (F1140): melting point 1300 C.
 MELTING_K = 1573.15
 AMBIENT_K = 295.15
@@ -166,7 +169,9 @@ def drive_plan(question: DriveQuestion) -> DrivePlan:
         "ambient_temperature_k": question.ambient_k,
         **drive_settings(question.supply_v, expected, cold_ohm + shunt),
     }
-    configuration = RigConfiguration(wire=question.wire, bench=BENCH, seed=question.seed, settings=settings)
+    configuration = RigConfiguration(
+        wire=question.wire, bench=BENCH, seed=question.seed, settings=settings, limits=SIZING_LIMITS
+    )
     duration = question.duration_s or chosen_duration_s(question, configuration, current)
     return DrivePlan(question, wire, row, current, question.supply_v, load, shunt, duration, configuration)
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Literal, TypeVar, overload
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -15,18 +16,34 @@ from musclewire.parameters.schema import Bench, Parameter, ParameterGroup, Wire
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import is_wire_file
+from musclewire.rigs.guarded import GuardedRig
+from musclewire.rigs.hardware import HardwareConfiguration
 from musclewire.rigs.load_parts import Part, Parts
+from musclewire.rigs.mounted import LimitsTable
 from musclewire.rigs.surroundings import Surroundings
 from musclewire.signals.units import parse_quantity
 
 if TYPE_CHECKING:
     from musclewire.rigs.simulated import SimulatedRig
 
-__all__ = ["RigConfiguration", "open_rig", "read_rig_file", "rig_names"]
+__all__ = [
+    "RigConfiguration",
+    "open_rig",
+    "read_rig_file",
+    "rig_names",
+    "simulated_configuration",
+]
 
 SIMULATED = "simulated"
 # Rig files that come with musclewire, each called by its name.
 FOLDER = Path(str(files("musclewire.parameters"))) / "data" / "rigs"
+
+# Kinds of rigs that are not simulated, and where their configuration stands: loaded only when a file names them.
+HARDWARE_KINDS = {
+    "replay": ("musclewire.rigs.replay", "ReplayConfiguration"),
+    "nidaq": ("musclewire.rigs.nidaq.configuration", "NiDaqConfiguration"),
+    "serial": ("musclewire.rigs.serial.configuration", "SerialConfiguration"),
+}
 
 Group = TypeVar("Group", bound=ParameterGroup)
 
@@ -48,6 +65,7 @@ class RigConfiguration(BaseModel):
     settings: dict[str, float | str] = {}
     load: list[Part] = []
     surroundings: Surroundings = Surroundings()
+    limits: LimitsTable = LimitsTable()
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> RigConfiguration:
@@ -57,11 +75,24 @@ class RigConfiguration(BaseModel):
         return self
 
 
-def read_rig_file(path: str | Path) -> RigConfiguration:
+def read_rig_file(path: str | Path) -> RigConfiguration | HardwareConfiguration:
     """Return a rig file, checked. Raises CallerError naming the file, the key and the nearest right key."""
     file = Path(path)
     data = read_toml(file, "rig file", "; use the word 'simulated' for the simulated rig")
+    kind = data.get("kind", SIMULATED)
+    if kind in HARDWARE_KINDS:
+        return validated(hardware_model(kind), data, f"rig file {file}").beside(file.parent)
+    if kind != SIMULATED:
+        known = [SIMULATED, *HARDWARE_KINDS]
+        raise CallerError(f"rig file {file}: there is no kind of rig '{kind}'{nearest_hint(str(kind), known)}")
     return beside(validated(RigConfiguration, data, f"rig file {file}"), file.parent)
+
+
+def hardware_model(kind: str) -> type[HardwareConfiguration]:
+    """Return the model of a kind's rig file."""
+    module, name = HARDWARE_KINDS[kind]
+    model: type[HardwareConfiguration] = getattr(import_module(module), name)
+    return model
 
 
 def beside(configuration: RigConfiguration, folder: Path) -> RigConfiguration:
@@ -84,12 +115,25 @@ def rig_names() -> list[str]:
     return [SIMULATED, *(item.stem for item in sorted(FOLDER.glob("*.toml")))]
 
 
-def rig_configuration(rig: str | Path | RigConfiguration) -> tuple[RigConfiguration, str]:
+def simulated_configuration(rig: str | Path | RigConfiguration) -> tuple[RigConfiguration, str]:
+    """Return what a simulated rig is; ``rig_configuration`` for experiments that change what the wire pulls.
+
+    Raises CallerError for a rig that is not simulated.
+    """
+    configuration, where = rig_configuration(rig)
+    if not isinstance(configuration, RigConfiguration):
+        raise CallerError(f"{where} is not simulated: this experiment changes what the wire pulls, on a simulated rig")
+    return configuration, where
+
+
+def rig_configuration(
+    rig: str | Path | RigConfiguration | HardwareConfiguration,
+) -> tuple[RigConfiguration | HardwareConfiguration, str]:
     """Return what a rig is and how messages call it: from a name, the path of a rig file, or as it is.
 
     Raises CallerError for a name or file that is not there, and for a wrong file.
     """
-    if isinstance(rig, RigConfiguration):
+    if isinstance(rig, (RigConfiguration, HardwareConfiguration)):
         return rig, "rig"
     if str(rig) == SIMULATED:
         return RigConfiguration(), SIMULATED
@@ -125,25 +169,65 @@ def changed_group(group: Group, changed: Mapping[str, Parameter], where: str) ->
     return validated(type(group), {**group.model_dump(), **own}, where) if own else group
 
 
+@overload
 def open_rig(
-    rig: str | Path | RigConfiguration = "simulated",
+    rig: RigConfiguration | Literal["simulated", "finger", "gripper"] = ...,
+    *,
+    wire: str | None = ...,
+    bench: str | None = ...,
+    seed: int | None = ...,
+    real_time: bool = ...,
+    **settings: float | str,
+) -> SimulatedRig: ...
+@overload
+def open_rig(
+    rig: str | Path | RigConfiguration | HardwareConfiguration,
+    *,
+    wire: str | None = ...,
+    bench: str | None = ...,
+    seed: int | None = ...,
+    real_time: bool = ...,
+    **settings: float | str,
+) -> GuardedRig: ...
+def open_rig(
+    rig: str | Path | RigConfiguration | HardwareConfiguration = "simulated",
     *,
     wire: str | None = None,
     bench: str | None = None,
     seed: int | None = None,
     real_time: bool = False,
     **settings: float | str,
-) -> SimulatedRig:
+) -> GuardedRig:
     """Open a rig: ``"simulated"`` for the paper's bench, another name, or the path of a TOML rig file.
 
     ``wire`` and ``bench`` name others than the rig's; ``wire`` may be a wire file, as ``musclewire calibrate`` writes
     it. ``settings`` change numbers of both by name, in SI or as text with a unit, as in ``open_rig("simulated",
-    pretension_n=1.7)``. Raises CallerError for unknown names, impossible numbers, and settings that the rig's own load
-    leaves without effect.
+    pretension_n=1.7)``. A rig file of real hardware opens that; its numbers stand in its file, so wire, bench, seed and
+    settings are refused for it. Raises CallerError for unknown names, impossible numbers, and settings that the rig's
+    own load leaves without effect; RigError where hardware cannot be opened.
     """
+    configuration, where = rig_configuration(rig)
+    if isinstance(configuration, RigConfiguration):
+        return open_simulated(configuration, where, wire, bench, seed, real_time, settings)
+    changed = {"wire": wire, "bench": bench, "seed": seed, **settings}
+    for name, value in changed.items():
+        if value is not None:
+            raise CallerError(f"{where}: '{name}' changes a simulated rig; on a real one, change the rig file")
+    return configuration.open()
+
+
+def open_simulated(
+    configuration: RigConfiguration,
+    where: str,
+    wire: str | None,
+    bench: str | None,
+    seed: int | None,
+    real_time: bool,
+    settings: Mapping[str, float | str],
+) -> SimulatedRig:
+    """Return the open simulated rig of a rig file, changed as ``open_rig`` says."""
     from musclewire.rigs.simulated import SimulatedRig
 
-    configuration, where = rig_configuration(rig)
     name = wire or configuration.wire
     named = load_wire(name)
     around = load_bench(bench or configuration.bench)
@@ -165,6 +249,7 @@ def open_rig(
         seed=configuration.seed if seed is None else seed,
         new_wire=configuration.new_wire,
         real_time=real_time,
+        limits=configuration.limits.changed(),
     )
     if "pretension_n" in given and not opened.has_stage:
         raise CallerError(

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.instruments import Instruments
 from musclewire.rigs.load_parts import Contact, Finger, Part, Pretensioner, SecondFinger, Spring, Weight
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.protocol import Metadata
-from musclewire.rigs.simulated_building import force_limit_n, wires_of
+from musclewire.rigs.simulated_building import force_limit_n, simulated_limits, wires_of
 from musclewire.rigs.simulated_wires import Means, TwoWires
 from musclewire.rigs.surroundings import Surroundings, Weather
 from musclewire.signals.samples import RawSample
@@ -26,7 +25,7 @@ from musclewire.simulate.state import WireState
 __all__ = ["SimulatedRig"]
 
 
-class SimulatedRig:
+class SimulatedRig(GuardedRig):
     """A simulated wire on a simulated bench, repeatable to the bit for one seed.
 
     It hands out what the real instruments would: voltages in steps of the converter with its noise, a
@@ -45,11 +44,13 @@ class SimulatedRig:
         seed: int = 1,
         new_wire: bool = False,
         real_time: bool = False,
+        limits: Mapping[str, float] | None = None,
     ) -> None:
         """Cool the wire under its pretension and wait at 0 V.
 
         ``parts`` are what it pulls, without any the bench's spring; ``surroundings`` the air, without any still.
-        ``new_wire`` starts before the first cycles (shakedown); ``real_time`` paces samples by the clock.
+        ``new_wire`` starts before the first cycles (shakedown); ``real_time`` paces samples by the clock; ``limits``
+        changes limits of the protection, by their names in ``ProtectionLimits``.
         Raises CallerError for numbers that cannot belong to a bench.
         """
         self._alloy, self._wire, self._around = alloy, wire, bench
@@ -65,11 +66,7 @@ class SimulatedRig:
         self._mechanism = self._mechanism_at(self._bench["pretension_n"], None)
         self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
         self._drive_voltage_v = 0.0
-        self._off_for_good = False
-        if self.sense_voltage_v >= self.maximum_voltage_v:
-            raise CallerError(
-                f"sense_voltage_v {self.sense_voltage_v} V must be below maximum_voltage_v {self.maximum_voltage_v} V"
-            )
+        self.protect_with(simulated_limits(alloy, wire, self._bench, self._parts, limits))
         self._real_time = real_time
         self._next_due_s: float | None = None
         self._steps = self._steps_of_a_sample()
@@ -106,24 +103,9 @@ class SimulatedRig:
         return self._real_time
 
     @property
-    def sense_voltage_v(self) -> float:
-        """Lowest drive voltage while sensing."""
-        return self._bench["sense_voltage_v"]
-
-    @property
-    def maximum_voltage_v(self) -> float:
-        """Highest drive voltage allowed."""
-        return self._wire_values["maximum_voltage_v"]
-
-    @property
     def drive_amplitude_v(self) -> float:
         """Amplitude of the slow sine for this wire."""
         return self._wire_values["drive_amplitude_v"]
-
-    @property
-    def shunt_resistance_ohm(self) -> float:
-        """R of Eq. 1."""
-        return self._bench["shunt_resistance_ohm"]
 
     @property
     def leg_length_m(self) -> float:
@@ -237,15 +219,8 @@ class SimulatedRig:
         if not 0.0 <= pretension_n <= allowed:
             raise CallerError(f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self._wire.name} allows")
 
-    def exchange(self, drive_voltage_v: float) -> RawSample:
+    def _exchange(self, drive_voltage_v: float) -> RawSample:
         """Hold a drive voltage for one sample period and return the averaged readings at its end."""
-        if self._off_for_good:
-            raise RigError("this rig is closed or has failed and stays off: open it again")
-        if not (math.isfinite(drive_voltage_v) and 0.0 <= drive_voltage_v <= self.maximum_voltage_v + 1e-9):
-            self.close()
-            raise RigError(
-                f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; the drive is off"
-            )
         resolution = self._bench["amplifier_resolution_v"]
         self._drive_voltage_v = resolution * round(drive_voltage_v / resolution)
         if self._weather is not None:
@@ -305,21 +280,10 @@ class SimulatedRig:
         # Deadlines are absolute, so that a late sample does not shift all that follow.
         self._next_due_s = max(due, now - self.sample_period_s) + self.sample_period_s
 
-    def make_safe(self) -> None:
-        """Go to the sense voltage at once; a rig that is off for good stays off."""
-        self._drive_voltage_v = 0.0 if self._off_for_good else self.sense_voltage_v
+    def _put_safe(self) -> None:
+        """Go to the sense voltage at once."""
+        self._drive_voltage_v = self.sense_voltage_v
 
-    def close(self) -> None:
-        """Switch the drive off for good."""
-        self._off_for_good = True
-        self._drive_voltage_v = 0.0
-
-    def __enter__(self) -> Self:
-        """Return the rig itself."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def _switch_off(self) -> None:
         """Switch the drive off."""
-        self.close()
+        self._drive_voltage_v = 0.0

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.rigs.limits import Circuit, limits_of
 from musclewire.rigs.load_parts import Antagonist, Contact, ParallelWire, Part, SecondFinger
 from musclewire.rigs.mechanism import LARGEST_CONTRACTION, TABLE_POINTS, Mechanism, Tendon
 from musclewire.rigs.simulated_wires import OneWire, SimulatedWires, TwoWires
@@ -18,7 +20,11 @@ from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip,
 from musclewire.simulate.state import WireConstants
 from musclewire.simulate.wire import constants_from
 
-__all__ = ["force_limit_n", "wires_of"]
+__all__ = ["force_limit_n", "simulated_limits", "wires_of"]
+
+# Noise in steps of the converter times the root of the readings in a mean: from here two means in a row are equal in
+# less than a tenth of all cases, and eight times in a row once in a hundred million.
+LEAST_SPREAD_STEPS = 3.0
 
 
 def wires_of(
@@ -66,6 +72,31 @@ def force_limit_n(wire: Wire, parts: Sequence[Part]) -> float:
         return min(own_n, other_n)
     sections = [spool.diameter_m.value**2 for spool in (wire, other)]
     return min(own_n / sections[0], other_n / sections[1]) * sum(sections)
+
+
+def simulated_limits(
+    alloy: Alloy, wire: Wire, bench: Mapping[str, float], parts: Sequence[Part], changed: Mapping[str, float] | None
+) -> ProtectionLimits:
+    """Return the limits of a simulated rig's protection. Raises CallerError for numbers that cannot belong together."""
+    maximum_v = wire.maximum_voltage_v.value
+    if bench["sense_voltage_v"] >= maximum_v:
+        raise CallerError(f"sense_voltage_v {bench['sense_voltage_v']} V must be below maximum_voltage_v {maximum_v} V")
+    step_v = 2.0 * bench["acquisition_range_v"] / 2.0 ** bench["acquisition_bits"]
+    circuit = Circuit(
+        sense_voltage_v=bench["sense_voltage_v"],
+        maximum_voltage_v=maximum_v,
+        shunt_resistance_ohm=bench["shunt_resistance_ohm"],
+        wire_length_m=bench["wire_length_m"],
+        ambient_temperature_k=bench["ambient_temperature_k"],
+        sample_period_s=bench["sample_period_s"],
+        wire_range_v=bench["acquisition_range_v"],
+        shunt_range_v=bench["acquisition_range_v"],
+        readings_noisy=bench["acquisition_noise_v"] / step_v * bench["acquisition_readings"] ** 0.5
+        >= LEAST_SPREAD_STEPS,
+        in_series=2 if any(isinstance(part, SecondFinger) for part in parts) else 1,
+        in_parallel=2 if any(isinstance(part, ParallelWire) for part in parts) else 1,
+    )
+    return limits_of(wire, alloy, circuit, changed)
 
 
 class Spool(NamedTuple):

@@ -94,7 +94,7 @@ def test_an_unknown_setting_is_answered_with_the_nearest() -> None:
         ('bench = "papers"', "there is no bench called 'papers'; did you mean 'paper'?"),
         ('seed = "many"', "seed: must be a whole number, not 'many'"),
         ("seed = -1", "seed: must be 0 or more, not -1"),
-        ('kind = "real"', "kind: must be 'simulated', not 'real'"),
+        ('kind = "real"', "there is no kind of rig 'real'; did you mean 'serial'?"),
         ('new_wire = "perhaps"', "new_wire: must be true or false, not 'perhaps'"),
         (
             "[settings]\npretension_n = [1]",

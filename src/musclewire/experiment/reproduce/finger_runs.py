@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Final
 
 from musclewire.controllers.references import Staircase, staircase
 from musclewire.experiment.closed_loop import control
@@ -13,14 +14,14 @@ from musclewire.experiment.run import OnSample
 from musclewire.experiment.zero_tendon import TendonZero, zero_tendon
 from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_wire, read_published
-from musclewire.rigs.configuration import open_rig, rig_configuration
+from musclewire.rigs.configuration import open_rig, simulated_configuration
 from musclewire.rigs.load_parts import Pretensioner
 from musclewire.rigs.simulated import SimulatedRig
 from musclewire.sensing.model import SensingModel
 
 __all__ = ["COMMON_WIRE", "FINGER_RIG", "FINGER_WIRE", "FingerRuns", "pretension_n", "staircase_of_fig18"]
 
-FINGER_RIG = "finger"
+FINGER_RIG: Final = "finger"
 # The spool that the finger's wire is taken to be, and the one of section III.
 FINGER_WIRE, COMMON_WIRE = "finger-100um", "paper-100um"
 # What the finger's stage is off by when the search for its zero begins: a careful hand.
@@ -97,7 +98,7 @@ class FingerRuns:
         return {kept: self._cold_endpoint_m(kept) for kept in (True, False)}
 
     def _cold_endpoint_m(self, with_pretensioner: bool) -> float:
-        configuration, _ = rig_configuration(FINGER_RIG)
+        configuration, _ = simulated_configuration(FINGER_RIG)
         parts = [part for part in configuration.load if with_pretensioner or not isinstance(part, Pretensioner)]
         changed = configuration.model_copy(update={"load": parts, "seed": self._seed})
         read = []

@@ -16,7 +16,7 @@ from musclewire.experiment.reproduce.sized import designed_pretensioner, schemes
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.library import read_published
-from musclewire.rigs.configuration import rig_configuration
+from musclewire.rigs.configuration import simulated_configuration
 from musclewire.rigs.load_parts import Finger, Pretensioner
 
 __all__ = ["SWEEP_N", "checks", "gaps_over_pretension"]
@@ -48,7 +48,7 @@ def checks() -> list[Check]:
 
 def shipped_finger() -> Any:
     """Return the finger that the rig "finger" names."""
-    configuration, _ = rig_configuration("finger")
+    configuration, _ = simulated_configuration("finger")
     return load_finger(next(part.finger for part in configuration.load if isinstance(part, Finger)))
 
 
@@ -137,7 +137,7 @@ def stage_checks(printed: dict[str, Any]) -> list[Check]:
 def eq8_error_n(runs: Runs) -> float:
     """Return the rms difference of the load cell from Eq. 8 with the finger's own curve [N]."""
     loop = runs.finger.loop(pretension_n())
-    configuration, _ = rig_configuration("finger")
+    configuration, _ = simulated_configuration("finger")
     curve = shipped_finger().curve
     stiffness = sum(part.stiffness_n_per_m for part in configuration.load if isinstance(part, Pretensioner))
     x = np.linspace(*EQUATION_8_SPAN, 200) * loop.recording["displacement_m"].max()

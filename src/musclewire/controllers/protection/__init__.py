@@ -1,0 +1,28 @@
+"""What keeps a heated wire safe: one table of states, events and actions, and the functions that follow it."""
+
+from musclewire.controllers.protection.limits import ProtectionLimits
+from musclewire.controllers.protection.protect import (
+    ProtectionState,
+    allowed_drive_v,
+    armed,
+    protect_command,
+    protect_missing,
+    protect_reading,
+    tripped_by,
+)
+from musclewire.controllers.protection.table import Event, ProtectionTable, State, protection_table
+
+__all__ = [
+    "Event",
+    "ProtectionLimits",
+    "ProtectionState",
+    "ProtectionTable",
+    "State",
+    "allowed_drive_v",
+    "armed",
+    "protect_command",
+    "protect_missing",
+    "protect_reading",
+    "protection_table",
+    "tripped_by",
+]

@@ -1,0 +1,232 @@
+"""The base of every rig: no drive goes out and no sample comes back except through the protection table."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from types import TracebackType
+from typing import Self, final
+
+from musclewire.controllers.protection import (
+    Event,
+    ProtectionLimits,
+    ProtectionState,
+    State,
+    allowed_drive_v,
+    armed,
+    protect_command,
+    protect_missing,
+    protect_reading,
+    protection_table,
+    tripped_by,
+)
+from musclewire.errors import RigError
+from musclewire.rigs.protocol import Metadata
+from musclewire.signals.samples import RawSample
+
+__all__ = ["GuardedRig", "ProtectionTripError"]
+
+
+class ProtectionTripError(RigError):
+    """The protection has switched the drive off; ``event`` says why."""
+
+    def __init__(self, message: str, event: Event) -> None:
+        """Keep the event beside the message."""
+        super().__init__(message)
+        self.event = event
+
+
+class GuardedRig(ABC):
+    """A rig below whose ``exchange`` the protection table stands, so that no script passes it by accident.
+
+    A kind of rig says how one sample is taken (``_exchange``), how its output goes to the sense voltage (``_put_safe``)
+    and how it is switched off for good (``_switch_off``). Everything else, what may be out and when it must go off, is
+    decided here, for all of them alike.
+    """
+
+    _guard: ProtectionState
+    _guard_limits: ProtectionLimits
+    _block_s: float
+    _block_drive_v: float
+    _block_wire_v: float
+    _block_shunt_v: float
+    _last_time_s: float | None
+    _off_for_good: bool
+
+    def protect_with(self, limits: ProtectionLimits) -> None:
+        """Arm the protection with the limits of wire and circuit; a kind of rig calls this when it has been opened.
+
+        Raises CallerError for limits that cannot belong to a wire.
+        """
+        self._guard_limits = limits.checked()
+        self._guard = armed(limits)
+        self._last_time_s = None
+        self._off_for_good = False
+        self._start_block()
+
+    @property
+    @abstractmethod
+    def sample_period_s(self) -> float:
+        """Time between samples."""
+
+    @property
+    @abstractmethod
+    def paced(self) -> bool:
+        """Whether samples come at the pace of a real clock."""
+
+    @property
+    def sense_voltage_v(self) -> float:
+        """Drive voltage that heats the wire by little and still lets its resistance be measured."""
+        return self._guard_limits.sense_voltage_v
+
+    @property
+    def maximum_voltage_v(self) -> float:
+        """Highest drive voltage this rig allows."""
+        return self._guard_limits.maximum_voltage_v
+
+    @property
+    @abstractmethod
+    def drive_amplitude_v(self) -> float:
+        """Amplitude at which this rig's wire completes its transformation in a slow sine."""
+
+    @property
+    def shunt_resistance_ohm(self) -> float:
+        """R of Eq. 1."""
+        return self._guard_limits.shunt_resistance_ohm
+
+    @property
+    @abstractmethod
+    def leg_length_m(self) -> float:
+        """Length whose relative shortening is the strain: one leg of the V."""
+
+    @property
+    @abstractmethod
+    def drive_voltage_v(self) -> float:
+        """Drive voltage that is out now."""
+
+    @abstractmethod
+    def metadata(self) -> Metadata:
+        """Return what a recording should say about this rig."""
+
+    @abstractmethod
+    def _exchange(self, drive_voltage_v: float) -> RawSample:
+        """Put out a drive voltage that the protection allows for one sample period; return the sample at its end."""
+
+    @abstractmethod
+    def _put_safe(self) -> None:
+        """Go to the sense voltage at once; never raises."""
+
+    @abstractmethod
+    def _switch_off(self) -> None:
+        """Put out 0 V and let go of the hardware; may be called twice; never raises."""
+
+    @property
+    def protection(self) -> ProtectionState:
+        """What the protection knows: its state, the last event, the estimated temperature."""
+        return self._guard
+
+    @property
+    def protection_limits(self) -> ProtectionLimits:
+        """The limits that the protection table is held against."""
+        return self._guard_limits
+
+    @final
+    def exchange(self, drive_voltage_v: float) -> RawSample:
+        """Put out a drive voltage for one sample period and return the sample at its end.
+
+        While readings are missing the protection holds the drive or lowers it; the sample's ``drive_voltage_v`` says
+        what was out. Raises RigError, with the drive switched off, for a voltage outside 0 to the maximum and for every
+        event of the protection table that trips.
+        """
+        if self._off_for_good:
+            raise RigError("this rig is closed or has failed and stays off: open it again")
+        self._guard = protect_command(self._guard, self._guard_limits, drive_voltage_v)
+        if self._guard.state is State.TRIPPED:
+            self.close()
+            raise ProtectionTripError(
+                f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; the drive is off",
+                Event.COMMAND_REFUSED,
+            )
+        try:
+            sample = self._exchange(allowed_drive_v(self._guard, self._guard_limits))
+        except BaseException as error:
+            if isinstance(error, RigError):
+                self.close()  # whatever a device reports as its fault ends off, not at the sense voltage
+            raise
+        self._judge(sample)
+        return sample
+
+    def _judge(self, sample: RawSample) -> None:
+        """Run the protection over a sample; readings faster than the table's period are averaged first."""
+        period_s = self.sample_period_s
+        if self._last_time_s is not None and not sample.time_s > self._last_time_s:
+            self.trip(Event.CLOCK_BACKWARDS, f"{sample.time_s:.6f} s after {self._last_time_s:.6f} s")
+        self._last_time_s = sample.time_s
+        share = period_s / (self._block_s + period_s)
+        self._block_s += period_s
+        self._block_drive_v += share * (sample.drive_voltage_v - self._block_drive_v)
+        self._block_wire_v += share * (sample.wire_voltage_v - self._block_wire_v)
+        self._block_shunt_v += share * (sample.shunt_voltage_v - self._block_shunt_v)
+        if self._block_s < protection_table().reading_period_s - 1e-9:
+            return
+        self._guard = protect_reading(
+            self._guard,
+            self._guard_limits,
+            self._block_drive_v,
+            self._block_wire_v,
+            self._block_shunt_v,
+            self._block_s,
+        )
+        wire_v, shunt_v, drive_v = self._block_wire_v, self._block_shunt_v, self._block_drive_v
+        self._start_block()
+        if self._guard.state is State.TRIPPED:
+            self.trip(self._guard.event, f"at {sample.time_s:.3f} s: {self._measured(drive_v, wire_v, shunt_v)}")
+
+    def _start_block(self) -> None:
+        self._block_s = self._block_drive_v = self._block_wire_v = self._block_shunt_v = 0.0
+
+    def _measured(self, drive_v: float, wire_v: float, shunt_v: float) -> str:
+        """Return what was measured when the protection tripped."""
+        ohm = f", {wire_v / shunt_v * self.shunt_resistance_ohm:.3f} ohm" if shunt_v else ""
+        return f"drive {drive_v:.3f} V, wire {wire_v:.4f} V, shunt {shunt_v:.4f} V{ohm}, {self._warmth()}"
+
+    def _warmth(self) -> str:
+        return f"estimated {self._guard.temperature_k - 273.15:.0f} C"
+
+    def miss(self, event: Event, missing_s: float) -> None:
+        """Tell the protection that a sample has been missing for so long in all: it holds, senses, then trips.
+
+        Raises RigError when it trips.
+        """
+        self._guard = protect_missing(self._guard, event, missing_s)
+        if self._guard.state is State.TRIPPED:
+            self.trip(event, f"missing for {missing_s:.3f} s")
+
+    def trip(self, event: Event, details: str = "") -> None:
+        """Switch the drive off for good and raise the RigError of an event; the first cause stays."""
+        self._guard = tripped_by(self._guard, event)
+        self.close()
+        row = protection_table().row(event)
+        where = f" ({details})" if details else ""
+        raise ProtectionTripError(f"{row.name}: {row.cause}{where}; the drive is off; {row.remedy}", event)
+
+    def make_safe(self) -> None:
+        """Go to the sense voltage at once; a rig that is off for good stays off; never raises."""
+        if not self._off_for_good:
+            self._put_safe()
+
+    def close(self) -> None:
+        """Switch the drive off and let go of the hardware; may be done twice."""
+        self._off_for_good = True
+        if self._guard.state is not State.TRIPPED:
+            self._guard = self._guard._replace(state=State.OFF, drive_voltage_v=0.0)
+        self._switch_off()
+
+    def __enter__(self) -> Self:
+        """Return the rig itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Switch the drive off."""
+        self.close()

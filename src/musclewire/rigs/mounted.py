@@ -1,0 +1,130 @@
+"""What a rig file of real hardware says of the wire that is mounted on it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from musclewire.controllers.protection import ProtectionLimits
+from musclewire.parameters.library import load_alloy, load_wire
+from musclewire.parameters.schema import Wire
+from musclewire.rigs.limits import Circuit, limits_of
+from musclewire.rigs.protocol import Metadata
+from musclewire.rigs.quantities import measured_in
+
+__all__ = ["LimitsTable", "MountedWire"]
+
+Volts = Annotated[float, measured_in("V"), Field(gt=0.0, allow_inf_nan=False)]
+Metres = Annotated[float, measured_in("m"), Field(gt=0.0, allow_inf_nan=False)]
+Ohms = Annotated[float, measured_in("ohm"), Field(gt=0.0, allow_inf_nan=False)]
+Newtons = Annotated[float, measured_in("N"), Field(ge=0.0, allow_inf_nan=False)]
+Seconds = Annotated[float, measured_in("s"), Field(gt=0.0, le=1.0)]
+Kelvins = Annotated[float, measured_in("K"), Field(gt=0.0, allow_inf_nan=False)]
+Amperes = Annotated[float, measured_in("A"), Field(gt=0.0, allow_inf_nan=False)]
+Watts = Annotated[float, measured_in("W"), Field(gt=0.0, allow_inf_nan=False)]
+
+
+class LimitsTable(BaseModel):
+    """``[limits]`` of a rig file: limits of the protection that differ from what follows from wire and circuit."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    maximum_current: Amperes | None = None
+    maximum_power: Watts | None = None
+    maximum_temperature: Kelvins | None = None
+    minimum_current: Amperes | None = None
+    resistance_low: Ohms | None = None
+    resistance_high: Ohms | None = None
+    jump_share: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
+
+    def changed(self) -> dict[str, float]:
+        """Return what is set, by the names of ``ProtectionLimits``."""
+        units = {"current": "a", "power": "w", "temperature": "k", "low": "ohm", "high": "ohm"}
+        given = {key: value for key, value in self.model_dump().items() if value is not None}
+        return {
+            key if key == "jump_share" else f"{key}_{units[key.rpartition('_')[2]]}": float(value)
+            for key, value in given.items()
+        }
+
+
+class MountedWire(BaseModel):
+    """The wire on a real rig, its circuit, and what a user must say about both. Numbers in SI or as text with a unit.
+
+    Attributes:
+        wire: a wire's name (``musclewire simulate --list``) or wire file.
+        wire_length: overall length between the terminals.
+        legs: parts of the wire that share the force: 2 for a V, 1 for a straight wire.
+        shunt: R of Eq. 1.
+        sense_voltage: drive that heats by little and still gives a reading.
+        maximum_voltage: highest drive; by default the wire's, scaled from its own file only by the user.
+        drive_amplitude: amplitude of the slow sine.
+        pretension: force of the cold wire, as set by hand.
+        ambient_temperature: of the air around the wire.
+        sample_period: time between samples.
+        limits: limits of the protection that the user knows better.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    wire: str
+    wire_length: Metres
+    legs: Annotated[int, Field(ge=1, le=2)] = 2
+    shunt: Ohms
+    sense_voltage: Volts
+    maximum_voltage: Volts
+    drive_amplitude: Volts
+    pretension: Newtons | None = None
+    ambient_temperature: Kelvins = 295.15
+    sample_period: Seconds = 0.05
+    limits: LimitsTable = LimitsTable()
+
+    @model_validator(mode="after")
+    def _voltages_rise(self) -> MountedWire:
+        if not self.sense_voltage < self.drive_amplitude <= self.maximum_voltage:
+            raise ValueError(
+                f"sense_voltage {self.sense_voltage:g} V, drive_amplitude {self.drive_amplitude:g} V and "
+                f"maximum_voltage {self.maximum_voltage:g} V must rise in this order"
+            )
+        return self
+
+    @property
+    def leg_length_m(self) -> float:
+        """Length whose relative shortening is the strain."""
+        return self.wire_length / self.legs
+
+    def known_wire(self) -> Wire:
+        """Return the wire's parameters. Raises CallerError for an unknown wire or a wrong file."""
+        return load_wire(self.wire)
+
+    def protection_limits(
+        self, *, wire_range_v: float, shunt_range_v: float, readings_noisy: bool = True
+    ) -> ProtectionLimits:
+        """Return the limits of the protection on channels with these ranges."""
+        wire = self.known_wire()
+        circuit = Circuit(
+            sense_voltage_v=self.sense_voltage,
+            maximum_voltage_v=self.maximum_voltage,
+            shunt_resistance_ohm=self.shunt,
+            wire_length_m=self.wire_length,
+            ambient_temperature_k=self.ambient_temperature,
+            sample_period_s=self.sample_period,
+            wire_range_v=wire_range_v,
+            shunt_range_v=shunt_range_v,
+            readings_noisy=readings_noisy,
+        )
+        return limits_of(wire, load_alloy(wire.alloy), circuit, self.limits.changed())
+
+    def facts(self) -> Metadata:
+        """Return what a recording should say about wire and circuit."""
+        wire = self.known_wire()
+        return {
+            "wire": wire.name,
+            "wire_diameter_m": wire.diameter_m.value,
+            "wire_length_m": self.wire_length,
+            "leg_length_m": self.leg_length_m,
+            "shunt_resistance_ohm": self.shunt,
+            "maximum_force_n": wire.maximum_force_n.value,
+            "pretension_n": self.pretension,
+            "sample_period_s": self.sample_period,
+        }
