@@ -1,0 +1,1 @@
+"""What leaves Python: a model and its controller as a self-contained C library."""

@@ -1,0 +1,229 @@
+"""Every number of an exported library, by its C name: model, controller, limits, protection table.
+
+They are collected once, from the objects that Python computes with. The header is written from this list, and what the
+export checks and a test reads back is this list too.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase
+from musclewire.controllers import kernels as rule_layout
+from musclewire.controllers.fuzzy import pack_rules
+from musclewire.controllers.protection import Event, ProtectionLimits, State, protection_table
+from musclewire.controllers.protection import protect as protection_rules
+from musclewire.errors import CallerError
+from musclewire.sensing.model import MARGIN, SensingModel
+from musclewire.sensing.resistance import wire_resistance
+
+__all__ = ["ACTIONS", "Constant", "Constants", "collect"]
+
+Kind = Literal["real", "integer"]
+ACTIONS = {"": 0, "trip": 1, "degrade": 2, "report": 3}
+INFERENCES = {"constant": 0, "product-weighted-sum": 1, "min-max-centroid": 2}
+MICROSECONDS_PER_S = 1e6
+
+
+@dataclass(frozen=True)
+class Constant:
+    """One number or one table, under its C name without ``MW_``; a table's ``columns`` make one initialiser a row."""
+
+    name: str
+    values: tuple[float, ...]
+    kind: Kind = "real"
+    table: bool = False
+    columns: int = 0
+    meaning: str = ""
+
+
+@dataclass(frozen=True)
+class Constants:
+    """All numbers of a library, grouped under headings."""
+
+    groups: dict[str, list[Constant]] = field(default_factory=dict)
+
+    def all(self) -> list[Constant]:
+        """Return every constant, in order."""
+        return [constant for group in self.groups.values() for constant in group]
+
+    def value(self, name: str) -> float:
+        """Return a single number by its C name."""
+        return next(constant.values[0] for constant in self.all() if constant.name == name)
+
+
+def collect(
+    model: SensingModel,
+    settings: FuzzyPidSettings,
+    rule_base: RuleBase,
+    limits: DriveLimits,
+    protection: ProtectionLimits,
+) -> Constants:
+    """Return the numbers of a library. Raises CallerError where drive limits and protection disagree."""
+    checked = protection.checked()
+    for name in ("sense_voltage_v", "maximum_voltage_v"):
+        asked, allowed = getattr(limits, name), getattr(checked, name)
+        if asked != allowed:
+            raise CallerError(
+                f"{name} is {asked:g} V in the drive limits and {allowed:g} V in the protection: one of them"
+            )
+    return Constants(
+        {
+            "circuit and limits of the drive": _circuit(checked),
+            "the self-sensing model (Lan and Fan 2010, Eqs. 3 to 5)": _model(model),
+            "the fuzzy-tuned PID (Eq. 6)": _controller(settings),
+            "its rule base": _rules(rule_base),
+            "limits of the protection": _protection(checked),
+            "the protection table": _table(),
+        }
+    )
+
+
+def _circuit(limits: ProtectionLimits) -> list[Constant]:
+    least_current_a = inspect.signature(wire_resistance).parameters["minimum_current_a"].default
+    shunt_ohm = limits.shunt_resistance_ohm
+    return [
+        _real("SHUNT_RESISTANCE_OHM", shunt_ohm, "R of Eq. 1"),
+        _real("LEAST_SHUNT_VOLTAGE_V", least_current_a * shunt_ohm, "below it there is no resistance"),
+        _real("SENSE_VOLTAGE_V", limits.sense_voltage_v, "the drive never falls below it while sensing"),
+        _real("MAXIMUM_VOLTAGE_V", limits.maximum_voltage_v),
+    ]
+
+
+def _model(model: SensingModel) -> list[Constant]:
+    falling = tuple(reversed(model.average_coefficients))
+    per_ohm = 1.0 / (model.resistance_max_ohm - model.resistance_min_ohm)
+    return [
+        _real("RESISTANCE_MIN_OHM", model.resistance_min_ohm, "normalised resistance 0"),
+        _real("RESISTANCE_MAX_OHM", model.resistance_max_ohm, "normalised resistance 1"),
+        _real("SHARE_PER_OHM", per_ohm),
+        _real("NORMALISED_MIN", model.normalised_min, "the valid range of normalised resistance"),
+        _real("NORMALISED_MAX", model.normalised_max),
+        _real("VALID_FROM", model.normalised_min - MARGIN, "estimates are valid a little beyond it"),
+        _real("VALID_TO", model.normalised_max + MARGIN),
+        _real("QUANTITY_MIN", model.quantity_min, f"{model.quantity} [{model.unit}] at the ends of the range"),
+        _real("QUANTITY_MAX", model.quantity_max),
+        _integer("COEFFICIENTS", len(falling)),
+        Constant("AVERAGE_FALLING", falling, table=True, meaning="g_a of Eq. 5, highest power first"),
+    ]
+
+
+def _controller(settings: FuzzyPidSettings) -> list[Constant]:
+    return [
+        *(
+            _real(f"K{letter.upper()}_{end}", getattr(settings, f"k{letter}_range")[index])
+            for letter in "pid"
+            for index, end in enumerate(("MINIMUM", "MAXIMUM"))
+        ),
+        _real("INPUT_SCALE", settings.input_scale, "V per error unit at a gain of one"),
+        _real("ERROR_UNIT", settings.error_unit, "what the quantity calls one percent strain"),
+        _real("ERROR_RANGE", settings.error_range, "error units that are +-1 for the tables"),
+        _real("CHANGE_RANGE", settings.change_range, "error units per second that are +-1"),
+        _real("DERIVATIVE_FILTER_S", settings.derivative_filter_s),
+    ]
+
+
+def _rules(rule_base: RuleBase) -> list[Constant]:
+    inference = rule_base.rules.inference
+    values = [float(value) for value in pack_rules(rule_base)]
+    at = rule_layout.AT_TABLES
+    tables = {
+        name: tuple(values[at + 49 * index : at + 49 * (index + 1)]) for index, name in enumerate(("KP", "KI", "KD"))
+    }
+    kinds = [_integer(name.upper().replace("-", "_"), number) for name, number in INFERENCES.items()]
+    found = [*kinds, _integer("INFERENCE", INFERENCES[inference], inference)]
+    if inference == "constant":
+        return [*found, *(_real(f"{name}_RATIO", table[0]) for name, table in tables.items())]
+    sets = values[rule_layout.AT_INPUT_SETS : rule_layout.AT_TABLES]
+    smooth = any(shape != rule_layout.TRIANGLE for shape in sets[::4])
+    found += [
+        _integer("TRIANGLE", int(rule_layout.TRIANGLE)),
+        _integer("FALLING", int(rule_layout.FALLING)),
+        _integer("RISING", int(rule_layout.RISING)),
+        _integer("HAS_SMOOTH_SETS", int(smooth)),
+        _integer("MIRRORED", int(values[rule_layout.AT_MIRRORED]), "which half of the tables serves both directions"),
+        Constant("INPUT_SETS", tuple(sets), table=True, columns=4, meaning="shape and three points"),
+    ]
+    for name, table in tables.items():
+        real = name == "KI" and inference == "product-weighted-sum"
+        found.append(Constant(f"{name}_TABLE", table, "real" if real else "integer", table=True))
+    if inference == "min-max-centroid":
+        points = tuple(values[rule_layout.AT_OUTPUT_SETS :])
+        found.append(Constant("OUTPUT_SETS", points, table=True, columns=rule_layout.UNIVERSE_POINTS))
+    return found
+
+
+def _protection(limits: ProtectionLimits) -> list[Constant]:
+    saturated = protection_rules.SATURATED_SHARE
+    above_k = limits.maximum_temperature_k - limits.ambient_temperature_k
+    return [
+        _real(
+            "OPEN_SHUNT_VOLTAGE_V", limits.minimum_current_a * limits.shunt_resistance_ohm, "below it a wire is open"
+        ),
+        _real("MAXIMUM_CURRENT_A", limits.maximum_current_a),
+        _real("MAXIMUM_POWER_W", limits.maximum_power_w),
+        _real("RESISTANCE_LOW_OHM", limits.resistance_low_ohm),
+        _real("RESISTANCE_HIGH_OHM", limits.resistance_high_ohm),
+        _real("JUMP_SHARE", limits.jump_share),
+        _real("SATURATED_WIRE_V", saturated * limits.wire_range_v),
+        _real("SATURATED_SHUNT_V", saturated * limits.shunt_range_v),
+        _integer("READINGS_NOISY", int(limits.readings_noisy > 0.0)),
+        _real("HEAT_CAPACITY_J_PER_K", limits.heat_capacity_j_per_k),
+        _real("HEAT_LOSS_W_PER_K", limits.heat_loss_w_per_k),
+        _real("MAXIMUM_ABOVE_AMBIENT_K", above_k, f"{limits.maximum_temperature_k:g} K"),
+    ]
+
+
+def _table() -> list[Constant]:
+    table = protection_table()
+    lasts_s = table.lasts_s()
+    lasting = protection_rules.LASTING
+    rows = {row.number: row for row in table.event}
+    actions = tuple(float(ACTIONS[rows[event].action if event in rows else ""]) for event in Event)
+    shares = ("DRIVEN_SHARE", "STUCK_SHARE", "SUPPLY_SHARE", "SHORT_SHARE", "MOVED_SHARE")
+    return [
+        *(_integer(f"STATE_{state.name}", state.value) for state in State),
+        _integer("EVENTS", len(Event)),
+        *(_integer(f"EVENT_{event.name}", event.value, rows[event].cause if event in rows else "") for event in Event),
+        *(_integer(f"ACTION_{name.upper()}", number) for name, number in ACTIONS.items() if name),
+        Constant("ACTIONS", actions, "integer", table=True, meaning="by event"),
+        _integer("LASTING", len(lasting), "events that must last, in the order in which they are judged"),
+        *(_integer(f"LASTING_{event.name}", index) for index, event in enumerate(lasting)),
+        Constant("LASTING_EVENTS", tuple(float(event) for event in lasting), "integer", table=True),
+        Constant("LASTING_US", tuple(_microseconds(lasts_s[event]) for event in lasting), "integer", table=True),
+        _integer("READING_PERIOD_US", _microseconds(table.reading_period_s), "samples are averaged over this time"),
+        _integer("SENSE_AFTER_US", _microseconds(table.sense_after_s)),
+        _integer("TRIP_AFTER_US", _microseconds(table.trip_after_s)),
+        _integer("FROZEN_US", _microseconds(protection_rules.FROZEN_S)),
+        _integer("FROZEN_READINGS", int(protection_rules.FROZEN_READINGS)),
+        *(_real(name, getattr(protection_rules, name)) for name in shares),
+    ]
+
+
+def _microseconds(time_s: float) -> int:
+    """Return a time of the table in whole microseconds; the library counts in them."""
+    whole = round(time_s * MICROSECONDS_PER_S)
+    if abs(whole - time_s * MICROSECONDS_PER_S) > 1e-6:
+        raise CallerError(f"the protection table has a time of {time_s!r} s: the C library counts whole microseconds")
+    return whole
+
+
+def _real(name: str, value: float, meaning: str = "") -> Constant:
+    return Constant(name, (float(value),), meaning=meaning)
+
+
+def _integer(name: str, value: int, meaning: str = "") -> Constant:
+    return Constant(name, (float(value),), "integer", meaning=meaning)
+
+
+def numbers_of(constants: Sequence[Constant]) -> list[tuple[str, float]]:
+    """Return every real number with a name that says where it stands: ``AVERAGE_FALLING[2]``."""
+    found = []
+    for constant in constants:
+        if constant.kind == "real":
+            several = len(constant.values) > 1
+            found += [(f"{constant.name}[{i}]" if several else constant.name, v) for i, v in enumerate(constant.values)]
+    return found

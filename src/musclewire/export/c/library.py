@@ -1,0 +1,94 @@
+"""Write a model, its controller, its limits and the protection table as a self-contained C99 library."""
+
+from __future__ import annotations
+
+import re
+from importlib.resources import files
+from pathlib import Path
+from typing import NamedTuple
+
+from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase, load_rule_base
+from musclewire.controllers.protection import ProtectionLimits
+from musclewire.errors import CallerError
+from musclewire.export.c.constants import Constants, collect
+from musclewire.export.c.header import constants_header
+from musclewire.export.c.precision import check_precision, single_error_share
+from musclewire.sensing.model import SensingModel
+
+__all__ = ["Library", "library_sources", "write_library"]
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
+
+
+class Library(NamedTuple):
+    """What was written: where, which files (relative, in order), its numbers, and how well single precision does."""
+
+    folder: Path
+    files: tuple[str, ...]
+    constants: Constants
+    single_error_share: float
+
+
+def library_sources() -> dict[str, str]:
+    """Return the C files that are the same for every library, by name."""
+    folder = files("musclewire.export") / "c_library"
+    return {
+        item.name: item.read_text(encoding="utf-8") for item in folder.iterdir() if item.name.endswith((".c", ".h"))
+    }
+
+
+def write_library(
+    model: SensingModel,
+    settings: FuzzyPidSettings,
+    limits: DriveLimits,
+    protection: ProtectionLimits,
+    folder: str | Path,
+    name: str = "musclewire",
+    *,
+    double: bool = False,
+    rule_base: RuleBase | None = None,
+) -> Library:
+    """Write the library into a folder, which is made if need be; files of the same names are replaced.
+
+    ``double`` makes double precision the library's choice; without it all is checked to survive single precision.
+    Everything is checked before anything is written.
+
+    Raises:
+        CallerError: a number that overflows, underflows or loses its digits in single precision (named); drive limits
+            other than the protection's; a name that is no C identifier; a folder that cannot be written.
+    """
+    if not NAME.fullmatch(name):
+        raise CallerError(f"the library's name {name!r} must be a C identifier of at most 31 letters, digits and _")
+    rules = rule_base or load_rule_base(settings.rule_base)
+    constants = collect(model, settings, rules, limits, protection)
+    if not double:
+        check_precision(model, constants)
+    header = constants_header(
+        constants,
+        name=name,
+        model=f"{model!r}, {model.source or 'source unknown'}",
+        rules=str(rules),
+        quantity=model.quantity,
+        double=double,
+    )
+    texts = {f"src/{file}": text for file, text in sorted(library_sources().items())}
+    texts["src/mw_constants.h"] = header
+    _write(Path(folder), texts)
+    return Library(Path(folder), tuple(texts), constants, single_error_share(model, constants))
+
+
+def _write(folder: Path, texts: dict[str, str]) -> None:
+    """Write each file whole or not at all; CallerError where that cannot be."""
+    from musclewire.signals.whole_files import write_whole
+
+    try:
+        for name, text in texts.items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+
+            def write(part: Path, text: str = text) -> None:
+                part.write_text(text, encoding="utf-8")
+
+            write_whole(path, write)
+    except OSError as error:
+        raise CallerError(f"cannot write the library into {folder}: {error.strerror or error}") from error

@@ -1,0 +1,60 @@
+"""Numbers as C writes them: every digit survives, in single precision as in double, or the export is refused."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterable
+from decimal import Decimal
+
+import numpy as np
+
+from musclewire.errors import CallerError
+
+__all__ = ["check_single", "literal", "rows"]
+
+SMALLEST_NORMAL = float(np.finfo(np.float32).tiny)
+# The bits of a double that single precision drops, when the double lies half-way between two of its numbers.
+DROPPED_BITS, HALF_WAY = (1 << 29) - 1, 1 << 28
+
+
+def literal(value: float) -> str:
+    """Return a finite number as a C literal that reads back as the same double, and as its nearest single.
+
+    The shortest text that gives the double back is not the double itself. Where the double lies half-way between two
+    singles that difference would decide the rounding, so there all its digits are written.
+    """
+    number = float(value)
+    if not math.isfinite(number):
+        raise CallerError(f"{number} cannot be written as a C number: give a finite one")
+    bits = struct.unpack("<Q", struct.pack("<d", number))[0]
+    if bits & DROPPED_BITS == HALF_WAY:
+        text = format(Decimal(number), "f")
+        return text if "." in text else f"{text}.0"
+    return repr(number)
+
+
+def check_single(name: str, value: float) -> None:
+    """Raise CallerError, naming the number, where single precision cannot hold it to its 24 bits."""
+    with np.errstate(over="ignore", under="ignore"):
+        single = float(np.float32(value))
+    if not math.isfinite(single):
+        raise CallerError(
+            f"{name} is {value!r}, more than single precision holds (3.4e38): check its unit, or export with --double"
+        )
+    if value != 0.0 and abs(single) < SMALLEST_NORMAL:
+        raise CallerError(
+            f"{name} is {value!r}, less than single precision holds (1.2e-38): check its unit, or export with --double"
+        )
+
+
+def rows(texts: Iterable[str], width: int = 100) -> list[str]:
+    """Return comma-separated texts in lines of at most ``width`` characters."""
+    lines: list[str] = []
+    line = ""
+    for text in texts:
+        if line and len(line) + len(text) + 2 > width:
+            lines.append(line.rstrip())
+            line = ""
+        line += f"{text}, "
+    return [*lines, line.rstrip()] if line else lines

@@ -1,0 +1,127 @@
+/* musclewire: position a shape-memory-alloy wire by its own electrical resistance, without a sensor.
+ *
+ * One tick: two voltages -> resistance (Eq. 1) -> estimate (Eqs. 3 to 5) -> fuzzy-tuned PID (Eq. 6) -> limits
+ * -> protection -> drive voltage. Equations are those of Lan and Fan 2010. SI units throughout, unit last in the
+ * name. No allocation, no global that is written, no library function: not even libm. All state is in the
+ * caller's structures, one for each wire. Numbers of the model, controller, limits and protection are in
+ * mw_constants.h, which `musclewire export c` wrote; these files are the same for every model.
+ */
+#ifndef MUSCLEWIRE_H
+#define MUSCLEWIRE_H
+
+#include "mw_real.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- sensing: mw_sensing.c ---------------------------------------------------------------------------- */
+
+/* Resistance of the wire [ohm] from its voltage and the shunt's [V], Eq. 1. 0 means "no current, so no
+ * resistance": current below the least, a voltage that is not finite, or leads swapped. */
+mw_real mw_resistance(mw_real wire_voltage_v, mw_real shunt_voltage_v);
+
+typedef struct {
+    mw_real value; /* the model's quantity, SI: strain as a fraction, displacement in m, force in N */
+    uint8_t valid; /* 0 where the resistance lies outside the model's range */
+} mw_estimation;
+
+/* Quantity a resistance stands for, Eqs. 3 to 5. Outside the valid range it reads as the nearer end; what is
+ * not finite reads as fully contracted, so that a loop which ignores `valid` cools. */
+mw_estimation mw_estimate(mw_real resistance_ohm);
+
+/* ---- fuzzy inference: mw_fuzzy.c ---------------------------------------------------------------------- */
+
+typedef struct {
+    mw_real kp, ki, kd; /* K_p', K_I', K_D' of Eq. 6, each in [0, 1] */
+} mw_ratios;
+
+/* The three gain ratios for an error and its change, each clipped to [-1, 1]. */
+mw_ratios mw_infer(mw_real error_ratio, mw_real change_ratio);
+
+/* e^x for -4 <= x <= 0 by arithmetic alone, so that every target gives the same bits (libm's differ). */
+mw_real mw_exponential(mw_real x);
+
+/* ---- fuzzy PID: mw_pid.c ------------------------------------------------------------------------------ */
+
+typedef struct {
+    mw_real drive_voltage_v, error, measured, measured_rate, error_rate;
+    uint8_t rates_known; /* 0 after a hold: the last measurement is too old to make a rate with */
+} mw_pid;
+
+typedef struct {
+    mw_real drive_voltage_v, kp, ki, kd;
+} mw_pid_step;
+
+/* Take over from a drive that is out already, without a jump. */
+void mw_fuzzy_pid_start(mw_pid *pid, mw_real drive_voltage_v, mw_real measured, mw_real target);
+
+/* Advance by dt_s (above 0): velocity form, Eq. 6, drive kept between sense voltage and maximum. Inputs that
+ * are not finite, or whose rates overflow, change nothing but forget the rates, as mw_fuzzy_pid_hold. */
+mw_pid_step mw_fuzzy_pid_step(mw_pid *pid, mw_real target, mw_real measured, mw_real dt_s);
+
+/* A tick without a measurement: the drive stays, the rates are forgotten. */
+void mw_fuzzy_pid_hold(mw_pid *pid);
+
+#ifdef __cplusplus
+}
+#endif
+
+#include "mw_protect.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- the whole tick: mw_controller.c ------------------------------------------------------------------ */
+
+/* Samples that make one reading of the protection. */
+typedef struct {
+    mw_real drive_sum_v, wire_sum_v, shunt_sum_v, time_s;
+    uint16_t samples;
+} mw_block;
+
+typedef struct mw_controller {
+    mw_pid pid;
+    mw_protection protection;
+    mw_block block;
+    mw_real wire_sum_v, shunt_sum_v; /* of the samples since the last mw_control */
+    uint16_t samples;
+    uint8_t started;                 /* the PID has seen a first measurement */
+    mw_real resistance_ohm;          /* of the last mw_control, 0 without current */
+    mw_estimation estimation;
+    mw_real kp, ki, kd;              /* gains of the last step, 0 where there was none */
+} mw_controller;
+
+typedef struct {
+    mw_real drive_voltage_v; /* what to put out now */
+    mw_real resistance_ohm;  /* 0 without current */
+    mw_real estimate;
+    uint8_t valid;           /* the estimate's */
+    uint8_t state;           /* MW_STATE_... */
+    uint8_t event;           /* MW_EVENT_..., 0 for none */
+} mw_output;
+
+/* Cold start: sense voltage, nothing known of the wire, protection armed. */
+void mw_start(mw_controller *controller);
+
+/* One converter tick of tick_s: sum up for the mean and run the protection. A trip shows in the output. */
+mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real tick_s);
+
+/* One control tick of dt_s, of the mean of the samples since the last: estimate, fuzzy PID, limits. The first one after
+ * mw_start or mw_drive takes over from the drive that is out. A target that is no number trips, as does a drive that is
+ * outside 0 to the maximum. */
+mw_output mw_control(mw_controller *controller, mw_real target, mw_real dt_s);
+
+/* Open loop instead of mw_control: a drive voltage of the caller's, under the same protection. */
+mw_output mw_drive(mw_controller *controller, mw_real drive_voltage_v);
+
+/* Both at once, where every sample is a control tick. */
+mw_output mw_tick(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real target,
+                  mw_real dt_s);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,109 @@
+/* The whole tick: means of the samples, estimate, fuzzy PID, and the protection below them. */
+#include "musclewire.h"
+
+void mw_start(mw_controller *controller)
+{
+    const mw_controller cold = {.estimation = {MW_QUANTITY_MIN, 0}};
+    *controller = cold;
+    mw_protect_arm(&controller->protection);
+}
+
+static mw_output output_of(const mw_controller *controller)
+{
+    mw_output output;
+    output.drive_voltage_v = mw_protect_allowed(&controller->protection);
+    output.resistance_ohm = controller->resistance_ohm;
+    output.estimate = controller->estimation.value;
+    output.valid = controller->estimation.valid;
+    output.state = controller->protection.state;
+    output.event = controller->protection.event;
+    return output;
+}
+
+static void forget_samples(mw_controller *controller)
+{
+    controller->wire_sum_v = controller->shunt_sum_v = 0;
+    controller->samples = 0;
+}
+
+mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real tick_s)
+{
+    mw_block *block = &controller->block;
+    if (controller->samples == UINT16_MAX)
+        forget_samples(controller); /* nobody has asked for their mean for so long */
+    controller->wire_sum_v += wire_voltage_v;
+    controller->shunt_sum_v += shunt_voltage_v;
+    controller->samples++;
+    block->drive_sum_v += mw_protect_allowed(&controller->protection);
+    block->wire_sum_v += wire_voltage_v;
+    block->shunt_sum_v += shunt_voltage_v;
+    block->time_s += tick_s;
+    block->samples++;
+    if (mw_microseconds(block->time_s) >= MW_READING_PERIOD_US) {
+        const mw_block empty = {0, 0, 0, 0, 0};
+        const mw_real samples = (mw_real)block->samples;
+        mw_protect_reading(&controller->protection, block->drive_sum_v / samples, block->wire_sum_v / samples,
+                           block->shunt_sum_v / samples, block->time_s);
+        *block = empty;
+    }
+    return output_of(controller);
+}
+
+/* Estimate and controller for one reading; returns the drive they ask for. */
+static mw_real controlled(mw_controller *controller, mw_real target, mw_real dt_s)
+{
+    mw_pid_step step;
+    controller->estimation = mw_estimate(controller->resistance_ohm);
+    if (!controller->started) {
+        mw_fuzzy_pid_start(&controller->pid, mw_protect_allowed(&controller->protection),
+                           controller->estimation.value, target);
+        controller->started = 1;
+    }
+    step = mw_fuzzy_pid_step(&controller->pid, target, controller->estimation.value, dt_s);
+    controller->kp = step.kp;
+    controller->ki = step.ki;
+    controller->kd = step.kd;
+    return step.drive_voltage_v;
+}
+
+/* The drive goes on as it is over a tick without a reading. */
+static mw_real blind(mw_controller *controller)
+{
+    controller->estimation.valid = 0;
+    controller->kp = controller->ki = controller->kd = 0;
+    if (!controller->started)
+        return mw_protect_allowed(&controller->protection);
+    mw_fuzzy_pid_hold(&controller->pid);
+    return controller->pid.drive_voltage_v;
+}
+
+mw_output mw_control(mw_controller *controller, mw_real target, mw_real dt_s)
+{
+    const mw_real samples = (mw_real)controller->samples;
+    mw_real drive_voltage_v = -1; /* refused, and so is a target that is no number */
+    controller->resistance_ohm = 0;
+    if (controller->samples > 0)
+        controller->resistance_ohm =
+            mw_resistance(controller->wire_sum_v / samples, controller->shunt_sum_v / samples);
+    forget_samples(controller);
+    if (target >= -MW_LARGEST && target <= MW_LARGEST)
+        drive_voltage_v =
+            controller->resistance_ohm > 0 ? controlled(controller, target, dt_s) : blind(controller);
+    mw_protect_command(&controller->protection, drive_voltage_v);
+    return output_of(controller);
+}
+
+mw_output mw_drive(mw_controller *controller, mw_real drive_voltage_v)
+{
+    controller->started = 0;
+    forget_samples(controller);
+    mw_protect_command(&controller->protection, drive_voltage_v);
+    return output_of(controller);
+}
+
+mw_output mw_tick(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real target,
+                  mw_real dt_s)
+{
+    mw_sample(controller, wire_voltage_v, shunt_voltage_v, dt_s);
+    return mw_control(controller, target, dt_s);
+}

@@ -1,0 +1,251 @@
+/* The protection's arithmetic. The steps and their order are those of musclewire's controllers/protection/protect.py. */
+#include "mw_protect.h"
+
+#define MOST_MICROSECONDS 4000000000u
+
+static mw_real size_of(mw_real value)
+{
+    return value < 0 ? -value : value;
+}
+
+static uint8_t is_number(mw_real value)
+{
+    return value >= -MW_LARGEST && value <= MW_LARGEST;
+}
+
+static uint32_t later(uint32_t time_us, uint32_t step_us)
+{
+    return step_us > MOST_MICROSECONDS - time_us ? MOST_MICROSECONDS : time_us + step_us;
+}
+
+uint32_t mw_microseconds(mw_real time_s)
+{
+    if (!(time_s > 0))
+        return 0;
+    return time_s < 4000 ? (uint32_t)(time_s * MW_R(1e6) + MW_R(0.5)) : MOST_MICROSECONDS;
+}
+
+void mw_protect_arm(mw_protection *protection)
+{
+    const mw_protection armed = {.state = MW_STATE_SENSE, .drive_voltage_v = MW_SENSE_VOLTAGE_V};
+    *protection = armed;
+}
+
+void mw_protect_off(mw_protection *protection)
+{
+    protection->drive_voltage_v = 0;
+    if (protection->state != MW_STATE_TRIPPED)
+        protection->state = MW_STATE_OFF;
+}
+
+void mw_protect_trip(mw_protection *protection, uint8_t event)
+{
+    if (protection->state == MW_STATE_TRIPPED)
+        return;
+    protection->state = MW_STATE_TRIPPED;
+    protection->event = event;
+    protection->drive_voltage_v = 0;
+}
+
+void mw_protect_event(mw_protection *protection, uint8_t event, mw_real missing_s)
+{
+    MW_TABLE uint8_t actions[MW_EVENTS] = MW_ACTIONS;
+    if (event >= MW_EVENTS)
+        return;
+    if (actions[event] == MW_ACTION_TRIP)
+        mw_protect_trip(protection, event);
+    else if (actions[event] == MW_ACTION_DEGRADE)
+        mw_protect_missing(protection, event, missing_s);
+}
+
+void mw_protect_command(mw_protection *protection, mw_real drive_voltage_v)
+{
+    /* Written so that a NaN is refused. */
+    if (!(drive_voltage_v >= 0 && drive_voltage_v <= MW_MAXIMUM_VOLTAGE_V)) {
+        mw_protect_trip(protection, MW_EVENT_COMMAND_REFUSED);
+        return;
+    }
+    if (protection->state == MW_STATE_RUN
+        || (protection->state == MW_STATE_SENSE && protection->event == MW_EVENT_NONE)) {
+        protection->state = MW_STATE_RUN;
+        protection->drive_voltage_v = drive_voltage_v;
+    }
+}
+
+mw_real mw_protect_allowed(const mw_protection *protection)
+{
+    switch (protection->state) {
+    case MW_STATE_SENSE:
+        return MW_SENSE_VOLTAGE_V;
+    case MW_STATE_RUN:
+    case MW_STATE_HOLD:
+        return protection->drive_voltage_v;
+    default:
+        return 0;
+    }
+}
+
+static void missing_for(mw_protection *protection, uint8_t event, uint32_t missing_us)
+{
+    if (protection->state == MW_STATE_TRIPPED || protection->state == MW_STATE_OFF)
+        return;
+    if (missing_us >= MW_TRIP_AFTER_US) {
+        mw_protect_trip(protection, event);
+        return;
+    }
+    protection->state =
+        missing_us >= MW_SENSE_AFTER_US || protection->state == MW_STATE_SENSE ? MW_STATE_SENSE : MW_STATE_HOLD;
+    protection->event = event;
+    protection->missing_us = missing_us;
+}
+
+void mw_protect_missing(mw_protection *protection, uint8_t event, mw_real missing_s)
+{
+    missing_for(protection, event, mw_microseconds(missing_s));
+}
+
+/* Whether so much drive is out that voltage and current must be there. */
+static uint8_t driven(mw_real drive_voltage_v)
+{
+    return drive_voltage_v >= MW_DRIVEN_SHARE * MW_SENSE_VOLTAGE_V;
+}
+
+static uint8_t missing_event(mw_real drive_voltage_v, mw_real wire_voltage_v, mw_real shunt_voltage_v)
+{
+    if (!(is_number(wire_voltage_v) && is_number(shunt_voltage_v)))
+        return MW_EVENT_READING_NOT_FINITE;
+    if (!driven(drive_voltage_v))
+        return MW_EVENT_NONE;
+    if (size_of(wire_voltage_v) + size_of(shunt_voltage_v) < MW_SUPPLY_SHARE * drive_voltage_v)
+        return MW_EVENT_SUPPLY_MISSING;
+    return size_of(shunt_voltage_v) < MW_OPEN_SHUNT_VOLTAGE_V ? MW_EVENT_WIRE_OPEN : MW_EVENT_NONE;
+}
+
+static void recover(mw_protection *protection)
+{
+    if (protection->missing_us == 0)
+        return;
+    if (protection->state == MW_STATE_HOLD || protection->state == MW_STATE_SENSE)
+        protection->state = MW_STATE_RUN;
+    protection->event = MW_EVENT_NONE;
+    protection->missing_us = 0;
+}
+
+/* m c dT/dt = P - G (T - T_ambient) by backward Euler: stable for any dt. */
+static void heat(mw_protection *protection, mw_real power_w, mw_real dt_s)
+{
+    const mw_real rate = MW_HEAT_LOSS_W_PER_K / MW_HEAT_CAPACITY_J_PER_K * dt_s;
+    const mw_real rise = dt_s * power_w / MW_HEAT_CAPACITY_J_PER_K;
+    protection->above_ambient_k = (protection->above_ambient_k + rise) / (1 + rate);
+}
+
+static void watch_frozen(mw_protection *protection, mw_real drive_voltage_v, mw_real wire_voltage_v,
+                         mw_real shunt_voltage_v, uint32_t dt_us)
+{
+    const uint8_t same =
+        wire_voltage_v == protection->wire_voltage_v || shunt_voltage_v == protection->shunt_voltage_v;
+    protection->wire_voltage_v = wire_voltage_v;
+    protection->shunt_voltage_v = shunt_voltage_v;
+    if (!same) {
+        protection->frozen_us = 0;
+        protection->frozen_readings = 0;
+        protection->frozen_drive_v = drive_voltage_v;
+        return;
+    }
+    protection->frozen_us = later(protection->frozen_us, dt_us);
+    if (protection->frozen_readings < UINT16_MAX)
+        protection->frozen_readings++;
+}
+
+static uint8_t is_frozen(const mw_protection *protection, mw_real drive_voltage_v)
+{
+    const mw_real moved_v = size_of(drive_voltage_v - protection->frozen_drive_v);
+    if (protection->frozen_readings < MW_FROZEN_READINGS || protection->frozen_us < MW_FROZEN_US)
+        return 0;
+    return MW_READINGS_NOISY || moved_v > MW_MOVED_SHARE * MW_MAXIMUM_VOLTAGE_V;
+}
+
+static uint8_t in_window(mw_real resistance_ohm)
+{
+    return resistance_ohm >= MW_RESISTANCE_LOW_OHM && resistance_ohm <= MW_RESISTANCE_HIGH_OHM;
+}
+
+/* Whether a channel is reversed, or the two would fit the window if they changed places. */
+static uint8_t swapped(mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real resistance_ohm)
+{
+    if (resistance_ohm < 0)
+        return 1;
+    if (resistance_ohm >= MW_RESISTANCE_LOW_OHM || wire_voltage_v == 0)
+        return 0;
+    return in_window(shunt_voltage_v / wire_voltage_v * MW_SHUNT_RESISTANCE_OHM);
+}
+
+/* What is wrong with the resistance of a reading. */
+static void see_resistance(mw_protection *protection, mw_real wire_voltage_v, mw_real shunt_voltage_v,
+                           mw_real resistance_ohm, uint8_t *seen)
+{
+    const mw_real settled_ohm = protection->settled_ohm;
+    const uint8_t jumped =
+        settled_ohm > 0 && size_of(resistance_ohm - settled_ohm) > MW_JUMP_SHARE * settled_ohm;
+    if (!jumped)
+        protection->settled_ohm = resistance_ohm;
+    seen[MW_LASTING_CHANNELS_SWAPPED] = swapped(wire_voltage_v, shunt_voltage_v, resistance_ohm);
+    seen[MW_LASTING_WIRE_SHORT] = resistance_ohm < MW_SHORT_SHARE * MW_RESISTANCE_LOW_OHM;
+    seen[MW_LASTING_RESISTANCE_JUMP] = jumped;
+    seen[MW_LASTING_RESISTANCE_OUTSIDE_WINDOW] = !in_window(resistance_ohm);
+}
+
+/* Fill in which of the events that must last are seen. */
+static void see(mw_protection *protection, mw_real drive_voltage_v, mw_real wire_voltage_v,
+                mw_real shunt_voltage_v, uint8_t *seen)
+{
+    const mw_real current_a = shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM;
+    /* A reading without current has no resistance, and nothing can be wrong with it. */
+    if (driven(drive_voltage_v) && size_of(shunt_voltage_v) >= MW_OPEN_SHUNT_VOLTAGE_V) {
+        see_resistance(protection, wire_voltage_v, shunt_voltage_v, wire_voltage_v / current_a, seen);
+        seen[MW_LASTING_CHANNEL_FROZEN] = is_frozen(protection, drive_voltage_v);
+    }
+    seen[MW_LASTING_CHANNEL_SATURATED] =
+        size_of(wire_voltage_v) >= MW_SATURATED_WIRE_V || size_of(shunt_voltage_v) >= MW_SATURATED_SHUNT_V;
+    seen[MW_LASTING_OVER_CURRENT] = size_of(current_a) > MW_MAXIMUM_CURRENT_A;
+    seen[MW_LASTING_OVER_POWER] = wire_voltage_v * current_a > MW_MAXIMUM_POWER_W;
+    seen[MW_LASTING_OUTPUT_STUCK] =
+        wire_voltage_v + shunt_voltage_v > drive_voltage_v + MW_STUCK_SHARE * MW_MAXIMUM_VOLTAGE_V;
+    seen[MW_LASTING_OVER_TEMPERATURE] = protection->above_ambient_k > MW_MAXIMUM_ABOVE_AMBIENT_K;
+}
+
+static void judge(mw_protection *protection, const uint8_t *seen, uint32_t dt_us)
+{
+    MW_TABLE uint8_t events[MW_LASTING] = MW_LASTING_EVENTS;
+    MW_TABLE uint32_t must_last_us[MW_LASTING] = MW_LASTING_US;
+    uint8_t index;
+    for (index = 0; index < MW_LASTING; index++)
+        protection->lasting_us[index] = seen[index] ? later(protection->lasting_us[index], dt_us) : 0;
+    for (index = 0; index < MW_LASTING; index++) {
+        if (seen[index] && protection->lasting_us[index] >= must_last_us[index]) {
+            mw_protect_trip(protection, events[index]);
+            return;
+        }
+    }
+}
+
+void mw_protect_reading(mw_protection *protection, mw_real drive_voltage_v, mw_real wire_voltage_v,
+                        mw_real shunt_voltage_v, mw_real dt_s)
+{
+    const uint32_t dt_us = mw_microseconds(dt_s);
+    uint8_t seen[MW_LASTING] = {0};
+    uint8_t missing;
+    if (protection->state == MW_STATE_TRIPPED || protection->state == MW_STATE_OFF)
+        return;
+    missing = missing_event(drive_voltage_v, wire_voltage_v, shunt_voltage_v);
+    if (missing != MW_EVENT_NONE) {
+        heat(protection, 0, dt_s);
+        missing_for(protection, missing, later(protection->missing_us, dt_us));
+        return;
+    }
+    heat(protection, wire_voltage_v * (shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM), dt_s);
+    watch_frozen(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_us);
+    see(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v, seen);
+    recover(protection);
+    judge(protection, seen, dt_us);
+}

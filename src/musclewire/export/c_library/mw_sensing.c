@@ -1,0 +1,35 @@
+/* Resistance from two voltages, and the quantity it stands for. */
+#include "musclewire.h"
+
+mw_real mw_resistance(mw_real wire_voltage_v, mw_real shunt_voltage_v)
+{
+    const mw_real size_v = shunt_voltage_v < 0 ? -shunt_voltage_v : shunt_voltage_v;
+    mw_real resistance_ohm;
+    /* Written so that a NaN takes the way of "no current". */
+    if (!(size_v >= MW_LEAST_SHUNT_VOLTAGE_V))
+        return 0;
+    resistance_ohm = wire_voltage_v / shunt_voltage_v * MW_SHUNT_RESISTANCE_OHM;
+    return resistance_ohm > 0 && resistance_ohm <= MW_LARGEST ? resistance_ohm : 0;
+}
+
+mw_estimation mw_estimate(mw_real resistance_ohm)
+{
+    static const MW_FLASH mw_real falling_powers[MW_COEFFICIENTS] = MW_AVERAGE_FALLING;
+    const mw_real share = (resistance_ohm - MW_RESISTANCE_MIN_OHM) * MW_SHARE_PER_OHM;
+    mw_estimation result;
+    mw_real inside = share;
+    uint8_t index;
+    result.valid = share >= MW_VALID_FROM && share <= MW_VALID_TO;
+    if (!(share >= -MW_LARGEST && share <= MW_LARGEST)) {
+        result.value = MW_QUANTITY_MAX;
+        return result;
+    }
+    if (share < MW_NORMALISED_MIN)
+        inside = MW_NORMALISED_MIN;
+    else if (share > MW_NORMALISED_MAX)
+        inside = MW_NORMALISED_MAX;
+    result.value = falling_powers[0];
+    for (index = 1; index < MW_COEFFICIENTS; index++)
+        result.value = result.value * inside + falling_powers[index];
+    return result;
+}
