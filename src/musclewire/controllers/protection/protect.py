@@ -45,11 +45,11 @@ TIME_ROUNDING_S = 1e-6
 # Events that must last, in the order in which they are judged; the first that has lasted long enough trips.
 LASTING = (
     Event.CHANNEL_SATURATED,
+    Event.CHANNELS_SWAPPED,
+    Event.WIRE_SHORT,
     Event.OVER_CURRENT,
     Event.OVER_POWER,
     Event.OUTPUT_STUCK,
-    Event.CHANNELS_SWAPPED,
-    Event.WIRE_SHORT,
     Event.RESISTANCE_JUMP,
     Event.RESISTANCE_OUTSIDE_WINDOW,
     Event.CHANNEL_FROZEN,
@@ -205,19 +205,20 @@ def conditions(
     # A reading without current has no resistance: any in the window stands for "not wrong".
     resistance = wire_voltage_v / current_a if measured else limits.resistance_low_ohm
     settled = state.settled_ohm
-    jumped = measured and settled > 0.0 and abs(resistance - settled) > limits.jump_share * settled
-    if measured and not jumped:
+    inside = limits.resistance_low_ohm <= resistance <= limits.resistance_high_ohm
+    jumped = measured and inside and settled > 0.0 and abs(resistance - settled) > limits.jump_share * settled
+    if measured and inside and not jumped:
         state = state._replace(settled_ohm=resistance)
     seen = (
         abs(wire_voltage_v) >= SATURATED_SHARE * limits.wire_range_v
         or abs(shunt_voltage_v) >= SATURATED_SHARE * limits.shunt_range_v,
+        measured and swapped(limits, wire_voltage_v, shunt_voltage_v, resistance),
+        resistance < SHORT_SHARE * limits.resistance_low_ohm,
         abs(current_a) > limits.maximum_current_a,
         power_w > limits.maximum_power_w,
         wire_voltage_v + shunt_voltage_v > drive_voltage_v + STUCK_SHARE * limits.maximum_voltage_v,
-        measured and swapped(limits, wire_voltage_v, shunt_voltage_v, resistance),
-        resistance < SHORT_SHARE * limits.resistance_low_ohm,
         jumped,
-        not limits.resistance_low_ohm <= resistance <= limits.resistance_high_ohm,
+        not inside,
         measured and is_frozen(state, limits, drive_voltage_v, dt_s),
         state.temperature_k > limits.maximum_temperature_k,
     )
