@@ -34,6 +34,8 @@ MARGIN = 0.02
 # A wanted quantity this share of the range beyond it is taken for the end itself: data are rounded.
 QUANTITY_MARGIN = 0.005
 DERIVATIVE_CHECKS = 201
+# No wire has numbers near this in SI units, and the arithmetic of an estimate is far from overflowing.
+LARGEST_NUMBER = 1e12
 
 
 class Estimate(NamedTuple):
@@ -115,12 +117,17 @@ class SensingModel:
             raise CallerError(f"quantity {self.quantity!r} is unknown{hint}")
         if len(self.average_coefficients) < 2 or not all(map(isfinite, self.average_coefficients)):
             raise CallerError("a sensing model needs at least 2 finite coefficients a branch (order 1)")
+        largest = max(map(abs, (*self.heating_coefficients, *self.cooling_coefficients)))
+        if largest > LARGEST_NUMBER:
+            raise CallerError(f"a coefficient of {largest:.3g} is beyond {LARGEST_NUMBER:g}: no wire has it, fit again")
         low, high = self.normalised_min, self.normalised_max
         if not -0.5 <= low < high <= 1.5:
             raise CallerError(f"valid range of normalised resistance {low} to {high}: must rise within -0.5 to 1.5")
         numbers = (self.hysteresis_gap, self.rmse_heating, self.rmse_cooling, self.rmse_average)
-        if not all(0.0 <= number < inf for number in (*numbers, self.resistance_noise_ohm, float(self.samples))):
-            raise CallerError("gap, root mean square errors, noise and samples of a model must be finite, at least 0")
+        if not all(0.0 <= number <= LARGEST_NUMBER for number in (*numbers, self.resistance_noise_ohm, self.samples)):
+            raise CallerError(
+                f"gap, root mean square errors, noise and samples of a model must be from 0 to {LARGEST_NUMBER:g}"
+            )
         slope = evaluate(_derivative(self.average_coefficients), np.linspace(low, high, DERIVATIVE_CHECKS))
         if not (slope[1:-1] < 0.0).all():
             raise CallerError(
