@@ -16,6 +16,7 @@ from musclewire.parameters.schema import Bench, Parameter, ParameterGroup, Wire
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import is_wire_file
+from musclewire.rigs.faults import Fault
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.hardware import HardwareConfiguration
 from musclewire.rigs.load_parts import Part, Parts
@@ -66,6 +67,7 @@ class RigConfiguration(BaseModel):
     load: list[Part] = []
     surroundings: Surroundings = Surroundings()
     limits: LimitsTable = LimitsTable()
+    fault: list[Fault] = []
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> RigConfiguration:
@@ -250,6 +252,7 @@ def open_simulated(
         new_wire=configuration.new_wire,
         real_time=real_time,
         limits=configuration.limits.changed(),
+        faults=configuration.fault,
     )
     if "pretension_n" in given and not opened.has_stage:
         raise CallerError(

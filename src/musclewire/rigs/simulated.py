@@ -7,9 +7,11 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.rigs.faults import Fault, Faults
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.instruments import Instruments
 from musclewire.rigs.load_parts import Contact, Finger, Part, Pretensioner, SecondFinger, Spring, Weight
@@ -45,12 +47,13 @@ class SimulatedRig(GuardedRig):
         new_wire: bool = False,
         real_time: bool = False,
         limits: Mapping[str, float] | None = None,
+        faults: Sequence[Fault] = (),
     ) -> None:
         """Cool the wire under its pretension and wait at 0 V.
 
         ``parts`` are what it pulls, without any the bench's spring; ``surroundings`` the air, without any still.
         ``new_wire`` starts before the first cycles (shakedown); ``real_time`` paces samples by the clock; ``limits``
-        changes limits of the protection, by their names in ``ProtectionLimits``.
+        changes limits of the protection, by their names in ``ProtectionLimits``; ``faults`` are what goes wrong.
         Raises CallerError for numbers that cannot belong to a bench.
         """
         self._alloy, self._wire, self._around = alloy, wire, bench
@@ -67,6 +70,8 @@ class SimulatedRig(GuardedRig):
         self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
         self._drive_voltage_v = 0.0
         self.protect_with(simulated_limits(alloy, wire, self._bench, self._parts, limits))
+        self._faults = Faults(faults)
+        self._wire_ohm = self._wire_values["resistance_per_metre_ohm_per_m"] * self._bench["wire_length_m"]
         self._real_time = real_time
         self._next_due_s: float | None = None
         self._steps = self._steps_of_a_sample()
@@ -226,7 +231,7 @@ class SimulatedRig(GuardedRig):
         if self._weather is not None:
             air = self._weather.after(self._wires.state.time_s, self.sample_period_s)
             self._wires.surround(self._bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
-        means = self._wires.advance(self._drive_voltage_v, self._bench["time_step_s"], self._steps)
+        means = self._advance_faulty() if self._faults else self._advance(self._drive_voltage_v)
         if not math.isfinite(self._wires.state.temperature_k):
             self.close()
             raise NumericsError(
@@ -235,12 +240,33 @@ class SimulatedRig(GuardedRig):
         self._wait_until_due()
         return self._read(means)
 
+    def _advance(self, drive_voltage_v: float) -> Means:
+        return self._wires.advance(drive_voltage_v, self._bench["time_step_s"], self._steps)
+
+    def _advance_faulty(self) -> Means:
+        """Let the wire have the current that the faulty circuit leaves it; return what is at its terminals."""
+        time_s, shunt_ohm = self._wires.state.time_s, self.shunt_resistance_ohm
+        if self._faults.device_lost(time_s):
+            self.trip(Event.DEVICE_LOST, f"at {time_s:.2f} s, by the rig file's [[fault]]")
+        output_v = self._faults.output_v(self._drive_voltage_v, time_s)
+        current_a = self._faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s).wire_current_a
+        means = self._advance(current_a * (self._wire_ohm + shunt_ohm))
+        if means.shunt_voltage_v > 0.0:
+            self._wire_ohm = means.wire_voltage_v / means.shunt_voltage_v * shunt_ohm
+        seen = self._faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s)
+        return means._replace(wire_voltage_v=seen.wire_voltage_v, shunt_voltage_v=seen.shunt_voltage_v)
+
     def _read(self, means: Means) -> RawSample:
         """Return what the instruments say of a sample."""
         wire_voltage, shunt_voltage = self._instruments.voltages_v(means.wire_voltage_v, means.shunt_voltage_v)
+        time_s = self._wires.state.time_s
+        if self._faults:
+            began_s = time_s - self.sample_period_s
+            wire_voltage, shunt_voltage = self._faults.readings_v(wire_voltage, shunt_voltage, began_s)
+            time_s = self._faults.clock_s(time_s)
         displacement_m, force_n = self._instruments.connector(means.displacement_m, means.force_n)
         sample = RawSample(
-            time_s=self._wires.state.time_s,
+            time_s=time_s,
             drive_voltage_v=self._drive_voltage_v,
             wire_voltage_v=wire_voltage,
             shunt_voltage_v=shunt_voltage,

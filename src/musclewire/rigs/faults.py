@@ -1,0 +1,215 @@
+"""What may go wrong with a simulated rig, by its rig file: of the wire, the circuit, the channels, the clock.
+
+[[fault]]
+kind = "broken wire"
+at = "3 s"
+
+The wire behind a fault stays the simulated one: a fault decides what current reaches it and what the instruments say.
+Faults are there to see what the protection does; they are no model of how often anything fails.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from musclewire.rigs.quantities import measured_in
+
+__all__ = ["Circuit", "Fault", "Faults"]
+
+Seconds = Annotated[float, measured_in("s"), Field(ge=0.0, allow_inf_nan=False)]
+Duration = Annotated[float, measured_in("s"), Field(gt=0.0, allow_inf_nan=False)]
+Ohms = Annotated[float, measured_in("ohm"), Field(gt=0.0, allow_inf_nan=False)]
+Volts = Annotated[float, measured_in("V"), Field(ge=0.0, allow_inf_nan=False)]
+Channel = Literal["wire", "shunt"]
+
+
+class FaultBase(BaseModel):
+    """What all faults share: when it begins, on the rig's clock, and how long it lasts; without ``lasts`` it stays."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    at: Seconds = 0.0
+    lasts: Duration | None = None
+
+    def active(self, time_s: float) -> bool:
+        """Whether the fault is there at a time."""
+        return time_s >= self.at and (self.lasts is None or time_s < self.at + self.lasts)
+
+
+class BrokenWire(FaultBase):
+    """No current flows, and the whole drive stands at the wire's terminals."""
+
+    kind: Literal["broken wire"]
+
+
+class ShortCircuit(FaultBase):
+    """Something of this resistance bridges the wire's terminals and takes its current."""
+
+    kind: Literal["short circuit"]
+    resistance: Ohms = 0.2
+
+
+class BadContact(FaultBase):
+    """A clamp that lets go a little adds this resistance between the wire's terminals."""
+
+    kind: Literal["contact"]
+    resistance: Ohms = 5.0
+
+
+class SlippedClamp(FaultBase):
+    """The wire slipped through its clamp: this share of its resistance is left between the terminals."""
+
+    kind: Literal["slipped clamp"]
+    share: float = Field(default=0.6, gt=0.0, lt=1.0, allow_inf_nan=False)
+
+
+class FrozenChannel(FaultBase):
+    """A channel repeats its last reading to the bit."""
+
+    kind: Literal["frozen channel"]
+    channel: Channel = "wire"
+
+
+class SaturatedChannel(FaultBase):
+    """A channel stands at the end of its range."""
+
+    kind: Literal["saturated channel"]
+    channel: Channel = "wire"
+    voltage: Volts = 10.0
+
+
+class SwappedChannels(FaultBase):
+    """Each channel reads what the other should."""
+
+    kind: Literal["swapped channels"]
+
+
+class NotFinite(FaultBase):
+    """A channel gives a value that is not a number."""
+
+    kind: Literal["reading not finite"]
+    channel: Channel = "wire"
+
+
+class StuckOutput(FaultBase):
+    """The output stays at this voltage whatever is commanded, 0 V included."""
+
+    kind: Literal["output stuck"]
+    voltage: Volts = 3.0
+
+
+class SupplyLost(FaultBase):
+    """The supply is gone: nothing comes out whatever is commanded."""
+
+    kind: Literal["supply lost"]
+
+
+class DeviceLost(FaultBase):
+    """The device does not answer any more."""
+
+    kind: Literal["device lost"]
+
+
+class ClockJump(FaultBase):
+    """The clock jumps by this much once, backwards below zero."""
+
+    kind: Literal["clock jump"]
+    by: Annotated[float, measured_in("s"), Field(allow_inf_nan=False)] = -1.0
+
+
+Fault = Annotated[
+    BrokenWire
+    | ShortCircuit
+    | BadContact
+    | SlippedClamp
+    | FrozenChannel
+    | SaturatedChannel
+    | SwappedChannels
+    | NotFinite
+    | StuckOutput
+    | SupplyLost
+    | DeviceLost
+    | ClockJump,
+    Field(discriminator="kind"),
+]
+
+
+class Circuit(NamedTuple):
+    """Current through the wire and the voltages at the terminals of wire and shunt."""
+
+    wire_current_a: float
+    wire_voltage_v: float
+    shunt_voltage_v: float
+
+
+class Faults:
+    """The faults of one simulated rig: times in, currents and readings out; keeps what a frozen channel repeats."""
+
+    def __init__(self, faults: Sequence[Fault]) -> None:
+        """Take the faults of a rig file; of two that contradict each other the first counts."""
+        self._faults = tuple(faults)
+        self._last_readings_v: tuple[float, float] | None = None
+
+    def __bool__(self) -> bool:
+        """Whether there are any."""
+        return bool(self._faults)
+
+    def _now(self, time_s: float) -> list[Fault]:
+        return [fault for fault in self._faults if fault.active(time_s)]
+
+    def device_lost(self, time_s: float) -> bool:
+        """Whether the device does not answer any more."""
+        return any(isinstance(fault, DeviceLost) for fault in self._now(time_s))
+
+    def output_v(self, commanded_v: float, time_s: float) -> float:
+        """Return the voltage that the output truly puts out."""
+        for fault in self._now(time_s):
+            if isinstance(fault, StuckOutput):
+                return fault.voltage
+            if isinstance(fault, SupplyLost):
+                return 0.0
+        return commanded_v
+
+    def circuit(self, output_v: float, wire_ohm: float, shunt_ohm: float, time_s: float) -> Circuit:
+        """Return what an output voltage does in the faulty circuit of a wire and a shunt of these resistances."""
+        current_a = output_v / (wire_ohm + shunt_ohm)
+        for fault in self._now(time_s):
+            if isinstance(fault, BrokenWire):
+                return Circuit(0.0, output_v, 0.0)
+            if isinstance(fault, ShortCircuit):
+                bridged_ohm = wire_ohm * fault.resistance / (wire_ohm + fault.resistance)
+                current_a = output_v / (bridged_ohm + shunt_ohm)
+                bridged_v = current_a * bridged_ohm
+                return Circuit(bridged_v / wire_ohm, bridged_v, current_a * shunt_ohm)
+            if isinstance(fault, (BadContact, SlippedClamp)):
+                between_ohm = wire_ohm + fault.resistance if isinstance(fault, BadContact) else wire_ohm * fault.share
+                current_a = output_v / (between_ohm + shunt_ohm)
+                return Circuit(current_a, current_a * between_ohm, current_a * shunt_ohm)
+        return Circuit(current_a, current_a * wire_ohm, current_a * shunt_ohm)
+
+    def readings_v(self, wire_voltage_v: float, shunt_voltage_v: float, time_s: float) -> tuple[float, float]:
+        """Return what faulty channels make of the instruments' readings of wire and shunt."""
+        readings = [wire_voltage_v, shunt_voltage_v]
+        for fault in reversed(self._now(time_s)):
+            if isinstance(fault, SwappedChannels):
+                readings.reverse()
+            elif isinstance(fault, (FrozenChannel, SaturatedChannel, NotFinite)):
+                place = 0 if fault.channel == "wire" else 1
+                readings[place] = self._instead(fault, readings[place], place)
+        self._last_readings_v = (readings[0], readings[1])
+        return self._last_readings_v
+
+    def _instead(self, fault: FrozenChannel | SaturatedChannel | NotFinite, reading_v: float, place: int) -> float:
+        if isinstance(fault, NotFinite):
+            return math.nan
+        if isinstance(fault, SaturatedChannel):
+            return fault.voltage
+        return reading_v if self._last_readings_v is None else self._last_readings_v[place]
+
+    def clock_s(self, time_s: float) -> float:
+        """Return what a clock that jumps says."""
+        return time_s + sum(fault.by for fault in self._now(time_s) if isinstance(fault, ClockJump))

@@ -1,0 +1,102 @@
+"""Faults of a simulated rig: what each does to the circuit, and that the protection ends it in time."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from musclewire.controllers.protection import Event
+from musclewire.errors import CallerError
+from musclewire.parameters.validation import validated
+from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.rigs.faults import Faults
+from musclewire.rigs.guarded import ProtectionTripError
+
+WIRE_OHM, SHUNT_OHM = 14.0, 1.0
+
+
+def faulty(**fault: object) -> Faults:
+    return Faults(RigConfiguration(fault=[fault]).fault)
+
+
+def test_without_a_fault_the_circuit_is_a_wire_and_a_shunt() -> None:
+    circuit = Faults([]).circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0)
+    assert circuit == pytest.approx((0.2, 2.8, 0.2))
+
+
+def test_a_broken_wire_carries_nothing_and_stands_at_the_whole_drive() -> None:
+    assert faulty(kind="broken wire").circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0) == (0.0, 3.0, 0.0)
+
+
+def test_a_short_takes_the_current_past_the_wire() -> None:
+    circuit = faulty(kind="short circuit", resistance="1 ohm").circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0)
+    bridged_ohm = 14.0 / 15.0
+    assert circuit.shunt_voltage_v == pytest.approx(3.0 / (1.0 + bridged_ohm))
+    assert circuit.wire_voltage_v == pytest.approx(3.0 - circuit.shunt_voltage_v)
+    assert circuit.wire_current_a == pytest.approx(circuit.wire_voltage_v / WIRE_OHM)
+
+
+@pytest.mark.parametrize(
+    ("fault", "between_ohm"),
+    [({"kind": "contact", "resistance": 5.0}, 19.0), ({"kind": "slipped clamp", "share": 0.5}, 7.0)],
+)
+def test_what_lies_between_the_terminals_decides_the_current(fault: dict[str, object], between_ohm: float) -> None:
+    circuit = faulty(**fault).circuit(2.0, WIRE_OHM, SHUNT_OHM, 0.0)
+    assert circuit.wire_current_a == pytest.approx(2.0 / (between_ohm + SHUNT_OHM))
+    assert circuit.wire_voltage_v == pytest.approx(circuit.wire_current_a * between_ohm)
+
+
+def test_a_fault_begins_at_its_time_and_ends_after_it() -> None:
+    faults = faulty(kind="supply lost", at="1 s", lasts="500 ms")
+    assert [faults.output_v(2.0, time_s) for time_s in (0.99, 1.0, 1.49, 1.5)] == [2.0, 0.0, 0.0, 2.0]
+
+
+def test_channels_freeze_saturate_swap_and_lose_their_numbers() -> None:
+    frozen = faulty(kind="frozen channel", channel="shunt", at=1.0)
+    assert frozen.readings_v(1.0, 0.1, 0.5) == (1.0, 0.1)
+    assert frozen.readings_v(2.0, 0.2, 1.5) == (2.0, 0.1)
+    assert frozen.readings_v(3.0, 0.3, 1.6) == (3.0, 0.1)
+    assert faulty(kind="swapped channels").readings_v(1.0, 0.1, 0.0) == (0.1, 1.0)
+    assert faulty(kind="saturated channel", voltage="5 V").readings_v(1.0, 0.1, 0.0) == (5.0, 0.1)
+    assert math.isnan(faulty(kind="reading not finite", channel="shunt").readings_v(1.0, 0.1, 0.0)[1])
+
+
+def test_a_typo_in_a_fault_is_one_line_with_the_nearest_kind() -> None:
+    with pytest.raises(CallerError, match="broken wire"):
+        validated(RigConfiguration, {"fault": [{"kind": "broken wir"}]}, "rig file")
+
+
+CAUSES = {
+    "broken wire": Event.WIRE_OPEN,
+    "short circuit": Event.WIRE_SHORT,
+    "contact": Event.RESISTANCE_JUMP,
+    "slipped clamp": Event.RESISTANCE_JUMP,
+    "frozen channel": Event.CHANNEL_FROZEN,
+    "saturated channel": Event.CHANNEL_SATURATED,
+    "swapped channels": Event.CHANNELS_SWAPPED,
+    "reading not finite": Event.READING_NOT_FINITE,
+    "output stuck": Event.OUTPUT_STUCK,
+    "supply lost": Event.SUPPLY_MISSING,
+    "device lost": Event.DEVICE_LOST,
+    "clock jump": Event.CLOCK_BACKWARDS,
+}
+
+
+@pytest.mark.parametrize("kind", CAUSES)
+@pytest.mark.parametrize("drive_v", [1.0, 2.0])
+def test_each_fault_ends_with_its_cause_and_the_drive_off_within_half_a_second(kind: str, drive_v: float) -> None:
+    began_s = 1.0
+    rig = open_rig(RigConfiguration(fault=[{"kind": kind, "at": began_s}]))
+    sampled = 0
+    event = None
+    with rig:
+        try:
+            for _ in range(60):
+                rig.exchange(drive_v)
+                sampled += 1
+        except ProtectionTripError as tripped:
+            event = tripped.event
+        assert rig.drive_voltage_v == 0.0
+    assert event is CAUSES[kind]
+    assert sampled * rig.sample_period_s < began_s + 0.5
