@@ -145,7 +145,7 @@ def read_message(frame: Frame) -> Message | None:
     """Return what a device's frame says, None for a type that is not the device's or a payload of another length."""
     if frame.kind == MessageKind.IDENTITY and len(frame.payload) == IDENTITY_LAYOUT.size:
         *numbers, board, quantity = IDENTITY_LAYOUT.unpack(frame.payload)
-        return Identity(*numbers, text_of(board), text_of(quantity))
+        return Identity._make((*numbers, text_of(board), text_of(quantity)))
     if frame.kind == MessageKind.SAMPLE and len(frame.payload) == SAMPLE_LAYOUT.size:
         return BoardSample(*SAMPLE_LAYOUT.unpack(frame.payload))
     if frame.kind == MessageKind.EVENT and len(frame.payload) == EVENT_LAYOUT.size:

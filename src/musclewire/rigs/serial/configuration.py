@@ -1,0 +1,55 @@
+"""What a rig file says of a board on a serial line."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from musclewire.rigs.guarded import GuardedRig
+from musclewire.rigs.hardware import HardwareConfiguration
+from musclewire.rigs.mounted import MountedWire
+from musclewire.rigs.quantities import measured_in
+
+__all__ = ["SerialConfiguration"]
+
+Volts = Annotated[float, measured_in("V"), Field(gt=0.0, allow_inf_nan=False)]
+Seconds = Annotated[float, measured_in("s"), Field(gt=0.0, le=60.0)]
+
+
+class SerialConfiguration(MountedWire, HardwareConfiguration):
+    """A rig file with ``kind = "serial"``: the wire that is mounted, and the board that drives it.
+
+    Attributes:
+        port: ``/dev/ttyACM0``, ``COM3``, or a URL of pyserial's such as ``socket://127.0.0.1:4000``.
+        baud: speed of the line in bits per second; a board on USB takes any.
+        patience: how long a sample may be overdue before the board counts as lost.
+        wire_range: end of the range of the channel that reads the wire.
+        shunt_range: end of the range of the channel that reads the shunt.
+        readings_noisy: whether noise moves every reading, so that one that stands still is a fault by itself.
+    """
+
+    kind: Literal["serial"]
+    port: str = Field(min_length=1)
+    baud: int = Field(default=115200, ge=1200, le=12_000_000)
+    patience: Seconds = 0.25
+    wire_range: Volts
+    shunt_range: Volts
+    readings_noisy: bool = True
+
+    def open(self) -> GuardedRig:
+        """Return the open rig, its output at 0 V and its protection armed.
+
+        Raises MissingExtraError without pyserial, RigError where no board answers, CallerError where the file and the
+        board's firmware contradict each other.
+        """
+        from musclewire.rigs.serial.device import Board
+        from musclewire.rigs.serial.line import open_line
+        from musclewire.rigs.serial.rig import SerialRig
+
+        board = Board(open_line(self.port, self.baud))
+        try:
+            return SerialRig(self, board)
+        except BaseException:
+            board.close()
+            raise

@@ -1,0 +1,111 @@
+"""A serial line through pyserial: a port of this machine, a pseudo-terminal, or ``socket://host:port``."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from typing import Any, Protocol
+
+from musclewire.errors import MissingExtraError, RigError
+
+__all__ = ["Line", "LineLostError", "open_line"]
+
+# More than a second of samples at any rate: what waits longer than this has been abandoned.
+READ_BYTES = 65536
+WRITE_TIMEOUT_S = 0.1
+
+
+class LineLostError(RigError):
+    """The line to the board is gone: unplugged, reset, or closed by the other side."""
+
+
+class Line(Protocol):
+    """Bytes to and from a board."""
+
+    @property
+    def name(self) -> str:
+        """What the line is called in messages."""
+        ...
+
+    def write(self, data: bytes) -> None:
+        """Send bytes. Raises LineLostError."""
+        ...
+
+    def read(self, timeout_s: float) -> bytes:
+        """Return what has come, waiting for the first byte up to ``timeout_s``. Raises LineLostError."""
+        ...
+
+    def close(self) -> None:
+        """Let go of the line; may be called twice; never raises."""
+        ...
+
+
+class SerialLine:
+    """A line of pyserial's."""
+
+    def __init__(self, port: Any, name: str) -> None:
+        """Take an open pyserial port."""
+        self._port, self._name = port, name
+
+    @property
+    def name(self) -> str:
+        """The port as it was given."""
+        return self._name
+
+    def write(self, data: bytes) -> None:
+        """Send bytes. Raises LineLostError, also for a line that takes none for a tenth of a second."""
+        try:
+            self._port.write(data)
+        except (OSError, TypeError, AttributeError) as error:
+            raise self._lost(error) from None
+
+    def read(self, timeout_s: float) -> bytes:
+        """Return what has come, waiting for the first byte up to ``timeout_s``. Raises LineLostError."""
+        try:
+            self._port.timeout = max(timeout_s, 0.0)
+            first: bytes = self._port.read(1)
+            if not first:
+                return b""
+            # A socket does not tell how much waits, so the rest is asked for without waiting.
+            self._port.timeout = 0.0
+            rest: bytes = self._port.read(READ_BYTES)
+            return first + rest
+        except (OSError, TypeError, AttributeError) as error:
+            raise self._lost(error) from None
+
+    def _lost(self, error: Exception) -> LineLostError:
+        """Return the error of a line that is gone; pyserial shows one closed meanwhile as several kinds."""
+        reason = " ".join(str(error).split()) or type(error).__name__
+        return LineLostError(f"the line to the board, {self._name}, is gone: {reason}")
+
+    def close(self) -> None:
+        """Let go of the line; may be called twice; never raises."""
+        with contextlib.suppress(Exception):  # nothing is left to do about a port that cannot even be closed
+            self._port.close()
+
+
+def open_line(port: str, baud: int) -> SerialLine:
+    """Open a port: ``/dev/ttyACM0``, ``COM3``, or a URL of pyserial's such as ``socket://127.0.0.1:4000``.
+
+    Raises MissingExtraError without pyserial, RigError where the port is not there, busy, or may not be used.
+    """
+    try:
+        import serial
+    except ImportError:
+        raise MissingExtraError("a board on a serial line", "serial") from None
+    try:
+        opened = serial.serial_for_url(port, baudrate=baud, timeout=0.0, write_timeout=WRITE_TIMEOUT_S)
+    except (serial.SerialException, OSError, ValueError) as error:
+        reason = " ".join(str(error).split())
+        raise RigError(
+            f"cannot open the serial port {port}: {reason}; check that the board is plugged in, that no other program "
+            "holds the port, and that you may use it (on Linux: group dialout)"
+        ) from None
+    return SerialLine(opened, port)
+
+
+def settle(line: Line, quiet_s: float, longest_s: float) -> None:
+    """Throw away what a line still carries of an earlier session, until it has been quiet for ``quiet_s``."""
+    ends_s = time.monotonic() + longest_s
+    while line.read(quiet_s) and time.monotonic() < ends_s:
+        pass

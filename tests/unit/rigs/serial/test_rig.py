@@ -1,0 +1,235 @@
+"""The serial rig on a line that loses, delays and lies; the healthy line is the contract suite's."""
+
+from __future__ import annotations
+
+import struct
+
+import pytest
+from tests.unit.rigs.serial.board_in_memory import BoardInMemory, rig_on
+
+from musclewire.controllers.protection import Event
+from musclewire.errors import CallerError, RigError
+from musclewire.rigs.guarded import ProtectionTripError
+from musclewire.rigs.serial.device import Board, LinkStormError
+from musclewire.rigs.serial.frames import Frame, encode_frame, stuff
+from musclewire.rigs.serial.messages import MessageKind
+from musclewire.rigs.serial.rig import SerialRig
+
+
+def trip_of(rig: SerialRig, drive_v: float = 1.0) -> Event:
+    with pytest.raises(ProtectionTripError) as caught:
+        rig.exchange(drive_v)
+    assert "\n" not in str(caught.value)
+    assert rig.drive_voltage_v == 0.0
+    return caught.value.event
+
+
+def test_an_exchange_is_one_command_and_the_mean_of_its_samples() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        sample = rig.exchange(1.6)
+    assert sample.time_s == pytest.approx(0.05)
+    assert sample.drive_voltage_v == pytest.approx(1.6)
+    assert sample.shunt_voltage_v == pytest.approx(0.1, abs=1e-4)
+    assert sample.wire_voltage_v == pytest.approx(1.5, abs=1e-4)
+
+
+def test_opening_puts_nothing_out_and_leaving_switches_off() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        assert board.state == 0
+        rig.exchange(1.0)
+        assert board.state == 1
+    assert (board.state, board.drive_v) == (0, 0.0)
+
+
+def test_time_is_the_boards_ticks_also_when_its_counter_comes_round() -> None:
+    board = BoardInMemory(tick=2**32 - 120)
+    with rig_on(board) as rig:
+        times = [rig.exchange(1.0).time_s for _ in range(6)]
+    assert times == pytest.approx([0.05 * count for count in range(1, 7)])
+
+
+def test_a_lost_sample_is_counted_and_the_others_speak_for_the_period() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        rig.exchange(1.0)
+        board.drop = {MessageKind.SAMPLE}
+        assert rig.exchange(1.6).shunt_voltage_v == pytest.approx(0.1, abs=1e-4)
+        assert rig.metadata()["lost_frames"] == 1
+
+
+def test_a_lost_acknowledgement_costs_nothing_because_samples_carry_the_commands_number() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        rig.exchange(1.0)
+        board.drop = {MessageKind.ACKNOWLEDGEMENT}
+        rig.exchange(1.1)
+        assert rig.metadata()["repeated_commands"] == 0
+
+
+def test_a_board_that_goes_silent_is_lost_and_the_rig_stays_off() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    began_s = board.now_s
+    board.deaf = True
+    assert trip_of(rig) is Event.DEVICE_LOST
+    assert board.now_s - began_s < 0.5
+    with pytest.raises(RigError, match="stays off"):
+        rig.exchange(1.0)
+
+
+def test_an_unplugged_line_is_a_lost_device() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.unplugged = True
+    assert trip_of(rig) is Event.DEVICE_LOST
+
+
+@pytest.mark.parametrize("event", [Event.WIRE_OPEN, Event.OVER_CURRENT, Event.LINK_CORRUPTED])
+def test_what_trips_on_the_board_is_raised_with_its_cause(event: Event) -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, event.value, 0.0))
+    assert trip_of(rig) is event
+
+
+def test_a_lost_event_is_still_seen_in_the_samples() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.state, board.event = 4, Event.OVER_TEMPERATURE.value
+    board.run(10)
+    assert trip_of(rig) is Event.OVER_TEMPERATURE
+
+
+@pytest.mark.parametrize(("at_reset", "event"), [(20, Event.WATCHDOG), (21, Event.POWER_LOST), (0, Event.POWER_LOST)])
+def test_a_board_that_starts_anew_in_a_run_ends_it_with_the_reason(at_reset: int, event: Event) -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.state, board.event_at_reset, board.tick = 0, at_reset, 0
+    board.identify()
+    assert trip_of(rig) is event
+
+
+def test_a_restart_whose_message_was_lost_is_found_by_the_refused_command() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.state, board.event_at_reset, board.tick = 0, 20, 0
+    assert trip_of(rig) is Event.WATCHDOG
+
+
+def test_a_pause_lets_the_heater_expire_and_the_next_exchange_arms_again() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        rig.exchange(2.0)
+        rig.make_safe()
+        assert board.drive_v == pytest.approx(0.3)
+        assert rig.drive_voltage_v == 0.3
+        board.state, board.event = 4, Event.COMMAND_MISSING.value
+        board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, board.event, 0.0))
+        assert rig.exchange(1.0).drive_voltage_v == pytest.approx(1.0)
+
+
+def test_a_host_that_stalls_in_a_run_is_told_that_its_heater_has_expired() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(2.0)
+    board.state, board.event = 4, Event.COMMAND_MISSING.value
+    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, board.event, 0.0))
+    assert trip_of(rig) is Event.COMMAND_MISSING
+
+
+def test_a_storm_of_broken_frames_trips() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.waiting += b"\x05ab\0" * 16
+    assert trip_of(rig) is Event.LINK_CORRUPTED
+
+
+def test_a_few_broken_frames_do_not() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        rig.exchange(1.0)
+        board.waiting += b"\x05ab\0" * 15
+        rig.exchange(1.0)
+        assert rig.metadata()["broken_frames"] == 15
+
+
+def test_broken_frames_far_apart_are_no_storm() -> None:
+    line = BoardInMemory()
+    board = Board(line, line.clock_s)
+    for _ in range(40):
+        line.waiting += b"\x05ab\0"
+        board.receive(0.0)
+        line.now_s += 0.02
+    line.now_s += 1.0
+    for _ in range(15):
+        line.waiting += b"\x05ab\0"
+        board.receive(0.0)
+        line.now_s += 0.005
+    line.waiting += b"\x05ab\0"
+    with pytest.raises(LinkStormError):
+        board.receive(0.0)
+
+
+def test_no_board_is_one_line_that_says_what_to_check() -> None:
+    with pytest.raises(RigError, match="check port, baud rate and that the board runs the firmware"):
+        rig_on(BoardInMemory(deaf=True))
+
+
+@pytest.mark.parametrize(("version", "advice"), [(2, "update musclewire"), (0, "update the firmware")])
+def test_another_protocol_version_says_which_side_to_update(version: int, advice: str) -> None:
+    import zlib
+
+    line = BoardInMemory(deaf=True)
+    body = bytes([version, MessageKind.IDENTITY, 0, 0]) + bytes(59)
+    line.waiting += stuff(body + struct.pack("<I", zlib.crc32(body))) + b"\0"
+    with pytest.raises(RigError, match=advice):
+        rig_on(line)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"shunt": 2.0}, "shunt is 2 ohm in the rig file and 1 ohm"),
+        ({"maximum_voltage": 6.0}, "maximum_voltage is 6 V in the rig file"),
+        ({"sample_period": 0.0505}, "whole number of the board's ticks"),
+        ({"sample_period": 0.3}, "longer than its heater lives"),
+    ],
+)
+def test_a_rig_file_that_contradicts_the_board_is_refused(changed: dict[str, float], said: str) -> None:
+    with pytest.raises(CallerError, match=said):
+        rig_on(BoardInMemory(), **changed)
+
+
+def test_targets_go_to_the_board_and_its_drive_comes_back() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        sample = rig.exchange_target(0.02)
+        assert sample.drive_voltage_v == pytest.approx(1.0)
+        assert board.target == pytest.approx(0.02)
+        assert rig.board_estimate == pytest.approx(0.01)
+
+
+def test_a_drive_out_of_range_never_reaches_the_board() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    sent = len([kind for kind, _ in board.commands if kind == MessageKind.DRIVE])
+    assert trip_of(rig, 4.5) is Event.COMMAND_REFUSED
+    assert len([kind for kind, _ in board.commands if kind == MessageKind.DRIVE]) == sent
+
+
+def test_every_command_starts_with_a_zero_that_ends_what_a_disturbance_left() -> None:
+    line = BoardInMemory()
+    line.parser.feed(b"\x55\x55")
+    Board(line, line.clock_s).send(MessageKind.HELLO)
+    assert [kind for kind, _ in line.commands] == [MessageKind.HELLO]
+    assert encode_frame(Frame(MessageKind.HELLO, 1, b"")).endswith(b"\0")
