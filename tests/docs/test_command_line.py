@@ -79,6 +79,7 @@ def run(folder: Path, *arguments: str, expect: int = 0, may_not_hold: bool = Fal
 CALLS = {
     "demo": ["--out", "demo"],
     "reproduce": ["--only", "eq5", "--out", "reproduced"],
+    "doctor": ["simulated"],
     "characterize": ["simulated", "-o", "again.h5", "--cycles", "1"],
     "pretension": ["simulated", "--at", "1.9 N", "--cycles", "1"],
     "control": ["simulated", "model.json"],

@@ -14,10 +14,12 @@ import typer
 
 from musclewire.app.calibrate_command import add_calibrate_command
 from musclewire.app.design_commands import add_design_commands
+from musclewire.app.doctor_command import add_doctor_command
 from musclewire.app.grip_command import add_grip_command
 from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
 from musclewire.app.paper_commands import add_paper_commands
+from musclewire.app.protection_command import add_protection_command
 from musclewire.app.rig_commands import add_rig_commands
 from musclewire.app.stopping import STOPPED, Stopped, ignore_signals, listen_for_signals
 from musclewire.app.wire_commands import add_wire_commands
@@ -57,12 +59,14 @@ def options(
 
 
 add_rig_commands(app)
+add_doctor_command(app)
 add_model_commands(app)
 add_grip_command(app)
 add_wire_commands(app)
 add_paper_commands(app)
 add_calibrate_command(app)
 add_design_commands(app)
+add_protection_command(app)
 
 
 def main() -> None:

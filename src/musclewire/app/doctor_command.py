@@ -1,0 +1,145 @@
+"""The command that looks a rig over before anything is heated: doctor."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from musclewire.app.options import Json, RealTime, RigName, Seed, quantity_option
+from musclewire.app.output import emit_json, progress_bar, show
+from musclewire.app.stopping import stops_between_samples
+from musclewire.errors import CallerError
+
+if TYPE_CHECKING:
+    from musclewire.experiment.doctor import Check, Examination
+    from musclewire.experiment.doctor.probing import OnProbe
+    from musclewire.signals.samples import RawSample
+
+__all__ = ["add_doctor_command"]
+
+
+def add_doctor_command(app: typer.Typer) -> None:
+    """Add the command of this file."""
+    app.command()(doctor)
+
+
+def doctor(
+    rig: RigName,
+    hold: Annotated[
+        float, typer.Option("--hold", help="Seconds for which the sense voltage is held.", min=1.0, max=3600.0)
+    ] = 5.0,
+    meter_wire: Annotated[
+        str | None, typer.Option("--meter-wire", help="What a meter reads across the wire at the sense voltage.")
+    ] = None,
+    meter_shunt: Annotated[
+        str | None, typer.Option("--meter-shunt", help="What a meter reads across the shunt at the sense voltage.")
+    ] = None,
+    write: Annotated[
+        bool, typer.Option("--write", help="Write offsets, and gains by the meter, into the rig file.")
+    ] = False,
+    seed: Seed = None,
+    real_time: RealTime = False,
+    json: Json = False,
+) -> None:
+    """Check wiring, noise, polarity, sense voltage and sample clock; nothing is heated."""
+    from musclewire.experiment.doctor import examine
+    from musclewire.experiment.doctor.examine import examination_s
+    from musclewire.experiment.doctor.rig_file import require_calibrated_kind, write_calibration
+    from musclewire.rigs.configuration import open_rig
+
+    if write:
+        require_calibrated_kind(rig)
+    meters = (quantity_option(meter_wire, "V", "--meter-wire"), quantity_option(meter_shunt, "V", "--meter-shunt"))
+    task = "Below and at the sense voltage"
+    with (
+        stops_between_samples(),
+        open_rig(rig, seed=seed, real_time=real_time) as opened,
+        progress_bar(task, examination_s(hold), quiet=json) as on_sample,
+    ):
+        found = examine(
+            opened,
+            hold_s=hold,
+            meter_wire_v=meters[0],
+            meter_shunt_v=meters[1],
+            on_sample=since_start(on_sample),
+        )
+    written: Path | None = None
+    if write:
+        if not may_be_written(found):
+            raise CallerError(f"nothing is written: {', '.join(sorted(found.findings.failed))} must be mended first")
+        written = write_calibration(Path(rig), found.calibration)
+    if json:
+        emit_json(document(rig, found, written))
+    else:
+        show(text(found))
+        if written is not None:
+            show(f"offsets and gains are in {written}; run the doctor again")
+    if found.trouble is not None:
+        raise found.trouble
+    if not found.ok:
+        raise typer.Exit(1)
+
+
+def since_start(on_row: Any) -> OnProbe:
+    """Return what moves a progress bar by samples of a rig whose clock began before."""
+    started_s: list[float] = []
+
+    def on_sample(sample: RawSample) -> None:
+        started_s[:] = started_s or [sample.time_s]
+        on_row({"time_s": sample.time_s - started_s[0]})
+
+    return on_sample
+
+
+def may_be_written(found: Examination) -> bool:
+    """Whether offsets mean something: the wiring holds, and only what a calibration mends may have failed."""
+    mended = {"wire_offset_v", "shunt_offset_v", "wire_resistance_ohm", "output_gain", "outside_resistance_ohm"}
+    return bool(found.calibration) and found.trouble is None and found.findings.failed <= mended
+
+
+def document(rig: str, found: Examination, written: Path | None) -> dict[str, Any]:
+    """Return an examination under the keys of the interface."""
+    return {
+        "rig": rig,
+        "ok": found.ok,
+        "checks": [check._asdict() for check in found.findings.checks],
+        "unchecked": [one._asdict() for one in found.findings.unchecked],
+        "calibration": [one._asdict() for one in found.calibration],
+        "highest_drive_voltage_v": found.highest_v,
+        "trouble": None if found.trouble is None else str(found.trouble),
+        "written": None if written is None else str(written),
+    }
+
+
+def text(found: Examination) -> str:
+    """Return an examination as lines: verdict, name, value, what it means or what to do."""
+    checks, unchecked = found.findings
+    width = max(len(name) for name in (*(one.name for one in checks), *(one.name for one in unchecked)))
+    lines = [
+        f"{'ok' if check.ok else 'NO':<4} {check.name:<{width}}  {valued(check):>18}  {explained(check)}"
+        for check in checks
+    ]
+    lines += [f"-    {one.name:<{width}}  {'not checked':>18}  {one.reason}" for one in unchecked]
+    failed = sum(not check.ok for check in checks)
+    verdict = f"{len(checks)} checks, {failed} not as they should be, {len(unchecked)} not made"
+    return "\n".join([*lines, "", f"{verdict}; at most {found.highest_v:.3g} V was put out"])
+
+
+def explained(check: Check) -> str:
+    """Return what a check means; a value that is a sentence comes first."""
+    long = isinstance(check.value, str) and not valued(check)
+    return f"{check.value}; {check.advice}" if long else check.advice
+
+
+def valued(check: Check) -> str:
+    """Return a value with its unit, in steps of a thousand where that reads better."""
+    if isinstance(check.value, str):
+        # A sentence as value stands with the advice, where there is room for it.
+        return "" if len(check.value) > 18 else check.value
+    if check.value is None:
+        return ""
+    small = check.unit in {"V", "A", "s"} and 0.0 < abs(check.value) < 0.1
+    number = f"{1e3 * check.value:.4g} m" if small else f"{check.value:.4g} "
+    return (number + ("" if check.unit == "1" else check.unit)).strip()

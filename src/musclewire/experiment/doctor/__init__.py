@@ -1,0 +1,6 @@
+"""Is this rig wired as its file says? Checks by the sense voltage and less, before anything is heated."""
+
+from musclewire.experiment.doctor.examine import Examination, examine
+from musclewire.experiment.doctor.findings import Check, Unchecked
+
+__all__ = ["Check", "Examination", "Unchecked", "examine"]

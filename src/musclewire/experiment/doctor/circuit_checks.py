@@ -1,0 +1,184 @@
+"""Checks of the circuit: does current flow, through the wire that the rig file names, and does the output obey."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from musclewire.experiment.doctor.evidence import Evidence
+from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
+
+__all__ = ["ExpectedWire", "circuit_findings"]
+
+# Eq. 1 takes less than 1 mA for no current; a sense current has twice of it.
+LEAST_SENSE_CURRENT_A = 2e-3
+# Spools, length measured by a ruler, pretension and the R-phase: a right wire is this close to the catalogue's.
+RESISTANCE_SHARE = 0.15
+# A shunt that takes less is hard to read, one that takes more wastes the drive and warms up.
+LEAST_SHUNT_SHARE, MOST_SHUNT_SHARE = 0.001, 0.3
+# How far the output may be from what is commanded.
+GAIN_SHARE, OUTPUT_OFFSET_SHARE = 0.1, 0.1
+# Leads, clamps, switch and amplifier between the output and the measured voltages, as a share of the wire.
+OUTSIDE_SHARE = 0.05
+# Shunts are mistaken by factors of the usual steps of values.
+USUAL_FACTORS = (0.001, 0.01, 0.1, 0.22, 0.47, 1 / 2.2, 2.2, 4.7, 10.0, 100.0, 1000.0)
+NAMED_WITHIN = 0.12
+
+
+class ExpectedWire(NamedTuple):
+    """What the rig file says of the wire: its cold resistance, and the window outside which no state of it lies."""
+
+    resistance_ohm: float | None
+    low_ohm: float | None
+    high_ohm: float | None
+    why_unknown: str = ""
+
+
+def circuit_findings(evidence: Evidence, expected: ExpectedWire) -> Findings:
+    """Return the checks of output, current, wire and shunt."""
+    made = [output_at_zero_check(evidence), output_gain_check(evidence), current_check(evidence)]
+    swapped = swapped_findings(evidence, expected)
+    if not evidence.carries:
+        names = ("wire_resistance_ohm", "resistance_in_window", "shunt_share", "outside_resistance_ohm")
+        rest = tuple(Unchecked(name, "no current follows the drive") for name in names)
+        return Findings(tuple(made)) + swapped + Findings((), rest)
+    made += [shunt_share_check(evidence), outside_check(evidence)]
+    return Findings(tuple(made)) + swapped + resistance_findings(evidence, expected)
+
+
+def output_at_zero_check(evidence: Evidence) -> Check:
+    """Check that 0 V is 0 V: an output that stays on heats whatever software says."""
+    level = evidence.zero
+    volts = float((level.wire_voltage_v + level.shunt_voltage_v).mean())
+    ok = abs(volts) <= OUTPUT_OFFSET_SHARE * evidence.sense_voltage_v
+    advice = "what wire and shunt carry together at 0 V"
+    if not ok:
+        advice = (
+            "wire and shunt carry this at 0 V. CUT THE POWER before anything else: the output is stuck, the transistor "
+            "has failed, or the channels have a large offset"
+        )
+    return Check("output_at_zero_v", ok, volts, "V", advice)
+
+
+def output_gain_check(evidence: Evidence) -> Check:
+    """Check that what arrives at wire and shunt grows as the command does."""
+    gain = abs(evidence.wire.slope) + abs(evidence.shunt.slope)
+    ok = abs(gain - 1.0) <= GAIN_SHARE
+    advice = "volts at wire and shunt for each volt commanded"
+    if gain < 0.5:
+        advice = "the drive does not arrive: check supply, fuse, emergency switch, amplifier and the clamps"
+    elif gain < 1.0 - GAIN_SHARE:
+        advice += (
+            ": too few; leads, clamps or switch take the rest, or the amplifier's gain is not as the rig file says"
+        )
+    elif gain > 1.0 + GAIN_SHARE:
+        advice += ": too many; the amplifier's gain or a channel's range is not as the rig file says"
+    return Check("output_gain", ok, gain, "V/V", advice)
+
+
+def current_check(evidence: Evidence) -> Check:
+    """Check that enough current flows at the sense voltage for a resistance to be had."""
+    current = abs(evidence.sense_current_a) if evidence.shunt.moves else 0.0
+    ok = current >= LEAST_SENSE_CURRENT_A
+    advice = "at the sense voltage, by the shunt's slope"
+    if not ok and current > 0.0:
+        advice += f": below {1e3 * LEAST_SENSE_CURRENT_A:g} mA; raise the sense voltage"
+    elif not ok and evidence.wire.moves:
+        advice = (
+            "the voltage arrives at the wire's terminals and no current flows: the wire is broken or a clamp is open, "
+            "or the shunt's channel is bridged or dead"
+        )
+    elif not ok:
+        advice = "neither channel follows the drive: see the output's gain"
+    return Check("sense_current_a", ok, current, "A", advice)
+
+
+def swapped_findings(evidence: Evidence, expected: ExpectedWire) -> Findings:
+    """Check that wire and shunt have not changed places, where their resistances differ enough to tell."""
+    if not evidence.carries or expected.resistance_ohm is None:
+        why = expected.why_unknown if evidence.carries else "no current follows the drive"
+        return Findings((), (Unchecked("channels_in_place", why),))
+    measured, shunt, right = abs(evidence.resistance_ohm), evidence.shunt_resistance_ohm, expected.resistance_ohm
+    if abs(math.log(right / shunt)) < math.log(1.5):
+        reason = f"wire ({right:.3g} ohm) and shunt ({shunt:.3g} ohm) are too alike to tell them apart"
+        return Findings((), (Unchecked("channels_in_place", reason),))
+    # In each other's place they would give shunt^2 / wire.
+    as_is, other_way = abs(math.log(measured / right)), abs(math.log(shunt * shunt / right / measured))
+    ok = as_is <= other_way
+    advice = (
+        "the channel with the larger share is the wire's, as it should be"
+        if ok
+        else ("the channels have changed places: swap their cables, or the channels in the rig file")
+    )
+    return Findings((Check("channels_in_place", ok, measured, "ohm", advice),))
+
+
+def resistance_findings(evidence: Evidence, expected: ExpectedWire) -> Findings:
+    """Check the wire's resistance against the maker's per metre, and against the protection's window."""
+    measured = evidence.resistance_ohm
+    made: list[Check] = []
+    missing: list[Unchecked] = []
+    if expected.resistance_ohm is None:
+        missing.append(Unchecked("wire_resistance_ohm", expected.why_unknown))
+    else:
+        made.append(resistance_check(measured, expected.resistance_ohm, evidence))
+    if expected.low_ohm is None or expected.high_ohm is None:
+        missing.append(Unchecked("resistance_in_window", "this rig tells no limits of its protection"))
+    else:
+        ok = expected.low_ohm <= measured <= expected.high_ohm
+        advice = f"the protection allows {expected.low_ohm:.3g} to {expected.high_ohm:.3g} ohm"
+        made.append(Check("resistance_in_window", ok, measured, "ohm", advice))
+    return Findings(tuple(made), tuple(missing))
+
+
+def resistance_check(measured_ohm: float, right_ohm: float, evidence: Evidence) -> Check:
+    """Check the wire's resistance against that of a cold wire of its length, and guess what is wrong."""
+    ratio = measured_ohm / right_ohm
+    ok = abs(ratio - 1.0) <= RESISTANCE_SHARE
+    advice = f"the wire file's ohm per metre times the length is {right_ohm:.4g} ohm"
+    if not ok:
+        advice += "; " + likely_cause(ratio, evidence)
+    return Check("wire_resistance_ohm", ok, measured_ohm, "ohm", advice)
+
+
+def likely_cause(ratio: float, evidence: Evidence) -> str:
+    """Return what most likely makes a resistance wrong by a factor."""
+    if ratio < 0.0:
+        return "negative: a pair is reversed, see the polarities"
+    named = [factor for factor in USUAL_FACTORS if abs(ratio * factor - 1.0) < NAMED_WITHIN]
+    if named:
+        shunt = named[0] * evidence.shunt_resistance_ohm
+        return f"a shunt of {shunt:.3g} ohm instead of {evidence.shunt_resistance_ohm:.3g} ohm would explain it"
+    if ratio < 0.2:
+        return "the wire is bridged, or the pair at the wire does not reach its ends"
+    if ratio < 1.0:
+        return "too small: a shorter or thicker wire, one leg only, a wire still hot, or a shunt of more ohm than said"
+    if ratio < 2.0 and evidence.circuit.slope > 1.0 - OUTSIDE_SHARE:
+        return (
+            "too large and nothing is lost outside: leads or clamps count as wire (two-wire connection), take a pair "
+            "of their own to the crimps; or a longer or thinner wire"
+        )
+    return "too large: a longer or thinner wire, a strand half broken, a bad clamp, or a shunt of less ohm than said"
+
+
+def shunt_share_check(evidence: Evidence) -> Check:
+    """Check that the shunt takes enough to be read and not so much that it wastes the drive."""
+    share = abs(evidence.shunt.slope / evidence.wire.slope)
+    ok = LEAST_SHUNT_SHARE <= share <= MOST_SHUNT_SHARE
+    advice = "the shunt's voltage over the wire's"
+    if share > MOST_SHUNT_SHARE:
+        advice += ": the shunt takes much of the drive and warms up; a smaller one (musclewire simulate says which)"
+    elif not ok:
+        advice += ": hard to read; a larger shunt (musclewire simulate says which)"
+    return Check("shunt_share", ok, share, "1", advice)
+
+
+def outside_check(evidence: Evidence) -> Check:
+    """Check what lies between the output and the measured voltages: leads, clamps, switch, amplifier."""
+    lost = 1.0 - abs(evidence.wire.slope) - abs(evidence.shunt.slope)
+    outside = evidence.shunt_resistance_ohm * lost / abs(evidence.shunt.slope)
+    ok = outside <= OUTSIDE_SHARE * abs(evidence.resistance_ohm)
+    advice = "leads, clamps and amplifier outside the measured voltages, if the output is as commanded"
+    if not ok:
+        advice += ": too much; shorter or thicker leads, clean clamps, or the output's gain is not as the rig file says"
+    return Check("outside_resistance_ohm", ok, outside, "ohm", advice)

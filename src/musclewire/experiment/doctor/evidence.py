@@ -1,0 +1,103 @@
+"""Straight lines through what came back: how each channel follows the drive, and how well that is known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.experiment.doctor.probing import FloatArray, Level
+
+__all__ = ["Evidence", "Line", "evidence_of", "noise_v"]
+
+# Fewer volts than this per volt of drive are nothing, whatever the statistics say.
+LEAST_SLOPE = 1e-5
+SIGMAS = 6.0
+
+
+class Line(NamedTuple):
+    """A channel over the commanded voltage: volts at no drive, volts per volt, and the standard error of that."""
+
+    offset_v: float
+    slope: float
+    slope_error: float
+
+    @property
+    def moves(self) -> bool:
+        """Whether the channel follows the drive, upward or downward, beyond chance."""
+        return abs(self.slope) > max(SIGMAS * self.slope_error, LEAST_SLOPE)
+
+
+class Evidence(NamedTuple):
+    """All that the levels say: ``wire``, ``shunt`` and both together (``circuit``) over the drive, in volts."""
+
+    levels: tuple[Level, ...]
+    wire: Line
+    shunt: Line
+    circuit: Line
+    sense_voltage_v: float
+    shunt_resistance_ohm: float
+
+    @property
+    def zero(self) -> Level:
+        """The level at 0 V."""
+        return self.levels[0]
+
+    @property
+    def carries(self) -> bool:
+        """Whether a current flows that grows with the drive, and the wire has a voltage with it."""
+        return self.wire.moves and self.shunt.moves
+
+    @property
+    def resistance_ohm(self) -> float:
+        """Resistance of the wire by the slopes, which no offset touches; 0.0 where there is none."""
+        return self.shunt_resistance_ohm * self.wire.slope / self.shunt.slope if self.carries else 0.0
+
+    @property
+    def wire_at_sense_v(self) -> float:
+        """What the wire's channel has to read at the sense voltage, without its offset."""
+        return abs(self.wire.slope) * self.sense_voltage_v
+
+    @property
+    def shunt_at_sense_v(self) -> float:
+        """What the shunt's channel has to read at the sense voltage, without its offset."""
+        return abs(self.shunt.slope) * self.sense_voltage_v
+
+    @property
+    def sense_current_a(self) -> float:
+        """Current at the sense voltage; negative where the shunt's channel is reversed."""
+        return self.shunt.slope * self.sense_voltage_v / self.shunt_resistance_ohm
+
+
+def evidence_of(levels: Sequence[Level], sense_voltage_v: float, shunt_resistance_ohm: float) -> Evidence:
+    """Return the lines through levels of which the first is at 0 V. Needs two levels or more, all finite."""
+    drive_v = np.concatenate([np.full(len(level.time_s), level.commanded_v) for level in levels])
+    wire_v = np.concatenate([level.wire_voltage_v for level in levels])
+    shunt_v = np.concatenate([level.shunt_voltage_v for level in levels])
+    return Evidence(
+        tuple(levels),
+        line(drive_v, wire_v),
+        line(drive_v, shunt_v),
+        line(drive_v, wire_v + shunt_v),
+        sense_voltage_v,
+        shunt_resistance_ohm,
+    )
+
+
+def line(drive_v: FloatArray, reading_v: FloatArray) -> Line:
+    """Return the least-squares line through readings."""
+    away = drive_v - drive_v.mean()
+    spread = float(away @ away)
+    slope = float(away @ reading_v) / spread
+    offset = float(reading_v.mean()) - slope * float(drive_v.mean())
+    rest = reading_v - offset - slope * drive_v
+    return Line(offset, slope, math.sqrt(float(rest @ rest) / (len(rest) - 2) / spread))
+
+
+def noise_v(readings_v: FloatArray) -> float:
+    """Return the rms noise of readings, a slow drift taken out."""
+    count = np.arange(len(readings_v), dtype=np.float64)
+    slope, offset = np.polyfit(count, readings_v, 1)
+    return float(np.std(readings_v - offset - slope * count))

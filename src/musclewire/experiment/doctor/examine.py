@@ -1,0 +1,235 @@
+"""The examination: a few volts below the sense voltage, what they tell, and only then the sense voltage itself."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import NamedTuple, Protocol, runtime_checkable
+
+from musclewire.controllers.protection import ProtectionLimits
+from musclewire.errors import CallerError, RigError
+from musclewire.experiment.doctor.calibration import ChannelCalibration, calibrations
+from musclewire.experiment.doctor.channel_checks import (
+    finite_check,
+    hum_check,
+    moving_checks,
+    offset_checks,
+    quiet_checks,
+    range_check,
+)
+from musclewire.experiment.doctor.circuit_checks import ExpectedWire, circuit_findings
+from musclewire.experiment.doctor.evidence import Evidence, evidence_of
+from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
+from musclewire.experiment.doctor.probing import LOW_SHARES, Level, OnProbe, Probe
+from musclewire.experiment.doctor.sense_checks import clock_findings, protection_findings, warmth_findings
+from musclewire.parameters.library import load_wire
+from musclewire.parameters.schema import Wire
+from musclewire.rigs.protocol import Metadata, Rig
+
+__all__ = ["Examination", "HasProtection", "examine", "examination_s"]
+
+ZERO_S, LOW_S, SENSE_S = 2.0, 1.0, 5.0
+AMBIENT_K = 295.15
+# With one of these the sense voltage is not put out: the wiring is not what the rig file says.
+STOPPING = frozenset(
+    {
+        "readings_are_numbers",
+        "readings_in_range",
+        "output_at_zero_v",
+        "output_gain",
+        "sense_current_a",
+        "wire_channel_alive",
+        "shunt_channel_alive",
+        "wire_polarity",
+        "shunt_polarity",
+        "channels_in_place",
+        "wire_resistance_ohm",
+        "resistance_in_window",
+    }
+)
+
+
+@runtime_checkable
+class HasProtection(Protocol):
+    """A rig that tells the limits of its protection."""
+
+    @property
+    def protection_limits(self) -> ProtectionLimits:
+        """The limits that the protection table is held against."""
+        ...
+
+
+class Examination(NamedTuple):
+    """What a doctor found.
+
+    ``findings`` are in the order in which they were made. ``highest_v`` is the most that was put out;
+    ``trouble`` what the rig itself gave up with, None where it did not. ``calibration`` may be empty.
+    """
+
+    findings: Findings
+    calibration: tuple[ChannelCalibration, ...]
+    metadata: Metadata
+    highest_v: float
+    trouble: RigError | None
+
+    @property
+    def ok(self) -> bool:
+        """Whether every check that could be made holds and the rig did not give up."""
+        return self.trouble is None and not self.findings.failed
+
+
+class Subject(NamedTuple):
+    """A rig with what its metadata say of the wire, looked up once."""
+
+    rig: Rig
+    metadata: Metadata
+    wire: Wire | None
+    length_m: float | None
+    limits: ProtectionLimits | None
+    expected: ExpectedWire
+
+
+def examination_s(hold_s: float = SENSE_S) -> float:
+    """Return about how long an examination takes on a rig with a real clock."""
+    return ZERO_S + LOW_S * len(LOW_SHARES) + hold_s
+
+
+def examine(
+    rig: Rig,
+    *,
+    hold_s: float = SENSE_S,
+    meter_wire_v: float | None = None,
+    meter_shunt_v: float | None = None,
+    clock: Callable[[], float] = time.monotonic,
+    on_sample: OnProbe | None = None,
+) -> Examination:
+    """Check a rig by its sense voltage and less, and return what was found; the rig ends at its sense voltage or off.
+
+    ``hold_s`` is how long the sense voltage is held; the meters' readings, taken at the sense voltage, give the gains
+    of the channels. A rig that gives up on the way is a finding too: ``trouble``. Raises CallerError for a meter's
+    reading that cannot belong to its channel.
+    """
+    subject = subject_of(rig)
+    probe = Probe(rig, clock, on_sample)
+    findings = identity_findings(subject) + protection_findings(subject.limits)
+    at_sense: Level | None = None
+    evidence: Evidence | None = None
+    try:
+        low = look_low(probe, rig)
+        evidence, seen = low_findings(low, subject)
+        findings += seen
+        if evidence is not None and probe.trouble is None and not STOPPING & findings.failed:
+            at_sense = probe.hold(rig.sense_voltage_v, hold_s)
+        if evidence is not None:
+            findings += sense_findings(evidence, at_sense, subject)
+        findings += trip_findings(probe.trouble)
+        if probe.levels:
+            timed = tuple(level for level in probe.levels if len(level.time_s) > 2)
+            findings += clock_findings(timed, rig.sample_period_s, rig.paced) if timed else Findings(())
+    finally:
+        rig.make_safe()
+    found = calibrations(evidence, at_sense, meter_wire_v, meter_shunt_v) if evidence is not None else ()
+    highest_v = max((level.commanded_v for level in probe.levels), default=0.0)
+    return Examination(findings, found, subject.metadata, highest_v, probe.trouble)
+
+
+def trip_findings(trouble: RigError | None) -> Findings:
+    """Return whether the rig kept going: a trip of its protection names the cause better than any check here."""
+    if trouble is None:
+        return Findings((Check("rig_kept_going", True, "yes", "", "the protection had nothing to switch off"),))
+    event = getattr(trouble, "event", None)
+    cause = str(event.name).lower() if event is not None else "rig fault"
+    return Findings((Check("rig_kept_going", False, cause, "", str(trouble)),))
+
+
+def subject_of(rig: Rig) -> Subject:
+    """Return a rig with what it says of its wire; what it does not say is None."""
+    metadata = rig.metadata()
+    limits = rig.protection_limits if isinstance(rig, HasProtection) else None
+    length = metadata.get("wire_length_m")
+    length_m = float(length) if isinstance(length, (int, float)) else None
+    wire, why = known_wire(str(metadata.get("wire", "")))
+    if wire is not None and length_m is None:
+        why = "the rig does not tell the length of its wire"
+    if int(metadata.get("wires") or 1) > 1:
+        # In series or side by side: the protection's window knows, ohm per metre times length does not.
+        wire, why = None, "several wires share the drive; see the window"
+    cold = None if wire is None or length_m is None else wire.resistance_per_metre_ohm_per_m.value * length_m
+    low, high = (None, None) if limits is None else (limits.resistance_low_ohm, limits.resistance_high_ohm)
+    return Subject(rig, metadata, wire, length_m, limits, ExpectedWire(cold, low, high, why))
+
+
+def known_wire(name: str) -> tuple[Wire | None, str]:
+    """Return a wire by its name, or None and why not."""
+    try:
+        return load_wire(name), ""
+    except CallerError as error:
+        return None, f"the rig's wire is not known: {error}"
+
+
+def identity_findings(subject: Subject) -> Findings:
+    """Return whether the rig says what it is and its voltages make sense."""
+    rig = subject.rig
+    ok = (
+        0.0 < rig.sense_voltage_v < rig.maximum_voltage_v
+        and rig.shunt_resistance_ohm > 0.0
+        and rig.sample_period_s > 0.0
+    )
+    said = f"{subject.metadata.get('rig', 'rig')}, wire {subject.metadata.get('wire', 'not named')}"
+    advice = (
+        f"sense {rig.sense_voltage_v:g} V of at most {rig.maximum_voltage_v:g} V, shunt "
+        f"{rig.shunt_resistance_ohm:g} ohm, a sample every {rig.sample_period_s:g} s"
+    )
+    return Findings((Check("identity", ok, said, "", advice),))
+
+
+def look_low(probe: Probe, rig: Rig) -> tuple[Level, ...]:
+    """Hold 0 V and the levels at which the protection expects no current yet; stop where 0 V is not 0 V."""
+    zero = probe.hold(0.0, ZERO_S)
+    if zero is None:
+        return tuple(probe.levels)
+    out_v = abs(float((zero.wire_voltage_v + zero.shunt_voltage_v).mean()))
+    if out_v > rig.sense_voltage_v:
+        return tuple(probe.levels)  # an output that does not obey is not asked for more
+    for share in LOW_SHARES:
+        if probe.hold(share * rig.sense_voltage_v, LOW_S) is None:
+            break
+    return tuple(probe.levels)
+
+
+def low_findings(levels: tuple[Level, ...], subject: Subject) -> tuple[Evidence | None, Findings]:
+    """Return what the low levels tell, as lines and as checks; no lines where there are too few numbers."""
+    if not levels:
+        return None, Findings((), (Unchecked("wiring", "the rig gave no sample at all"),))
+    finite = finite_check(levels)
+    if not finite.ok or len(levels) < 2 or min(len(level.time_s) for level in levels) < 3:
+        stuck = stuck_findings(levels, subject) if finite.ok else Findings(())
+        return None, Findings((finite,), (Unchecked("wiring", "too few sound samples"),)) + stuck
+    rig = subject.rig
+    evidence = evidence_of(levels, rig.sense_voltage_v, rig.shunt_resistance_ohm)
+    findings = Findings((finite, range_check(evidence)))
+    findings += moving_checks(evidence) + circuit_findings(evidence, subject.expected) + offset_checks(evidence)
+    return evidence, findings
+
+
+def stuck_findings(levels: tuple[Level, ...], subject: Subject) -> Findings:
+    """Return what can be said where only 0 V was asked for: is it 0 V?"""
+    zero = levels[0]
+    volts = float((zero.wire_voltage_v + zero.shunt_voltage_v).mean())
+    if abs(volts) <= subject.rig.sense_voltage_v:
+        return Findings(())
+    advice = (
+        "wire and shunt carry this at 0 V. CUT THE POWER before anything else: the output is stuck, the transistor has "
+        "failed, or a channel is saturated or not connected"
+    )
+    return Findings((Check("output_at_zero_v", False, volts, "V", advice),))
+
+
+def sense_findings(evidence: Evidence, at_sense: Level | None, subject: Subject) -> Findings:
+    """Return the checks that need the sense voltage, and those of noise."""
+    ambient = subject.limits.ambient_temperature_k if subject.limits is not None else AMBIENT_K
+    return (
+        quiet_checks(evidence, at_sense, subject.rig.sample_period_s)
+        + hum_check(evidence, subject.rig.sample_period_s)
+        + warmth_findings(evidence, at_sense, subject.wire, subject.length_m, ambient)
+    )

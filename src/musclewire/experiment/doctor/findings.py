@@ -1,0 +1,42 @@
+"""What a check found, as plain values."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+__all__ = ["Check", "Findings", "Unchecked"]
+
+
+class Check(NamedTuple):
+    """One check: what was measured, whether it will do, and what to do if not, else what it means."""
+
+    name: str
+    ok: bool
+    value: float | str | None
+    unit: str
+    advice: str
+
+
+class Unchecked(NamedTuple):
+    """A check that this rig, or what was found before, leaves no way to make, and why."""
+
+    name: str
+    reason: str
+
+
+class Findings(NamedTuple):
+    """Checks that were made and checks that could not be."""
+
+    checks: tuple[Check, ...]
+    unchecked: tuple[Unchecked, ...] = ()
+
+    def __add__(self, other: object) -> Findings:
+        """Return both lists, one after the other."""
+        if not isinstance(other, Findings):
+            return NotImplemented
+        return Findings(self.checks + other.checks, self.unchecked + other.unchecked)
+
+    @property
+    def failed(self) -> frozenset[str]:
+        """Names of the checks that did not hold."""
+        return frozenset(check.name for check in self.checks if not check.ok)

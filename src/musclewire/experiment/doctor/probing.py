@@ -1,0 +1,87 @@
+"""The few volts a doctor puts out, and everything that comes back.
+
+Nothing above the sense voltage is ever put out. The first levels lie below half of it: there the protection expects no
+current yet, so wrong wiring can be looked at in peace instead of tripping. Only what holds gets the sense voltage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import CallerError, RigError
+from musclewire.rigs.protocol import Rig
+from musclewire.signals.samples import RawSample
+
+__all__ = ["LOW_SHARES", "Level", "OnProbe", "Probe", "samples_of"]
+
+FloatArray = NDArray[np.float64]
+Clock = Callable[[], float]
+OnProbe = Callable[[RawSample], None]
+
+# Shares of the sense voltage below the protection's threshold for "driven", which is half of it.
+LOW_SHARES = (0.25, 0.45)
+# After a step the first readings may be from before it: a filter, a frame that was under way.
+SETTLING_S, SETTLING_SAMPLES = 0.1, 2
+LEAST_SAMPLES = 20
+
+
+class Level(NamedTuple):
+    """What came back while one voltage was out, settled samples only; arrays of shape (n_times,).
+
+    ``host_s`` is the host's own clock when each sample arrived.
+    """
+
+    commanded_v: float
+    time_s: FloatArray
+    host_s: FloatArray
+    drive_voltage_v: FloatArray
+    wire_voltage_v: FloatArray
+    shunt_voltage_v: FloatArray
+
+
+def samples_of(rig: Rig, seconds: float) -> int:
+    """Return how many samples a level of this many seconds has: never fewer than statistics need."""
+    return max(round(seconds / rig.sample_period_s), LEAST_SAMPLES)
+
+
+class Probe:
+    """Holds voltages on a rig and keeps what came back, also of the level during which the rig gave up."""
+
+    def __init__(self, rig: Rig, clock: Clock, on_sample: OnProbe | None) -> None:
+        """Take an open rig; ``clock`` tells the host's seconds."""
+        self._rig, self._clock, self._on_sample = rig, clock, on_sample
+        self.levels: list[Level] = []
+        self.trouble: RigError | None = None
+
+    def hold(self, voltage_v: float, seconds: float) -> Level | None:
+        """Hold a voltage and return what came back; None, and ``trouble`` says why, where the rig gave up.
+
+        Raises CallerError for a voltage above the sense voltage, which nothing here may put out.
+        """
+        if not 0.0 <= voltage_v <= self._rig.sense_voltage_v * (1.0 + 1e-9):
+            raise CallerError(f"{voltage_v:g} V is above the sense voltage: the doctor heats nothing")
+        rows: list[tuple[float, ...]] = []
+        settling = max(round(SETTLING_S / self._rig.sample_period_s), SETTLING_SAMPLES)
+        try:
+            self._fill(rows, voltage_v, settling + samples_of(self._rig, seconds))
+        except RigError as error:
+            self.trouble = error
+        # Of a level cut short at the very beginning the unsettled samples are better than none.
+        kept = rows if self.trouble is not None and not self.levels else rows[settling:]
+        if kept:
+            columns = np.asarray(kept, dtype=np.float64).T
+            self.levels.append(Level(voltage_v, *columns))
+        return None if self.trouble is not None else self.levels[-1]
+
+    def _fill(self, rows: list[tuple[float, ...]], voltage_v: float, samples: int) -> None:
+        """Append so many samples to rows, as they come."""
+        for _ in range(samples):
+            sample = self._rig.exchange(voltage_v)
+            arrived_s = self._clock()
+            if self._on_sample is not None:
+                self._on_sample(sample)
+            rows.append((sample.time_s, arrived_s, *sample[1:4]))

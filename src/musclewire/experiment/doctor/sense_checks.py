@@ -1,0 +1,115 @@
+"""Checks at the sense voltage itself and over time: warming, clock, protection."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from musclewire.controllers.protection import ProtectionLimits
+from musclewire.experiment.doctor.evidence import Evidence
+from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
+from musclewire.experiment.doctor.probing import FloatArray, Level
+from musclewire.identify.sizing import settled_temperature_k
+from musclewire.parameters.schema import Wire
+
+__all__ = ["clock_findings", "protection_findings", "warmth_findings"]
+
+# A sense voltage is no heater.
+MOST_RISE_K = 8.0
+# Resistance at the sense voltage has come to rest within this over the time it was held.
+DRIFT_SHARE, SIGMAS = 0.005, 4.0
+PERIOD_SHARE, RATE_SHARE, LATE_SHARE = 1e-3, 0.02, 0.5
+
+
+def warmth_findings(
+    evidence: Evidence, at_sense: Level | None, wire: Wire | None, length_m: float | None, ambient_k: float
+) -> Findings:
+    """Return what the sense voltage does to the wire: drift that is measured, and a temperature that is computed."""
+    if at_sense is None:
+        why = "the sense voltage was not put out"
+        return Findings((), (Unchecked("sense_drift", why), Unchecked("sense_warming_k", why)))
+    drift = drift_check(evidence, at_sense)
+    if wire is None or length_m is None:
+        return Findings((drift,), (Unchecked("sense_warming_k", "the rig names no wire that is known, or no length"),))
+    power_w = float(np.mean(at_sense.wire_voltage_v * at_sense.shunt_voltage_v)) / evidence.shunt_resistance_ohm
+    rise = settled_temperature_k(max(power_w, 0.0) / length_m, wire, ambient_k) - ambient_k
+    ok = rise <= MOST_RISE_K
+    advice = f"by {1e3 * power_w:.2g} mW in still air, computed from the wire file, not measured"
+    if not ok:
+        advice += ": the sense voltage heats; lower it"
+    return Findings((drift, Check("sense_warming_k", ok, rise, "K", advice)))
+
+
+def drift_check(evidence: Evidence, at_sense: Level) -> Check:
+    """Check that the resistance rests while the sense voltage is held: first third against last."""
+    resistance = (
+        evidence.shunt_resistance_ohm
+        * (at_sense.wire_voltage_v - evidence.wire.offset_v)
+        / (at_sense.shunt_voltage_v - evidence.shunt.offset_v)
+    )
+    third = len(resistance) // 3
+    first, last = resistance[:third], resistance[-third:]
+    drift = float(last.mean() / first.mean() - 1.0)
+    error = SIGMAS * float(np.std(resistance) / abs(resistance.mean())) * (2.0 / third) ** 0.5
+    ok = abs(drift) <= DRIFT_SHARE + error
+    advice = "change of resistance while the sense voltage was held"
+    if not ok:
+        advice += (
+            ": the wire is still cooling from before, a contact moves, or the sense voltage heats: wait, then again"
+        )
+    return Check("sense_drift", ok, drift, "1", advice)
+
+
+def clock_findings(levels: tuple[Level, ...], sample_period_s: float, paced: bool) -> Findings:
+    """Return the checks of the sample clock: its own steps and, where it is a real one, the host's beside it."""
+    steps = np.concatenate([np.diff(level.time_s) for level in levels])
+    worst = float(np.max(np.abs(steps - sample_period_s))) / sample_period_s
+    ok = bool(np.all(steps > 0.0)) and abs(float(steps.mean()) / sample_period_s - 1.0) <= PERIOD_SHARE and worst < 0.5
+    advice = f"mean step of the sample clock; {sample_period_s:g} s is what the rig says"
+    if not ok:
+        advice += f", and a step is off by {100 * worst:.0f} %: samples are lost or doubled"
+    period = Check("sample_period_s", ok, float(steps.mean()), "s", advice)
+    if not paced:
+        reason = "this rig does not run by a real clock"
+        return Findings((period,), tuple(Unchecked(name, reason) for name in ("clock_rate", "arrival_jitter_s")))
+    return Findings((period, *host_checks(levels[-1], sample_period_s)))
+
+
+def host_checks(level: Level, sample_period_s: float) -> tuple[Check, Check]:
+    """Check the rig's clock beside the host's, and how evenly samples arrive."""
+    span = level.time_s[-1] - level.time_s[0]
+    rate = float((level.host_s[-1] - level.host_s[0]) / span)
+    late: FloatArray = level.host_s - level.time_s
+    late = late - np.median(late)
+    jitter = float(np.percentile(np.abs(late), 99.0))
+    right = abs(rate - 1.0) <= RATE_SHARE
+    even = jitter <= LATE_SHARE * sample_period_s
+    return (
+        Check(
+            "clock_rate",
+            right,
+            rate,
+            "s/s",
+            "the host's seconds for each second of the rig"
+            + ("" if right else ": the samples do not keep the pace that the rig file says"),
+        ),
+        Check(
+            "arrival_jitter_s",
+            even,
+            jitter,
+            "s",
+            "99 of 100 samples arrive this evenly"
+            + ("" if even else ": take load off the machine, or a longer sample period"),
+        ),
+    )
+
+
+def protection_findings(limits: ProtectionLimits | None) -> Findings:
+    """Return whether the protection is armed, and with what."""
+    if limits is None:
+        return Findings((), (Unchecked("protection", "this rig does not tell the limits of its protection"),))
+    said = (
+        f"armed: {limits.maximum_current_a:.3g} A, {limits.maximum_power_w:.3g} W, "
+        f"{limits.resistance_low_ohm:.3g} to {limits.resistance_high_ohm:.3g} ohm, "
+        f"{limits.maximum_temperature_k - 273.15:.0f} C estimated, at most {limits.maximum_voltage_v:.3g} V"
+    )
+    return Findings((Check("protection", True, said, "", "set the supply's own current limit to no more than this"),))

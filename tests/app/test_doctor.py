@@ -1,0 +1,94 @@
+"""``musclewire doctor``: what is typed, what comes back, and with which exit code."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Musclewire = Callable[..., Any]
+
+
+def rig_with(tmp_path: Path, fault: str) -> Path:
+    path = tmp_path / "rig.toml"
+    path.write_text(f'kind = "simulated"\n\n[[fault]]\n{fault}\n', encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("rig", ["simulated", "finger", "gripper"])
+def test_a_sound_rig_passes(musclewire: Musclewire, rig: str) -> None:
+    answer = musclewire("doctor", rig, "--json")
+    assert answer.code == 0, answer.out
+    said = answer.json
+    assert said["ok"] is True
+    assert all(check["ok"] for check in said["checks"])
+    assert all(set(check) == {"name", "ok", "value", "unit", "advice"} for check in said["checks"])
+    assert said["highest_drive_voltage_v"] <= 0.3
+
+
+FAULTS = {
+    'kind = "broken wire"': ("sense_current_a", 1),
+    'kind = "short circuit"': ("wire_resistance_ohm", 1),
+    'kind = "slipped clamp"': ("wire_resistance_ohm", 1),
+    'kind = "contact"': ("wire_resistance_ohm", 1),
+    'kind = "swapped channels"': ("channels_in_place", 1),
+    'kind = "frozen channel"\nchannel = "wire"': ("wire_channel_alive", 1),
+    'kind = "frozen channel"\nchannel = "shunt"': ("shunt_channel_alive", 1),
+    'kind = "saturated channel"\nchannel = "shunt"': ("rig_kept_going", 3),
+    'kind = "supply lost"': ("output_gain", 1),
+    'kind = "reading not finite"\nchannel = "shunt"': ("readings_are_numbers", 3),
+    'kind = "output stuck"\nvoltage = "2 V"': ("rig_kept_going", 3),
+    'kind = "output stuck"\nvoltage = "0.2 V"': ("output_at_zero_v", 1),
+    'kind = "device lost"\nat = "1 s"': ("rig_kept_going", 3),
+    'kind = "clock jump"\nat = "1 s"': ("rig_kept_going", 3),
+    'kind = "broken wire"\nat = "4.5 s"': ("rig_kept_going", 3),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_each_fault_of_a_rig_file_is_told_by_name_and_exit_code(
+    musclewire: Musclewire, tmp_path: Path, fault: str
+) -> None:
+    name, code = FAULTS[fault]
+    answer = musclewire("doctor", rig_with(tmp_path, fault), "--json")
+    failed = {check["name"]: check["advice"] for check in answer.json["checks"] if not check["ok"]}
+    assert name in failed, failed
+    assert answer.code == code
+    assert len(answer.err.strip().splitlines()) == (1 if code == 3 else 0)
+
+
+def test_the_text_names_what_failed_and_how_much_was_put_out(musclewire: Musclewire, tmp_path: Path) -> None:
+    answer = musclewire("doctor", rig_with(tmp_path, 'kind = "broken wire"'))
+    assert answer.code == 1
+    line = next(line for line in answer.out.splitlines() if "sense_current_a" in line)
+    assert line.startswith("NO")
+    assert "broken" in line
+    assert "at most 0.135 V was put out" in answer.out
+
+
+def test_a_simulated_rig_has_no_place_for_a_calibration(musclewire: Musclewire, tmp_path: Path) -> None:
+    answer = musclewire("doctor", rig_with(tmp_path, 'kind = "supply lost"'), "--write")
+    assert answer.code == 2
+    assert "holds no calibration" in answer.err
+    answer = musclewire("doctor", "simulated", "--write")
+    assert answer.code == 2
+    assert "rig file of your own" in answer.err
+
+
+def test_a_meter_needs_a_unit_and_must_fit(musclewire: Musclewire) -> None:
+    assert "--meter-wire" in musclewire("doctor", "simulated", "--meter-wire", "0.28").err
+    answer = musclewire("doctor", "simulated", "--meter-shunt", "1 V")
+    assert answer.code == 2
+    assert "check where the meter was" in answer.err
+
+
+def test_the_reference_names_every_check_and_no_other(musclewire: Musclewire) -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs/reference/command_line.md").read_text("utf-8")
+    section = page.split("## `musclewire doctor`")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \|", section.split("| Check |")[1], re.M)
+    said = musclewire("doctor", "simulated", "--json").json
+    names = [one["name"] for one in (*said["checks"], *said["unchecked"])]
+    assert sorted(re.findall(r"`(\w+)`", " ".join(rows))) == sorted(names)
