@@ -1,0 +1,92 @@
+"""What hangs on the terminals of the emulated card: the simulated wire, wired as a nidaq rig file says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from emulation.daq_card import Card, Model
+from musclewire.errors import CallerError
+from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
+from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
+from musclewire.rigs.nidaq.rig import COLUMNS
+from musclewire.rigs.simulated import SimulatedRig
+
+__all__ = ["PCI_6229", "USB_6001", "WiredRig", "card_of"]
+
+# From NI's manuals: terminals, configurations, and that USB devices have no hardware-timed single point.
+PCI_6229 = Model(
+    "PCI-6229",
+    tuple(f"ai{number}" for number in range(32)),
+    tuple(f"ao{number}" for number in range(4)),
+    ("differential", "RSE", "NRSE"),
+    single_point=True,
+)
+USB_6001 = Model(
+    "USB-6001",
+    tuple(f"ai{number}" for number in range(8)),
+    ("ao0", "ao1"),
+    ("differential", "RSE"),
+    single_point=False,
+)
+SHORTEST_STEP_S = 0.001
+
+
+class WiredRig:
+    """A simulated rig whose voltages stand at the terminals that a nidaq rig file names.
+
+    ``errors`` are gain and offset [V] that a terminal truly has beside what the file says, by terminal: what
+    ``doctor`` is to find.
+    """
+
+    def __init__(
+        self, rig: SimulatedRig, wiring: NiDaqConfiguration, errors: dict[str, tuple[float, float]] | None = None
+    ) -> None:
+        """Wire a rig; it is driven below its own protection, as the circuit on a bench is."""
+        self.rig = rig
+        self.largest_drive_v = 0.0
+        self._wiring = wiring
+        self._inputs = {COLUMNS[name]: item for name, item in wiring.inputs.wired().items()}
+        self._errors = errors or {}
+
+    def advance(self, outputs_v: dict[str, float]) -> dict[str, float]:
+        """Return the voltages at the input terminals after a tick with these at the outputs."""
+        drive_v = self._wiring.output.rule.quantity(outputs_v[self._wiring.output.channel])
+        self.largest_drive_v = max(self.largest_drive_v, drive_v)
+        # A rig's own exchange would protect the wire; behind a card nothing does but who drives the card.
+        sample = self.rig._exchange(max(drive_v, 0.0))
+        read_v = {}
+        for column, item in self._inputs.items():
+            value = getattr(sample, column)
+            gain, offset_v = self._errors.get(item.channel, (1.0, 0.0))
+            read_v[item.channel] = gain * item.rule.voltage_v(value if value is not None else 0.0) + offset_v
+        return read_v
+
+
+def card_of(
+    wiring: str | Path | NiDaqConfiguration,
+    wire: str | Path | RigConfiguration = "simulated",
+    *,
+    paced: bool,
+    errors: dict[str, tuple[float, float]] | None = None,
+) -> Card:
+    """Return the emulated card of a nidaq rig, with a simulated rig on its terminals.
+
+    Raises CallerError for a wiring that is no nidaq rig, and a wire that is not simulated.
+    """
+    found = wiring if isinstance(wiring, NiDaqConfiguration) else rig_configuration(wiring)[0]
+    if not isinstance(found, NiDaqConfiguration):
+        raise CallerError(f"{wiring} is no rig of kind nidaq: it says what is wired to the card")
+    tick_s = 1.0 / found.reading_rate
+    # Each reading of the card is one of the converter: the rig averages what it reads.
+    rig = open_rig(
+        wire,
+        sample_period_s=tick_s,
+        time_step_s=min(tick_s, SHORTEST_STEP_S),
+        acquisition_readings=1,
+        shunt_resistance_ohm=found.shunt,
+    )
+    if not isinstance(rig, SimulatedRig):
+        rig.close()
+        raise CallerError(f"{wire} is not simulated: it cannot stand behind an emulated card")
+    model = PCI_6229 if found.output_timing == "hardware" else USB_6001
+    return Card(found.device, model, WiredRig(rig, found, errors), tick_s, paced=paced)

@@ -1,0 +1,96 @@
+"""Arithmetic without a card: from volts at a terminal to quantities, and how a sample period is divided."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from musclewire.errors import CallerError
+
+__all__ = ["Layout", "Scale", "layout_of"]
+
+# The first reading after the output's clock edge is taken while the output still moves.
+SETTLING_READINGS = 1
+
+
+class Scale(NamedTuple):
+    """``quantity = per_volt * voltage + offset``; both as a calibration found them."""
+
+    per_volt: float
+    offset: float
+
+    def quantity(self, voltage_v: float) -> float:
+        """Return the quantity [SI] for a voltage at the terminal."""
+        return self.per_volt * voltage_v + self.offset
+
+    def voltage_v(self, quantity: float) -> float:
+        """Return the voltage at the terminal for a quantity [SI]."""
+        return (quantity - self.offset) / self.per_volt
+
+    def largest(self, range_v: float) -> float:
+        """Return the largest quantity that fits into a terminal's range to both sides."""
+        return min(abs(self.quantity(range_v)), abs(self.quantity(-range_v)))
+
+
+class Span(NamedTuple):
+    """Which readings make a sample: how many to fetch, and how many of them, the last ones, to average."""
+
+    fetch: int
+    average: int
+    periods: int
+
+
+class Layout(NamedTuple):
+    """How a sample period is divided: all readings of it, those averaged, and whether the card's clock sets the drive.
+
+    On demand, a period is the host's time to decide, then the averaged readings, so the drive changes within its first
+    part. By the card's clock it is one reading to settle, the averaged ones, then the host's time to decide.
+    """
+
+    period: int
+    readings: int
+    clocked: bool
+
+    @property
+    def decision(self) -> int:
+        """Readings that pass while the host may decide."""
+        return self.period - self.readings - (SETTLING_READINGS if self.clocked else 0)
+
+    def first(self) -> Span:
+        """Return the span of the first sample, whose drive is out before the readings begin."""
+        fetch = SETTLING_READINGS + self.readings if self.clocked else self.period
+        return Span(fetch, self.readings, 1)
+
+    def following(self, waiting: int) -> Span:
+        """Return the span of a sample whose drive was written when so many readings waited since the last one.
+
+        All its averaged readings are taken under that drive. A host that was late skips whole periods, so that times
+        stay multiples of the period.
+        """
+        late = max(0, waiting - self.decision)
+        if self.clocked:
+            periods = 1 + -(-late // self.period)
+            return Span(periods * self.period, self.readings, periods)
+        # A late write leaves fewer readings of its period; under half of them is too few.
+        periods = 1 + late // self.period
+        left = periods * self.period - waiting
+        if 2 * left < self.readings:
+            periods, left = periods + 1, left + self.period
+        return Span(periods * self.period, min(self.readings, left), periods)
+
+
+def layout_of(sample_period_s: float, reading_rate_hz: float, readings: int, *, clocked: bool) -> Layout:
+    """Return how a sample period is divided. Raises CallerError where the numbers do not fit together."""
+    exact = sample_period_s * reading_rate_hz
+    period = round(exact)
+    if period < 1 or abs(exact - period) > 1e-6 * exact:
+        raise CallerError(
+            f"a sample_period of {sample_period_s:g} s has {exact:g} readings at a reading_rate of "
+            f"{reading_rate_hz:g} Hz: it must be a whole number"
+        )
+    layout = Layout(period, readings, clocked)
+    if layout.decision < 1:
+        raise CallerError(
+            f"readings {readings} of the {period} in a sample period leave the host no time to decide: "
+            f"average at most {readings - 1 + layout.decision}"
+        )
+    return layout

@@ -1,0 +1,176 @@
+"""What a rig file of kind nidaq says: the card, what is wired to its terminals, and the wire.
+
+kind = "nidaq"
+device = "Dev1"
+output_timing = "hardware"
+reading_rate = "1 kHz"
+readings = 40
+
+[output]
+channel = "ao0"
+
+[inputs.wire_voltage]
+channel = "ai0"
+
+[inputs.shunt_voltage]
+channel = "ai1"
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from musclewire.errors import CallerError
+from musclewire.rigs.hardware import HardwareConfiguration
+from musclewire.rigs.mounted import MountedWire
+from musclewire.rigs.nidaq.channels import Layout, Scale, layout_of
+from musclewire.rigs.quantities import measured_in
+
+if TYPE_CHECKING:
+    from musclewire.rigs.nidaq.rig import NiDaqRig
+
+__all__ = ["DisplacementInput", "ForceInput", "Inputs", "NiDaqConfiguration", "Output", "Terminal", "VoltageInput"]
+
+Terminal = Literal["differential", "RSE", "NRSE", "pseudodifferential"]
+Hertz = Annotated[float, measured_in("Hz"), Field(gt=0.0, allow_inf_nan=False)]
+RangeVolts = Annotated[float, measured_in("V"), Field(gt=0.0, le=60.0)]
+Volts = Annotated[float, measured_in("V"), Field(allow_inf_nan=False)]
+Gain = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+MetresPerVolt = Annotated[float, measured_in("m/V"), Field(allow_inf_nan=False)]
+Metres = Annotated[float, measured_in("m"), Field(allow_inf_nan=False)]
+NewtonsPerVolt = Annotated[float, measured_in("N/V"), Field(allow_inf_nan=False)]
+Newtons = Annotated[float, measured_in("N"), Field(allow_inf_nan=False)]
+
+
+class Input(BaseModel):
+    """A terminal pair of the card: its number, how it is referred to ground, its range to both sides."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    channel: Annotated[str, Field(pattern=r"^ai\d+$")]
+    terminal: Terminal = "differential"
+    range: RangeVolts = 10.0
+
+
+class VoltageInput(Input):
+    """A voltage; ``gain`` is volts on the circuit per volt at the terminal, ``offset`` what remains at 0 V."""
+
+    gain: Gain = 1.0
+    offset: Volts = 0.0
+
+    @property
+    def rule(self) -> Scale:
+        """How volts at the terminal become volts on the circuit."""
+        return Scale(self.gain, self.offset)
+
+
+class DisplacementInput(Input):
+    """A displacement sensor with a voltage output: an LVDT's conditioner or a laser."""
+
+    scale: MetresPerVolt
+    offset: Metres = 0.0
+
+    @property
+    def rule(self) -> Scale:
+        """How volts become metres."""
+        return Scale(self.scale, self.offset)
+
+
+class ForceInput(Input):
+    """A load cell behind its amplifier."""
+
+    scale: NewtonsPerVolt
+    offset: Newtons = 0.0
+
+    @property
+    def rule(self) -> Scale:
+        """How volts become newtons."""
+        return Scale(self.scale, self.offset)
+
+
+class Inputs(BaseModel):
+    """What is wired to the inputs; both voltages always, instruments where there are some."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    wire_voltage: VoltageInput
+    shunt_voltage: VoltageInput
+    displacement: DisplacementInput | None = None
+    force: ForceInput | None = None
+    endpoint_displacement: DisplacementInput | None = None
+    endpoint_force: ForceInput | None = None
+
+    def wired(self) -> dict[str, VoltageInput | DisplacementInput | ForceInput]:
+        """Return the inputs that there are, by the names of what they measure."""
+        found = {name: getattr(self, name) for name in type(self).model_fields}
+        return {name: item for name, item in found.items() if item is not None}
+
+
+class Output(BaseModel):
+    """The output that drives the circuit; ``gain`` is drive volts per volt of the card: the buffer amplifier's."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    channel: Annotated[str, Field(pattern=r"^ao\d+$")] = "ao0"
+    range: RangeVolts = 10.0
+    gain: Gain = 1.0
+    offset: Volts = 0.0
+
+    @property
+    def rule(self) -> Scale:
+        """How volts of the card become the drive voltage."""
+        return Scale(self.gain, self.offset)
+
+
+class NiDaqConfiguration(HardwareConfiguration, MountedWire):
+    """A rig file of an NI card; the wire's keys are those of every real rig (``MountedWire``).
+
+    Attributes:
+        device: the card's name in NI MAX.
+        grpc: address of an NI gRPC device server, where the card is in another machine.
+        output_timing: ``hardware``: the drive changes at the card's clock edges (hardware-timed single point);
+            ``on-demand``: when the host writes it.
+        reading_rate: readings of each channel per second.
+        readings: so many of a sample period's readings are averaged; the rest is the host's time to decide.
+    """
+
+    kind: Literal["nidaq"]
+    device: Annotated[str, Field(min_length=1)]
+    grpc: str | None = None
+    output_timing: Literal["hardware", "on-demand"] = "on-demand"
+    reading_rate: Hertz = 1000.0
+    readings: Annotated[int, Field(ge=1)]
+    output: Output = Output()
+    inputs: Inputs
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> NiDaqConfiguration:
+        try:
+            self.layout()
+        except CallerError as error:
+            raise ValueError(str(error)) from None
+        channels = [item.channel for item in self.inputs.wired().values()]
+        twice = next((name for name in channels if channels.count(name) > 1), None)
+        if twice:
+            raise ValueError(f"the channel {twice} is named for two inputs")
+        rule = self.output.rule
+        for voltage_v in (0.0, self.maximum_voltage):
+            if abs(rule.voltage_v(voltage_v)) > self.output.range:
+                raise ValueError(
+                    f"a drive of {voltage_v:g} V needs {rule.voltage_v(voltage_v):g} V at {self.output.channel}, "
+                    f"outside its range of {self.output.range:g} V to both sides"
+                )
+        return self
+
+    def layout(self) -> Layout:
+        """Return how a sample period is divided. Raises CallerError where the numbers do not fit together."""
+        clocked = self.output_timing == "hardware"
+        return layout_of(self.sample_period, self.reading_rate, self.readings, clocked=clocked)
+
+    def open(self) -> NiDaqRig:
+        """Return the open rig at 0 V. Raises MissingExtraError without nidaqmx, RigError without the card."""
+        from musclewire.rigs.nidaq.rig import NiDaqRig
+
+        return NiDaqRig(self)

@@ -1,0 +1,263 @@
+"""The few calls of nidaqmx that a rig makes, on a card in this machine or behind NI's gRPC device server."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.errors import MissingExtraError
+from musclewire.rigs.nidaq.faults import LATE_WRITE, DaqFaultError, explained
+
+__all__ = ["Card", "InputStream", "OutputLine", "OutputSettings", "nidaqmx_package"]
+
+EXTRA = "nidaq"
+# Longer than any sample, shorter than a user's patience.
+TIMEOUT_S = 2.0
+
+
+def nidaqmx_package() -> ModuleType:
+    """Return the package nidaqmx. Raises MissingExtraError where it is not installed."""
+    try:
+        import nidaqmx
+        import nidaqmx.constants
+        import nidaqmx.errors
+        import nidaqmx.stream_readers
+        import nidaqmx.stream_writers
+        import nidaqmx.system
+    except ImportError:
+        raise MissingExtraError("a rig of kind nidaq", EXTRA) from None
+    package: ModuleType = nidaqmx
+    return package
+
+
+class Card:
+    """A card by its name, in this machine or, with an address, behind a gRPC device server."""
+
+    def __init__(self, device: str, grpc_address: str | None = None) -> None:
+        """Remember where it is. Raises MissingExtraError without the package that the way there needs."""
+        self.device = device
+        self.package = nidaqmx_package()
+        self._channel: Any = None
+        self._options: Any = None
+        if grpc_address is None:
+            return
+        try:
+            import grpc
+        except ImportError:
+            raise MissingExtraError("a card behind gRPC", EXTRA) from None
+        self._channel = grpc.insecure_channel(grpc_address)
+        self._options = self.package.GrpcSessionOptions(self._channel, "")
+
+    @contextmanager
+    def explaining(self) -> Iterator[None]:
+        """Turn the driver's exceptions into faults of one line."""
+        try:
+            yield
+        except self.package.errors.Error as error:
+            raise explained(error, self.device) from None
+
+    def task(self) -> Any:
+        """Return a new task of the driver."""
+        return self.package.Task(grpc_options=self._options)
+
+    def handle(self) -> Any:
+        """Return the driver's object for the device."""
+        if self._options is None:
+            return self.package.system.Device(self.device)
+        return self.package.system.System.remote(self._options).devices[self.device]
+
+    def product(self) -> str:
+        """Return what kind of card it is. Raises DaqFaultError where it is not there."""
+        with self.explaining():
+            return str(self.handle().product_type)
+
+    def channels(self) -> tuple[set[str], set[str]]:
+        """Return the names of the card's inputs and outputs."""
+        with self.explaining():
+            handle = self.handle()
+            return (
+                {name.rpartition("/")[2] for name in handle.ai_physical_chans.channel_names},
+                {name.rpartition("/")[2] for name in handle.ao_physical_chans.channel_names},
+            )
+
+    def reset(self) -> None:
+        """Abort every task on the card, whoever owns it, and put its outputs where a reset puts them."""
+        with self.explaining():
+            self.handle().reset_device()
+
+    def close(self) -> None:
+        """Let go of the line to the server."""
+        if self._channel is not None:
+            self._channel.close()
+
+
+class InputStream:
+    """All inputs of a rig in one task, read at the card's sample clock into the driver's buffer."""
+
+    def __init__(self, card: Card, inputs: Mapping[str, Any], rate_hz: float, buffer: int) -> None:
+        """Set up channels, clock and buffer. Raises DaqFaultError for what the card does not have."""
+        self._card = card
+        constants = card.package.constants
+        configurations = {
+            "differential": constants.TerminalConfiguration.DIFF,
+            "RSE": constants.TerminalConfiguration.RSE,
+            "NRSE": constants.TerminalConfiguration.NRSE,
+            "pseudodifferential": constants.TerminalConfiguration.PSEUDO_DIFF,
+        }
+        with card.explaining():
+            self._task = card.task()
+            try:
+                for item in inputs.values():
+                    self._task.ai_channels.add_ai_voltage_chan(
+                        f"{card.device}/{item.channel}",
+                        terminal_config=configurations[item.terminal],
+                        min_val=-item.range,
+                        max_val=item.range,
+                    )
+                self._task.timing.cfg_samp_clk_timing(
+                    rate_hz, sample_mode=constants.AcquisitionType.CONTINUOUS, samps_per_chan=buffer
+                )
+                self._task.in_stream.input_buf_size = buffer
+                self.rate_hz = float(self._task.timing.samp_clk_rate)
+            except BaseException:
+                self._task.close()
+                raise
+            self._reader = card.package.stream_readers.AnalogMultiChannelReader(self._task.in_stream)
+            self._reader.verify_array_shape = False
+        self._width = len(inputs)
+
+    def start(self) -> None:
+        """Begin to read."""
+        with self._card.explaining():
+            self._task.start()
+
+    def stop(self) -> None:
+        """End reading; what was not fetched is lost."""
+        with self._card.explaining():
+            self._task.stop()
+
+    def waiting(self) -> int:
+        """Return how many readings of each channel wait to be fetched."""
+        with self._card.explaining():
+            return int(self._task.in_stream.avail_samp_per_chan)
+
+    def fetch(self, count: int) -> NDArray[np.float64]:
+        """Return the next readings [V], shaped (inputs, count), waiting until they are there."""
+        values = np.empty((self._width, count))
+        with self._card.explaining():
+            self._reader.read_many_sample(values, count, timeout=TIMEOUT_S)
+        return values
+
+    def close(self) -> None:
+        """Let go of the inputs; never raises."""
+        with suppress(self._card.package.errors.Error):
+            self._task.close()
+
+
+class OutputSettings(NamedTuple):
+    """What the owner of an output must know: plain values, because they travel to another process."""
+
+    device: str
+    grpc_address: str | None
+    channel: str
+    range_v: float
+    clock_hz: float | None
+
+
+class OutputLine:
+    """One analogue output: at once, or at the edges of the card's clock once ``begin`` has been called."""
+
+    def __init__(self, settings: OutputSettings) -> None:
+        """Set up the output. Raises DaqFaultError for what the card does not have."""
+        self._settings = settings
+        self._card = Card(settings.device, settings.grpc_address)
+        self._timed: Any = None
+        self._timed_writer: Any = None
+        self._now: Any = None
+        self._now_writer: Any = None
+        with self._card.explaining():
+            self._now, self._now_writer = self._output()
+            if settings.clock_hz is not None:
+                self._timed, self._timed_writer = self._output()
+                mode = self._card.package.constants.AcquisitionType.HW_TIMED_SINGLE_POINT
+                self._timed.timing.cfg_samp_clk_timing(settings.clock_hz, sample_mode=mode)
+                self._timed.triggers.start_trigger.cfg_dig_edge_start_trig(f"/{settings.device}/ai/StartTrigger")
+        self._clocked = False
+
+    def _output(self) -> tuple[Any, Any]:
+        task = self._card.task()
+        range_v = self._settings.range_v
+        task.ao_channels.add_ao_voltage_chan(
+            f"{self._settings.device}/{self._settings.channel}", min_val=-range_v, max_val=range_v
+        )
+        writer = self._card.package.stream_writers.AnalogSingleChannelWriter(task.out_stream)
+        writer.verify_array_shape = False
+        return task, writer
+
+    def clock_hz(self) -> float | None:
+        """Return the rate at which the card changes the output, None where the host does."""
+        if self._timed is None:
+            return None
+        with self._card.explaining():
+            return float(self._timed.timing.samp_clk_rate)
+
+    def begin(self, voltage_v: float) -> None:
+        """Put out a voltage now, and wait for the inputs to start the clock where there is one."""
+        self.put_now(voltage_v)
+        if self._timed is None:
+            return
+        with self._card.explaining():
+            self._release(self._now)
+            self._timed.start()
+        self._clocked = True
+
+    def put(self, voltage_v: float) -> None:
+        """Put out a voltage: at the next clock edge where the clock runs, at once otherwise."""
+        if not self._clocked:
+            self.put_now(voltage_v)
+            return
+        try:
+            with self._card.explaining():
+                self._timed_writer.write_one_sample(voltage_v)
+        except DaqFaultError as fault:
+            # The clock was faster. The host sees by its readings how late it is, and skips what it missed.
+            if fault.code != LATE_WRITE:
+                raise
+
+    def put_now(self, voltage_v: float) -> None:
+        """Put out a voltage at once, whatever the clock does."""
+        with self._card.explaining():
+            if self._clocked:
+                self._clocked = False
+                self._release(self._timed)
+            self._now_writer.write_one_sample(voltage_v)
+
+    def _release(self, task: Any) -> None:
+        task.stop()
+        task.control(self._card.package.constants.TaskMode.TASK_UNRESERVE)
+
+    def take_over(self, voltage_v: float) -> None:
+        """Put out a voltage by every means: abort what is on the card, whoever owns it, and write."""
+        self._card.reset()
+        with self._card.explaining():
+            self._now, self._now_writer = self._output()
+        self._clocked = False
+        self.put_now(voltage_v)
+
+    def release_card(self) -> None:
+        """Abort what a dead host left on the card; never raises."""
+        with suppress(DaqFaultError):
+            self._card.reset()
+
+    def close(self) -> None:
+        """Let go of the output, which holds its last voltage; never raises."""
+        for task in (self._timed, self._now):
+            if task is not None:
+                with suppress(self._card.package.errors.Error):
+                    task.close()
+        self._card.close()

@@ -1,0 +1,255 @@
+"""A small process of its own that owns the card's output, because a card holds its last voltage when its program dies.
+
+The host sends it every drive voltage over a socket of this machine. It switches off when the socket closes without a
+goodbye (the host was killed), goes to the sense voltage and then off when the host is silent while the wire is driven
+(the host has stalled), and off when it is told to end. It opened the output before the host heated anything, so that
+switching off is one write.
+
+It is started by ``output.GuardedOutput``; nobody needs to run it by hand.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import socket
+import struct
+import sys
+import time
+from contextlib import suppress
+from typing import NamedTuple
+
+from musclewire.errors import MusclewireError
+from musclewire.rigs.nidaq.channels import Scale
+from musclewire.rigs.nidaq.driver import OutputLine, OutputSettings
+from musclewire.rigs.nidaq.faults import DaqFaultError
+
+__all__ = ["BEGIN", "COMMAND", "END", "KEEP", "PUT", "REPLY", "SAFE", "GuardianOrders", "Watch", "main"]
+
+# Host to guardian: what to do, and a drive voltage [V].
+COMMAND = struct.Struct("<cd")
+BEGIN, PUT, KEEP, SAFE, END = b"B", b"D", b"K", b"S", b"O"
+# Guardian to host: how it went; seconds of silence or the clock's rate; the driver's number; a text's length.
+REPLY = struct.Struct("<cdiH")
+DONE, TRIPPED, FAILED = b"A", b"T", b"E"
+# How often the guardian looks whether its parent still lives where a socket may have been inherited by others.
+LOOK_S = 0.05
+# How long it goes on trying to switch off a card that does not answer: a host that lives says so to its user, after a
+# dead one nobody else tries.
+PERSIST_S, PERSIST_ALONE_S = 1.0, 60.0
+
+
+class GuardianOrders(NamedTuple):
+    """What a guardian is told before it opens the output; voltages are drive voltages [V], times in seconds."""
+
+    output: OutputSettings
+    gain: float
+    offset_v: float
+    sense_voltage_v: float
+    sense_after_s: float
+    trip_after_s: float
+
+    def as_text(self) -> str:
+        """Return the orders as one line."""
+        return json.dumps(self)
+
+    @classmethod
+    def from_text(cls, text: str) -> GuardianOrders:
+        """Return the orders of a line."""
+        output, *rest = json.loads(text)
+        return cls(OutputSettings(*output), *rest)
+
+
+class Watch:
+    """How long a host may be silent: state in, voltage out, no clock of its own.
+
+    It watches only while the wire is driven above the sense voltage: below, silence harms nothing.
+    """
+
+    def __init__(self, orders: GuardianOrders) -> None:
+        """Start with nothing out."""
+        self._orders = orders
+        self.drive_v = 0.0
+        self.heard_s = 0.0
+        self.tripped_after_s: float | None = None
+        self._degraded = False
+
+    def hear(self, now_s: float, drive_v: float | None = None) -> None:
+        """Take note of a sign of life, and of a new drive voltage where there is one."""
+        self.heard_s = now_s
+        if drive_v is not None:
+            self.drive_v = drive_v
+            self._degraded = False
+
+    @property
+    def watching(self) -> bool:
+        """Whether silence matters now."""
+        return self.tripped_after_s is None and (self._degraded or self.drive_v > self._orders.sense_voltage_v + 1e-9)
+
+    def left_s(self, now_s: float) -> float:
+        """Return how long it is until something must happen."""
+        if not self.watching:
+            return LOOK_S
+        next_s = self._orders.trip_after_s if self._degraded else self._orders.sense_after_s
+        return min(LOOK_S, max(0.0, self.heard_s + next_s - now_s))
+
+    def due(self, now_s: float) -> float | None:
+        """Return the drive voltage that silence now calls for, None while it calls for none."""
+        silent_s = now_s - self.heard_s
+        if not self.watching or silent_s < self._orders.sense_after_s:
+            return None
+        if silent_s >= self._orders.trip_after_s:
+            self.tripped_after_s = silent_s
+            return 0.0
+        if self._degraded:
+            return None
+        self._degraded = True
+        return self._orders.sense_voltage_v
+
+
+class Guardian:
+    """The output, the socket and the watch together."""
+
+    def __init__(self, orders: GuardianOrders, line: socket.socket) -> None:
+        """Open the output and put it to 0 V. Raises DaqFaultError where that cannot be."""
+        self._line = line
+        self._scale = Scale(orders.gain, orders.offset_v)
+        self._watch = Watch(orders)
+        self._orders = orders
+        self._parent = os.getppid()
+        self._output = OutputLine(orders.output)
+        try:
+            self._output.put_now(self._scale.voltage_v(0.0))
+            self._reply(DONE, self._output.clock_hz() or 0.0)
+        except BaseException:
+            self._output.close()
+            raise
+
+    def run(self) -> None:
+        """Serve the host until it says goodbye or is gone; the output is at 0 V afterwards."""
+        goodbye = False
+        try:
+            while not goodbye and os.getppid() == self._parent:
+                ready, _, _ = select.select([self._line], [], [], self._watch.left_s(time.monotonic()))
+                if ready:
+                    message = self._receive()
+                    if message is None:
+                        break
+                    goodbye = self._obey(*message)
+                self._look()
+        finally:
+            # Whatever brought this process here, nothing may keep it from switching off.
+            signal.signal(signal.SIGTERM, signal.SIG_IGN)
+            self._off(PERSIST_S if goodbye else PERSIST_ALONE_S)
+            if not goodbye:
+                self._output.release_card()
+            self._output.close()
+            if goodbye:
+                with suppress(OSError):
+                    self._reply(DONE)
+
+    def _receive(self) -> tuple[bytes, float] | None:
+        """Return the next command, None where the host is gone."""
+        data = b""
+        while len(data) < COMMAND.size:
+            try:
+                more = self._line.recv(COMMAND.size - len(data))
+            except OSError:
+                return None
+            if not more:
+                return None
+            data += more
+        what, drive_v = COMMAND.unpack(data)
+        return what, drive_v
+
+    def _obey(self, what: bytes, drive_v: float) -> bool:
+        """Do what the host asks; return whether it was its goodbye."""
+        now = time.monotonic()
+        # A silence that has lasted too long stays so, even where the host woke before this process looked.
+        self._look()
+        if what == KEEP:
+            self._watch.hear(now)
+            return False
+        if what == END:
+            return True
+        if self._watch.tripped_after_s is not None:
+            self._reply(TRIPPED, self._watch.tripped_after_s)
+            return False
+        silent_s = now - self._watch.heard_s
+        try:
+            voltage_v = self._scale.voltage_v(drive_v)
+            if what == BEGIN:
+                self._output.begin(voltage_v)
+            elif what == PUT:
+                self._output.put(voltage_v)
+            else:
+                self._output.put_now(voltage_v)
+        except DaqFaultError as fault:
+            self._reply(FAILED, 0.0, fault)
+            return False
+        self._watch.hear(time.monotonic(), drive_v)
+        self._reply(DONE, silent_s)
+        return False
+
+    def _look(self) -> None:
+        """Do what silence calls for."""
+        due_v = self._watch.due(time.monotonic())
+        if due_v is None:
+            return
+        try:
+            self._output.put_now(self._scale.voltage_v(due_v))
+        except DaqFaultError:
+            self._off(PERSIST_S)
+
+    def _off(self, persist_s: float) -> None:
+        """Put out 0 V, by a reset of the card where a write fails; give up after a while."""
+        until = time.monotonic() + persist_s
+        while True:
+            try:
+                self._output.put_now(self._scale.voltage_v(0.0))
+                return
+            except DaqFaultError:
+                pass
+            try:
+                self._output.take_over(self._scale.voltage_v(0.0))
+                return
+            except DaqFaultError:
+                if time.monotonic() > until:
+                    return
+                time.sleep(LOOK_S)
+
+    def _reply(self, what: bytes, number: float = 0.0, fault: MusclewireError | None = None) -> None:
+        reply(self._line, what, number, fault)
+
+
+def reply(line: socket.socket, what: bytes, number: float = 0.0, fault: MusclewireError | None = None) -> None:
+    """Send a reply, with what went wrong where something did."""
+    text = str(fault).encode() if fault else b""
+    line.sendall(REPLY.pack(what, number, getattr(fault, "code", 0), len(text)) + text)
+
+
+def main() -> int:
+    """Read the port, a word that only the parent knows and the orders from standard input, then serve."""
+    # Ctrl-C goes to every process of a terminal; ending is the host's to decide.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    port, word = sys.stdin.readline().split()
+    orders = GuardianOrders.from_text(sys.stdin.readline())
+    line = socket.create_connection(("127.0.0.1", int(port)), timeout=5.0)
+    line.settimeout(None)
+    line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    with line:
+        line.sendall(word.encode())
+        try:
+            guardian = Guardian(orders, line)
+        except MusclewireError as fault:
+            reply(line, FAILED, 0.0, fault)
+            return fault.exit_code
+        guardian.run()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

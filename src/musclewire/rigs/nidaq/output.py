@@ -1,0 +1,173 @@
+"""The host's end of the guardian: every drive voltage goes through it, and its silence is noticed too."""
+
+from __future__ import annotations
+
+import secrets
+import socket
+import subprocess
+import sys
+from contextlib import suppress
+
+from musclewire.errors import RigError
+from musclewire.rigs.nidaq.driver import OutputLine
+from musclewire.rigs.nidaq.faults import DaqFaultError
+from musclewire.rigs.nidaq.guardian import BEGIN, COMMAND, END, KEEP, PUT, REPLY, SAFE, GuardianOrders
+
+__all__ = ["GuardedOutput", "GuardianLostError", "HostStalledError"]
+
+# Starting Python and the driver takes a second or two on a slow machine.
+START_S = 30.0
+# Switching off may take a reset of the card; anything longer is a guardian that hangs.
+ANSWER_S = 3.0
+WORD_BYTES = 16
+
+
+class HostStalledError(RigError):
+    """The guardian has switched off because the host was silent; ``silent_s`` says for how long."""
+
+    def __init__(self, silent_s: float) -> None:
+        """Keep the time."""
+        super().__init__(f"no command for {silent_s:.3f} s")
+        self.silent_s = silent_s
+
+
+class GuardianLostError(RigError):
+    """The process that owns the output is gone or hangs; the host has switched off as far as it could."""
+
+
+class GuardedOutput:
+    """The output of a card, owned by a guardian process. Raises DaqFaultError where the card refuses."""
+
+    def __init__(self, orders: GuardianOrders) -> None:
+        """Start the guardian, and wait until it has put out 0 V."""
+        self._orders = orders
+        self._closed = False
+        word = secrets.token_hex(WORD_BYTES // 2)
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            server.settimeout(START_S)
+            # A session of its own on POSIX: what kills the host's group shall not kill its guardian first.
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "musclewire.rigs.nidaq.guardian"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                start_new_session=True,
+                text=True,
+            )
+            try:
+                assert self._process.stdin is not None
+                self._process.stdin.write(f"{server.getsockname()[1]} {word}\n{orders.as_text()}\n")
+                self._process.stdin.close()
+                self._line = accepted(server, word)
+            except (OSError, TimeoutError):
+                self._process.kill()
+                self._process.wait()
+                raise GuardianLostError("the process that owns the card's output did not start") from None
+        try:
+            self.clock_hz = self._answer() or None
+        except RigError:
+            self._let_go()
+            raise
+
+    def begin(self, drive_v: float) -> None:
+        """Put out a drive voltage now; where the card has a clock for it, the next ones wait for its edges."""
+        self._ask(BEGIN, drive_v)
+
+    def put(self, drive_v: float) -> None:
+        """Put out a drive voltage at the next edge, or at once where there is no clock."""
+        self._ask(PUT, drive_v)
+
+    def put_now(self, drive_v: float) -> None:
+        """Put out a drive voltage at once."""
+        self._ask(SAFE, drive_v)
+
+    def keep(self) -> None:
+        """Say that the host is alive while it waits for readings."""
+        try:
+            self._line.sendall(COMMAND.pack(KEEP, 0.0))
+        except OSError:
+            self._lost()
+
+    def _ask(self, what: bytes, drive_v: float) -> None:
+        try:
+            self._line.sendall(COMMAND.pack(what, drive_v))
+        except OSError:
+            self._lost()
+        self._answer()
+
+    def _answer(self) -> float:
+        """Return the number of the guardian's answer. Raises what it says has gone wrong."""
+        try:
+            what, number, code, length = REPLY.unpack(self._receive(REPLY.size))
+            text = self._receive(length).decode() if length else ""
+        except (OSError, EOFError):
+            self._lost()
+        if what == b"T":
+            raise HostStalledError(number)
+        if what == b"E":
+            raise DaqFaultError(text, code)
+        return float(number)
+
+    def _receive(self, count: int) -> bytes:
+        data = b""
+        while len(data) < count:
+            more = self._line.recv(count - len(data))
+            if not more:
+                raise EOFError
+            data += more
+        return data
+
+    def _lost(self) -> None:
+        """Switch off without the guardian, which is gone or hangs, and raise GuardianLostError."""
+        self._let_go()
+        try:
+            output = OutputLine(self._orders.output)
+        except DaqFaultError as fault:
+            raise GuardianLostError(f"the process that owned the card's output has ended, and {fault}") from None
+        try:
+            off_v = (0.0 - self._orders.offset_v) / self._orders.gain
+            try:
+                output.put_now(off_v)
+            except DaqFaultError:
+                output.take_over(off_v)  # its task outlived it
+        except DaqFaultError as fault:
+            raise GuardianLostError(f"the process that owned the card's output has ended, and {fault}") from None
+        finally:
+            output.close()
+        raise GuardianLostError("the process that owned the card's output has ended; this one has switched off")
+
+    def _let_go(self) -> None:
+        self._closed = True
+        with suppress(OSError):
+            self._line.close()
+        if self._process.poll() is None:
+            self._process.kill()
+        self._process.wait()
+
+    def close(self) -> None:
+        """Put out 0 V and end the guardian; may be done twice; never raises."""
+        if self._closed:
+            return
+        self._closed = True
+        try:
+            self._line.sendall(COMMAND.pack(END, 0.0))
+            self._process.wait(timeout=START_S)  # it ends only after it has put out 0 V
+        except (OSError, subprocess.TimeoutExpired):
+            with suppress(RigError):
+                self._lost()
+        self._line.close()
+
+
+def accepted(server: socket.socket, word: str) -> socket.socket:
+    """Return the connection of the process that knows the word; others on this machine are turned away."""
+    while True:
+        line, _ = server.accept()
+        line.settimeout(ANSWER_S)
+        with suppress(OSError):
+            data = b""
+            while len(data) < len(word) and (more := line.recv(len(word) - len(data))):
+                data += more
+            if secrets.compare_digest(data, word.encode()):
+                line.settimeout(START_S)
+                line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                return line
+        line.close()
