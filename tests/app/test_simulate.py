@@ -124,3 +124,47 @@ def test_the_catalogue_table_shows_all_sizes(musclewire: Callable[..., Any]) -> 
         assert any(line.split()[:1] == [size] for line in text.splitlines())
     assert "200?" in text
     assert "660 " in text
+
+
+def test_the_table_answers_for_every_wire_at_a_length(musclewire: Callable[..., Any]) -> None:
+    said = musclewire("simulate", "--table", "--length", "200 mm", "--json").json
+    assert [row["wire"] for row in said["rows"]] == [name for name in names("wire") if name.startswith("flexinol-")]
+    for row in said["rows"]:
+        assert 0.0 < row["holding_current_a"] <= 1.001 * row["one_second_current_a"]
+        assert row["holding_current_a"] < row["lasting_current_a"]
+        assert row["shunt_rating_w"] >= 3.0 * row["shunt_power_w"]
+        assert row["power_w"] < row["supply_v"] * row["one_second_current_a"]
+        assert 0.5 < row["one_second_current_a"] / row["catalogue_current_a"] < 1.5
+
+
+def test_a_row_of_the_table_is_what_the_same_wire_is_told_alone(musclewire: Callable[..., Any]) -> None:
+    rows = musclewire("simulate", "--table", "--json").json["rows"]
+    row = next(row for row in rows if row["wire"] == "flexinol-0.15-lt")
+    alone = musclewire("simulate", "--wire", "flexinol-0.15-lt", "--json").json["suggested"]
+    # Which shunt stands beside the wire while it is sized makes no difference to a held current.
+    assert row["one_second_current_a"] == pytest.approx(alone["one_second_current_a"], rel=1e-3)
+    assert row["supply_v"] == pytest.approx(alone["supply_v"], rel=1e-2)
+    assert row["shunt_resistance_ohm"] == alone["shunt_resistance_ohm"]
+
+
+def test_the_lasting_current_settles_at_the_working_limit(musclewire: Callable[..., Any]) -> None:
+    rows = musclewire("simulate", "--table", "--json").json["rows"]
+    row = next(row for row in rows if row["wire"] == "flexinol-0.20-ht")
+    said = musclewire(
+        "simulate",
+        "--wire",
+        "flexinol-0.20-ht",
+        "--current",
+        f"{row['lasting_current_a']} A",
+        "--off-after",
+        "30",
+        "--json",
+    ).json
+    assert said["settled_temperature_degc"] == pytest.approx(150.0, abs=3.0)
+
+
+@pytest.mark.parametrize("option", [("--supply", "5 V"), ("--load", "1 N"), ("--shunt", "1 ohm")])
+def test_the_table_refuses_what_belongs_to_one_wire(musclewire: Callable[..., Any], option: tuple[str, str]) -> None:
+    answer = musclewire("simulate", "--table", *option)
+    assert answer.code == 2
+    assert option[0] in answer.err

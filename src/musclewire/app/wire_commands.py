@@ -12,6 +12,7 @@ from musclewire.app.options import Force, Json, quantity_option
 from musclewire.app.output import emit_json, progress_bar, say, show
 from musclewire.app.stopping import stops_between_samples
 from musclewire.app.wire_text import answer_json, answer_text, comparison_json, comparison_text, wires_json, wires_text
+from musclewire.errors import CallerError
 
 __all__ = ["add_wire_commands"]
 
@@ -46,12 +47,21 @@ def simulate(
     plot: Annotated[Path | None, typer.Option("--plot", help="Figure to write (.svg, .png, .pdf).")] = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the instruments' noise.")] = 1,
     list_wires: Annotated[bool, typer.Option("--list", help="Show all wires and end.")] = False,
+    table: Annotated[
+        bool, typer.Option("--table", help="Current, voltage and shunt for all wires at --length, and end.")
+    ] = False,
     force: Force = False,
     json: Json = False,
 ) -> None:
     """A drive through a wire: what supply, shunt and current does my wire want?"""
     if list_wires:
         emit_json(wires_json()) if json else show(wires_text())
+        return
+    if table:
+        refuse_with_table(
+            supply=supply, current=current, load=load, spring=spring, shunt=shunt, output=output, plot=plot
+        )
+        show_table(length, stress, ambient, json)
         return
     from musclewire.experiment.maker import DriveQuestion, ask, drive_plan
 
@@ -84,6 +94,31 @@ def simulate(
             say(f"warning: {warning}")
     if answer.numbers.melted:
         raise typer.Exit(1)
+
+
+def refuse_with_table(**given: object) -> None:
+    """Raise CallerError for options that a table of all wires has no use for."""
+    for name, value in given.items():
+        if value is not None:
+            raise CallerError(f"--{name} belongs to one wire: with --table give --length, --stress and --ambient only")
+
+
+def show_table(length: str, stress: str | None, ambient: str, json: bool) -> None:
+    """Print what every wire of the catalogue wants at a length."""
+    from musclewire.app.wire_table_text import table_json, table_text
+    from musclewire.identify.catalogue_check import PULL_STRESS_PA
+    from musclewire.identify.wire_table import wire_table
+
+    length_m = quantity_option(length, "m", "--length") or 0.0
+    stress_pa = PULL_STRESS_PA if stress is None else quantity_option(stress, "Pa", "--stress") or 0.0
+    ambient_k = quantity_option(ambient, "K", "--ambient") or 0.0
+    if not (length_m > 0.0 and stress_pa > 0.0 and 200.0 < ambient_k < 330.0):
+        raise CallerError("--table needs a --length and a --stress above 0 and an --ambient from -73 to 57 degC")
+    rows = wire_table(length_m, stress_pa, ambient_k)
+    if json:
+        emit_json(table_json(rows, length_m, stress_pa, ambient_k))
+    else:
+        show(table_text(rows, length_m, stress_pa, ambient_k))
 
 
 def catalogue(json: Json = False) -> None:
