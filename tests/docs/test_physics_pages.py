@@ -37,6 +37,10 @@ def test_the_page_of_parameters_is_what_its_script_writes(draw: ModuleType) -> N
     assert PARAMETERS.read_text("utf-8") == draw.parameter_page.page(), AGAIN
 
 
+def test_the_page_on_protection_is_the_table_the_code_runs_by(draw: ModuleType) -> None:
+    assert draw.PROTECTION_PAGE.read_text("utf-8") == draw.protection_page.page(), AGAIN
+
+
 def test_every_parameter_of_the_alloy_the_wires_and_the_bench_is_on_the_page() -> None:
     listed = {word for table in tables_of(PARAMETERS.read_text("utf-8")) for row in table
               for word in code_words(row.get("parameter", ""))}  # fmt: skip

@@ -1,0 +1,111 @@
+"""docs/reference/protection.md from the table that host, exported C and firmware follow."""
+
+from __future__ import annotations
+
+from musclewire.controllers.protection import ProtectionLimits, ProtectionTable, protection_table
+from musclewire.rigs.configuration import open_rig
+
+HEAD = """# What keeps the wire safe
+
+Written by `python docs/images/draw.py physics` from the table the code runs by; a test holds this page to it. Do not
+edit it by hand. `musclewire protection` prints the same table, `musclewire protection RIG` also the limits of a rig.
+
+One table of states, events and actions stands below every rig: simulated, replayed, on a card, on a board. A script
+reaches the wire only through `rig.exchange(...)`, and `exchange` asks the table before a voltage goes out and after a
+sample has come back. The C library of `musclewire export c` and the firmware carry the same table, made from the same
+file, and follow it when the host is gone. What the table cannot do stands at the end of this page.
+"""
+
+DIAGRAM = """```mermaid
+stateDiagram-v2
+    [*] --> off
+    off --> sense: open or ARM
+    sense --> run: first command
+    run --> hold: a reading or command is missing
+    hold --> run: it is back
+    hold --> sense: after {sense} s
+    sense --> run: it is back
+    sense --> tripped: after {trip} s
+    run --> tripped: any event that trips
+    hold --> tripped: any event that trips
+    run --> off: close, OFF
+    tripped --> off: close; only opening or arming again leaves it
+```"""
+
+RULES = """- **Latched.** After a trip the drive stays off whatever is asked; the first cause stays, too. The rig must be opened
+  again, a board armed again.
+- **In time.** From a fault to 0 V takes at most 0.5 s. An event's own time is in the table; to it comes one sample
+  period, because a fault shows in the next sample.
+- **Missing.** A reading without current, a late sample or a missing command is bridged: the drive is held at once, falls
+  to the sense voltage after {sense} s and goes off after {trip} s. Nothing that a script commands is followed meanwhile.
+- **Averaged.** A reading is judged as a mean over at least {reading} ms: one noisy sample of a fast rig is no event.
+- **Told.** A trip raises `ProtectionTripError`, a `RigError` with the event in `.event`; a command ends with exit code 3, and
+  the recording says the cause in `ended`.
+"""
+
+LIMITS_HEAD = """## Limits
+
+They follow from wire and circuit; a rig file's `[limits]` sets those the user knows better (`maximum_current`,
+`maximum_power`, `maximum_temperature`, `minimum_current`, `resistance_low`, `resistance_high`, `jump_share`). For the
+simulated rig with the paper's wire:
+"""
+
+LAST = """## What it cannot do
+
+- A transistor or amplifier that has failed closed heats the wire whatever software says. The event `output_stuck` tells,
+  and only the supply's fuse, its current limit or the emergency switch stop it.
+- The temperature is an estimate from the power, for still air and a straight wire. A wire in a sleeve, against a wall or
+  embedded is hotter.
+- A frozen converter without noise of its own is seen only when the drive has moved.
+- A contact that changes the resistance by less than `jump_share` from one reading to the next is not seen here.
+- A data acquisition card has no program of its own. When the machine itself dies, its output stays: see
+  [how to drive an NI card](../how-to/drive_an_ni_card.md).
+"""
+
+
+def page() -> str:
+    """Return the whole page."""
+    table = protection_table()
+    times = {"sense": f"{table.sense_after_s:g}", "trip": f"{table.trip_after_s:g}"}
+    parts = [
+        HEAD,
+        f"## States\n\n{states(table)}\n\n{DIAGRAM.format(**times)}\n\n"
+        f"{RULES.format(**times, reading=f'{1e3 * table.reading_period_s:g}')}",
+        f"## Events\n\n{events(table)}\n",
+        f"{LIMITS_HEAD}\n{limits()}\n",
+        LAST,
+    ]
+    return "\n".join(parts)
+
+
+def states(table: ProtectionTable) -> str:
+    """Return the states as a table."""
+    rows = [f"| {row.number} | `{row.name}` | {row.output} | {row.meaning} |" for row in table.state]
+    return "\n".join(["| No. | State | Output | Meaning |", "|---|---|---|---|", *rows])
+
+
+def events(table: ProtectionTable) -> str:
+    """Return the events as a table."""
+    rows = [
+        f"| {row.number} | `{row.name}` | {row.when} | {f'{row.lasts_s:g} s' if row.lasts_s else '-'} | {row.action} | "
+        f"{', '.join(row.watched_by)} | {row.cause}: {row.remedy} |"
+        for row in table.event
+    ]
+    head = "| No. | Event | When | Must last | Then | Watched by | Cause and remedy |"
+    return "\n".join([head, "|---|---|---|---|---|---|---|", *rows])
+
+
+def limits() -> str:
+    """Return the limits of the simulated rig as a table, with what each is."""
+    with open_rig("simulated") as rig:
+        found = rig.protection_limits
+    meaning = dict(meanings(ProtectionLimits))
+    rows = [f"| `{name}` | {value:.4g} | {meaning[name]} |" for name, value in found._asdict().items()]
+    return "\n".join(["| Limit | Value | What it is |", "|---|---|---|", *rows])
+
+
+def meanings(model: type[ProtectionLimits]) -> list[tuple[str, str]]:
+    """Return what the docstring says of each limit."""
+    text = (model.__doc__ or "").partition("Attributes:")[2]
+    pairs = (line.strip().partition(": ") for line in text.splitlines() if ": " in line)
+    return [(name, said.rstrip(".")) for name, _, said in pairs]
