@@ -114,20 +114,23 @@ class FrameParser:
         return frames
 
     def _keep(self, piece: bytes) -> None:
-        room = LONGEST_ON_THE_LINE_BYTES - len(self._under_way)
-        self._overflowed = self._overflowed or len(piece) > room
-        self._under_way += piece[:room]
+        """Keep bytes of the frame under way; noise without any zero counts once per frame's length, as on the board."""
+        at = 0
+        while len(piece) - at > (room := LONGEST_ON_THE_LINE_BYTES - len(self._under_way)):
+            self.errors.too_long += 1
+            self._overflowed = True
+            self._under_way.clear()
+            at += room + 1
+        self._under_way += piece[at:]
 
     def _finish(self) -> Frame | None:
         """Return the frame that a zero byte has just ended, None for one that is dropped."""
         stuffed, overflowed = bytes(self._under_way), self._overflowed
         self._under_way.clear()
         self._overflowed = False
-        if overflowed:
-            self.errors.too_long += 1
+        # What was too long has been counted when it became so; zeros in a row are how a sender flushes the line.
+        if overflowed or not stuffed:
             return None
-        if not stuffed:
-            return None  # zeros in a row are how a sender flushes the line
         body = unstuff(stuffed)
         if body is None:
             self.errors.stuffing += 1
