@@ -94,7 +94,7 @@ def _circuit(limits: ProtectionLimits) -> list[Constant]:
 
 
 def _model(model: SensingModel) -> list[Constant]:
-    falling = tuple(reversed(model.average_coefficients))
+    heating, cooling = (tuple(reversed(powers)) for powers in (model.heating_coefficients, model.cooling_coefficients))
     per_ohm = 1.0 / (model.resistance_max_ohm - model.resistance_min_ohm)
     return [
         _real("RESISTANCE_MIN_OHM", model.resistance_min_ohm, "normalised resistance 0"),
@@ -106,8 +106,9 @@ def _model(model: SensingModel) -> list[Constant]:
         _real("VALID_TO", model.normalised_max + MARGIN),
         _real("QUANTITY_MIN", model.quantity_min, f"{model.quantity} [{model.unit}] at the ends of the range"),
         _real("QUANTITY_MAX", model.quantity_max),
-        _integer("COEFFICIENTS", len(falling)),
-        Constant("AVERAGE_FALLING", falling, table=True, meaning="g_a of Eq. 5, highest power first"),
+        _integer("COEFFICIENTS", len(heating)),
+        Constant("HEATING_FALLING", heating, table=True, meaning="g_h of Eq. 4, highest power first"),
+        Constant("COOLING_FALLING", cooling, table=True, meaning="g_c; the estimate is the mean of both (Eq. 5)"),
     ]
 
 
@@ -183,7 +184,7 @@ def _table() -> list[Constant]:
     lasting = protection_rules.LASTING
     rows = {row.number: row for row in table.event}
     actions = tuple(float(ACTIONS[rows[event].action if event in rows else ""]) for event in Event)
-    shares = ("DRIVEN_SHARE", "STUCK_SHARE", "SUPPLY_SHARE", "SHORT_SHARE", "MOVED_SHARE")
+    shares = ("DRIVEN_SHARE", "STUCK_SHARE", "SUPPLY_SHARE", "SHORT_SHARE", "MOVED_SHARE", "MAXIMUM_ROUNDING")
     return [
         *(_integer(f"STATE_{state.name}", state.value) for state in State),
         _integer("EVENTS", len(Event)),
@@ -220,7 +221,7 @@ def _integer(name: str, value: int, meaning: str = "") -> Constant:
 
 
 def numbers_of(constants: Sequence[Constant]) -> list[tuple[str, float]]:
-    """Return every real number with a name that says where it stands: ``AVERAGE_FALLING[2]``."""
+    """Return every real number with a name that says where it stands: ``HEATING_FALLING[2]``."""
     found = []
     for constant in constants:
         if constant.kind == "real":

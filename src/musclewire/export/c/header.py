@@ -10,7 +10,7 @@ from musclewire.export.c.numbers import literal, rows
 
 __all__ = ["constants_header", "model_checksum"]
 
-START = """/* Written by musclewire {version} (musclewire export c): the numbers of one wire, its controller, its limits.
+START = """/* Written by musclewire {version} (musclewire export c): numbers of one wire, its controller, its limits.
  * Model: {model}
  * Rule base: {rules}
  * Write it anew instead of editing it: the golden vectors beside it belong to these very numbers. */

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -68,20 +67,23 @@ def _check_estimate(model: SensingModel, constants: Constants) -> None:
         return
     low, high = constants.value("NORMALISED_MIN"), constants.value("NORMALISED_MAX")
     reach = max(abs(low), abs(high))
-    terms = [abs(coefficient) * reach**power for power, coefficient in enumerate(model.average_coefficients)]
-    power = int(np.argmax(terms))
+    branch, power, term = max(
+        (
+            (name, power, abs(coefficient) * reach**power)
+            for name in ("heating", "cooling")
+            for power, coefficient in enumerate(getattr(model, f"{name}_coefficients"))
+        ),
+        key=lambda found: found[2],
+    )
     # Where no term is larger than the result, the digits went before: in Eq. 3, whose two resistances are too alike.
-    span_share = (model.resistance_max_ohm - model.resistance_min_ohm) / model.resistance_max_ohm
-    if terms[power] <= 10.0 * max(abs(model.quantity_min), abs(model.quantity_max)) or span_share < 1e-3:
+    if term <= 10.0 * max(abs(model.quantity_min), abs(model.quantity_max)):
         culprit = (
             f"resistance_min_ohm {model.resistance_min_ohm!r} and resistance_max_ohm {model.resistance_max_ohm!r} "
             "are too alike"
         )
     else:
-        culprit = (
-            f"coefficient {power} of the average polynomial, {model.average_coefficients[power]!r}, is cancelled by "
-            "its neighbours"
-        )
+        value = getattr(model, f"{branch}_coefficients")[power]
+        culprit = f"{branch}_coefficients[{power}], {value!r}, is cancelled by its neighbours"
     raise CallerError(
         f"in single precision the estimate is off by {share:.2g} of full scale, more than {LARGEST_ERROR:g}: "
         f"{culprit}; fit a lower order, or export with --double"
@@ -105,10 +107,12 @@ def single_estimates(constants: Constants, resistance_ohm: npt.NDArray[np.float6
     def number(name: str) -> np.float32:
         return np.float32(constants.value(name))
 
-    falling: Sequence[float] = next(c.values for c in constants.all() if c.name == "AVERAGE_FALLING")
+    def branch(name: str, inside: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        total = np.zeros_like(inside)
+        for coefficient in next(found.values for found in constants.all() if found.name == name):
+            total = total * inside + np.float32(coefficient)
+        return total
+
     share = (resistance_ohm.astype(np.float32) - number("RESISTANCE_MIN_OHM")) * number("SHARE_PER_OHM")
     inside = np.clip(share, number("NORMALISED_MIN"), number("NORMALISED_MAX"))
-    total = np.full(inside.shape, np.float32(falling[0]), dtype=np.float32)
-    for coefficient in falling[1:]:
-        total = total * inside + np.float32(coefficient)
-    return total
+    return (branch("HEATING_FALLING", inside) + branch("COOLING_FALLING", inside)) / np.float32(2.0)

@@ -61,7 +61,7 @@ void mw_protect_event(mw_protection *protection, uint8_t event, mw_real missing_
 void mw_protect_command(mw_protection *protection, mw_real drive_voltage_v)
 {
     /* Written so that a NaN is refused. */
-    if (!(drive_voltage_v >= 0 && drive_voltage_v <= MW_MAXIMUM_VOLTAGE_V)) {
+    if (!(drive_voltage_v >= 0 && drive_voltage_v <= MW_MAXIMUM_VOLTAGE_V * MW_MAXIMUM_ROUNDING)) {
         mw_protect_trip(protection, MW_EVENT_COMMAND_REFUSED);
         return;
     }
@@ -139,28 +139,33 @@ static void heat(mw_protection *protection, mw_real power_w, mw_real dt_s)
     protection->above_ambient_k = (protection->above_ambient_k + rise) / (1 + rate);
 }
 
-static void watch_frozen(mw_protection *protection, mw_real drive_voltage_v, mw_real wire_voltage_v,
-                         mw_real shunt_voltage_v, uint32_t dt_us)
+static uint16_t once_more(uint16_t repeats, uint8_t same)
 {
-    const uint8_t same =
-        wire_voltage_v == protection->wire_voltage_v || shunt_voltage_v == protection->shunt_voltage_v;
-    protection->wire_voltage_v = wire_voltage_v;
-    protection->shunt_voltage_v = shunt_voltage_v;
-    if (!same) {
-        protection->frozen_us = 0;
-        protection->frozen_readings = 0;
-        protection->frozen_drive_v = drive_voltage_v;
-        return;
-    }
-    protection->frozen_us = later(protection->frozen_us, dt_us);
-    if (protection->frozen_readings < UINT16_MAX)
-        protection->frozen_readings++;
+    if (!same)
+        return 0;
+    return repeats < UINT16_MAX ? (uint16_t)(repeats + 1) : repeats;
 }
 
-static uint8_t is_frozen(const mw_protection *protection, mw_real drive_voltage_v)
+static void count_repeats(mw_protection *protection, mw_real drive_voltage_v, mw_real wire_voltage_v,
+                          mw_real shunt_voltage_v)
 {
-    const mw_real moved_v = size_of(drive_voltage_v - protection->frozen_drive_v);
-    if (protection->frozen_readings < MW_FROZEN_READINGS || protection->frozen_us < MW_FROZEN_US)
+    protection->wire_repeats = once_more(protection->wire_repeats, wire_voltage_v == protection->wire_voltage_v);
+    protection->shunt_repeats =
+        once_more(protection->shunt_repeats, shunt_voltage_v == protection->shunt_voltage_v);
+    protection->wire_voltage_v = wire_voltage_v;
+    protection->shunt_voltage_v = shunt_voltage_v;
+    if (protection->wire_repeats == 0 && protection->shunt_repeats == 0)
+        protection->repeats_drive_v = drive_voltage_v;
+}
+
+/* Whether equal numbers in a row cannot be chance: noise or a moved drive should have changed them. */
+static uint8_t is_frozen(const mw_protection *protection, mw_real drive_voltage_v, uint32_t dt_us)
+{
+    const mw_real moved_v = size_of(drive_voltage_v - protection->repeats_drive_v);
+    const uint16_t repeats = protection->wire_repeats > protection->shunt_repeats ? protection->wire_repeats
+                                                                                  : protection->shunt_repeats;
+    /* repeats * dt >= the time, without a product that could overflow */
+    if (repeats < MW_FROZEN_READINGS || dt_us == 0 || repeats < (MW_FROZEN_US + dt_us - 1) / dt_us)
         return 0;
     return MW_READINGS_NOISY || moved_v > MW_MOVED_SHARE * MW_MAXIMUM_VOLTAGE_V;
 }
@@ -185,25 +190,26 @@ static void see_resistance(mw_protection *protection, mw_real wire_voltage_v, mw
                            mw_real resistance_ohm, uint8_t *seen)
 {
     const mw_real settled_ohm = protection->settled_ohm;
+    const uint8_t inside = in_window(resistance_ohm);
     const uint8_t jumped =
-        settled_ohm > 0 && size_of(resistance_ohm - settled_ohm) > MW_JUMP_SHARE * settled_ohm;
-    if (!jumped)
+        inside && settled_ohm > 0 && size_of(resistance_ohm - settled_ohm) > MW_JUMP_SHARE * settled_ohm;
+    if (inside && !jumped)
         protection->settled_ohm = resistance_ohm;
     seen[MW_LASTING_CHANNELS_SWAPPED] = swapped(wire_voltage_v, shunt_voltage_v, resistance_ohm);
     seen[MW_LASTING_WIRE_SHORT] = resistance_ohm < MW_SHORT_SHARE * MW_RESISTANCE_LOW_OHM;
     seen[MW_LASTING_RESISTANCE_JUMP] = jumped;
-    seen[MW_LASTING_RESISTANCE_OUTSIDE_WINDOW] = !in_window(resistance_ohm);
+    seen[MW_LASTING_RESISTANCE_OUTSIDE_WINDOW] = !inside;
 }
 
 /* Fill in which of the events that must last are seen. */
 static void see(mw_protection *protection, mw_real drive_voltage_v, mw_real wire_voltage_v,
-                mw_real shunt_voltage_v, uint8_t *seen)
+                mw_real shunt_voltage_v, uint32_t dt_us, uint8_t *seen)
 {
     const mw_real current_a = shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM;
     /* A reading without current has no resistance, and nothing can be wrong with it. */
     if (driven(drive_voltage_v) && size_of(shunt_voltage_v) >= MW_OPEN_SHUNT_VOLTAGE_V) {
         see_resistance(protection, wire_voltage_v, shunt_voltage_v, wire_voltage_v / current_a, seen);
-        seen[MW_LASTING_CHANNEL_FROZEN] = is_frozen(protection, drive_voltage_v);
+        seen[MW_LASTING_CHANNEL_FROZEN] = is_frozen(protection, drive_voltage_v, dt_us);
     }
     seen[MW_LASTING_CHANNEL_SATURATED] =
         size_of(wire_voltage_v) >= MW_SATURATED_WIRE_V || size_of(shunt_voltage_v) >= MW_SATURATED_SHUNT_V;
@@ -244,8 +250,8 @@ void mw_protect_reading(mw_protection *protection, mw_real drive_voltage_v, mw_r
         return;
     }
     heat(protection, wire_voltage_v * (shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM), dt_s);
-    watch_frozen(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_us);
-    see(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v, seen);
+    count_repeats(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v);
+    see(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_us, seen);
     recover(protection);
     judge(protection, seen, dt_us);
 }

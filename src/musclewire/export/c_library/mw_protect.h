@@ -22,9 +22,8 @@ typedef struct {
     uint32_t lasting_us[MW_LASTING];
     mw_real settled_ohm;         /* the last resistance that was no jump; 0 for none */
     mw_real wire_voltage_v, shunt_voltage_v; /* of the last reading */
-    uint32_t frozen_us;          /* how long a channel has given the same number, how often, and since which drive */
-    uint16_t frozen_readings;
-    mw_real frozen_drive_v;
+    uint16_t wire_repeats, shunt_repeats; /* how often in a row a channel gave the same number, */
+    mw_real repeats_drive_v;              /* and the drive when that began */
 } mw_protection;
 
 /* A cold wire that may be driven; nothing has been commanded yet: the sense voltage is out. */

@@ -14,10 +14,11 @@ mw_real mw_resistance(mw_real wire_voltage_v, mw_real shunt_voltage_v)
 
 mw_estimation mw_estimate(mw_real resistance_ohm)
 {
-    static const MW_FLASH mw_real falling_powers[MW_COEFFICIENTS] = MW_AVERAGE_FALLING;
+    MW_TABLE mw_real heating_powers[MW_COEFFICIENTS] = MW_HEATING_FALLING;
+    MW_TABLE mw_real cooling_powers[MW_COEFFICIENTS] = MW_COOLING_FALLING;
     const mw_real share = (resistance_ohm - MW_RESISTANCE_MIN_OHM) * MW_SHARE_PER_OHM;
     mw_estimation result;
-    mw_real inside = share;
+    mw_real inside = share, heating, cooling;
     uint8_t index;
     result.valid = share >= MW_VALID_FROM && share <= MW_VALID_TO;
     if (!(share >= -MW_LARGEST && share <= MW_LARGEST)) {
@@ -28,8 +29,12 @@ mw_estimation mw_estimate(mw_real resistance_ohm)
         inside = MW_NORMALISED_MIN;
     else if (share > MW_NORMALISED_MAX)
         inside = MW_NORMALISED_MAX;
-    result.value = falling_powers[0];
-    for (index = 1; index < MW_COEFFICIENTS; index++)
-        result.value = result.value * inside + falling_powers[index];
+    heating = heating_powers[0];
+    cooling = cooling_powers[0];
+    for (index = 1; index < MW_COEFFICIENTS; index++) {
+        heating = heating * inside + heating_powers[index];
+        cooling = cooling * inside + cooling_powers[index];
+    }
+    result.value = (heating + cooling) / 2;
     return result;
 }
