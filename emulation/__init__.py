@@ -1,1 +1,1 @@
-"""What stands in for hardware in tests and on a desk without any: boards and cards with the simulated wire behind."""
+"""Stand-ins for hardware, with the simulated wire behind them; for tests and for trying things without a bench."""

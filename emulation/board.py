@@ -1,0 +1,268 @@
+"""A board that is not there: its firmware in an emulator, the simulated wire on its pins, its serial line on a port.
+
+    python -m emulation.board --wire paper-100um
+
+prints the port for a rig file (`port = "socket://127.0.0.1:..."`) and runs until Ctrl-C. In tests:
+
+    with EmulatedBoard(pace="lockstep") as board:
+        ...                                  # talk to board.port_url
+        truth = board.log()                  # what was really at the wire
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emulation.plant import COLUMNS
+from musclewire.errors import CallerError, MusclewireError, RigError
+
+__all__ = ["EmulatedBoard", "firmware_for"]
+
+ROOT = Path(__file__).resolve().parents[1]
+FIRMWARE = ROOT / "firmware"
+
+
+def firmware_for(board: str, folder: Path, options: Sequence[str] = ()) -> Path:
+    """Return the ELF of a board's firmware, built now. Raises CallerError with what is missing or wrong."""
+    command = [sys.executable, str(FIRMWARE / "build.py"), "--board", board, "-o", str(folder), *options]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise CallerError(done.stderr.strip().removeprefix("error: "))
+    return folder / f"musclewire-{board}.elf"
+
+
+class EmulatedBoard:
+    """A firmware in its emulator with a simulated wire on its pins.
+
+    Args:
+        wire: name of the wire, as in `musclewire simulate --list`.
+        pace: "clock": ticks by the clock; "lockstep": repeatable, and time passes only for commands.
+        seed: of converter noise and of everything that goes wrong on the line by chance.
+        faults: of wire and circuit, written as in a rig file; ``at`` counts from the start.
+        board: which one, a folder of firmware/boards.
+        elf: a firmware that is built already; without it one is built, with ``fault_injection`` the one for tests.
+        sample_period_s: in lockstep, how much time a DRIVE or TARGET lets pass.
+        settings: changes of wire and bench by name, as for ``open_rig``.
+    """
+
+    def __init__(
+        self,
+        wire: str = "paper-100um",
+        *,
+        pace: Literal["clock", "lockstep"] = "clock",
+        seed: int = 1,
+        faults: Sequence[Mapping[str, Any]] = (),
+        board: str = "mps2-an386",
+        elf: Path | None = None,
+        fault_injection: bool = False,
+        sample_period_s: float = 0.05,
+        settings: Mapping[str, float | str] | None = None,
+    ) -> None:
+        """Build the firmware if need be, start the bench and the emulator, wait until the board has started."""
+        self._folder = tempfile.TemporaryDirectory(prefix="musclewire-board-")
+        folder = Path(self._folder.name)
+        chosen = elf or firmware_for(board, folder, ["--fault-injection"] if fault_injection else [])
+        description = tomllib.loads((FIRMWARE / "boards" / board / "board.toml").read_text(encoding="utf-8"))
+        self._log, self._messages = folder / "log.bin", folder / "emulator.txt"
+        begin = {
+            "board": description,
+            "machine": board,
+            "wire": wire,
+            "seed": seed,
+            "settings": dict(settings or {}),
+            "faults": [dict(fault) for fault in faults],
+            "pace": pace,
+            "sample_period_s": sample_period_s,
+            "elf": str(chosen),
+            "log": str(self._log),
+            "messages": str(self._messages),
+        }
+        self._lock = threading.Lock()
+        self._plant = subprocess.Popen(
+            [sys.executable, "-m", "emulation.plant"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            cwd=ROOT,
+        )
+        try:
+            self.port = int(self._say(begin)["port"])
+            self._wait_for_start(1)
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def port_url(self) -> str:
+        """What a rig file's ``port`` says: pyserial opens it like a serial port."""
+        return f"socket://127.0.0.1:{self.port}"
+
+    @property
+    def process_id(self) -> int:
+        """The bench's process."""
+        return self._plant.pid
+
+    def _say(self, what: Mapping[str, Any]) -> dict[str, Any]:
+        with self._lock:
+            assert self._plant.stdin is not None
+            assert self._plant.stdout is not None
+            try:
+                self._plant.stdin.write(json.dumps(what) + "\n")
+                self._plant.stdin.flush()
+                answer = self._plant.stdout.readline()
+            except OSError as error:
+                raise RigError(f"the emulated bench has ended: {error}") from error
+        if not answer:
+            raise RigError(f"the emulated bench has ended (exit code {self._plant.poll()}): look at its standard error")
+        said: dict[str, Any] = json.loads(answer)
+        if not said.pop("ok"):
+            raise CallerError(str(said["error"]))
+        return said
+
+    def _wait_for_start(self, starts: int) -> None:
+        for _ in range(1000):
+            figures = self.figures()
+            if figures["starts"] >= starts:
+                return
+            if not figures["running"]:
+                break
+            time.sleep(0.01)
+        raise RigError(f"the emulator did not start the board: {self._messages.read_text(encoding='utf-8').strip()}")
+
+    def figures(self) -> dict[str, Any]:
+        """Return ticks passed, late ticks and what has gone wrong on the line so far."""
+        return self._say({"do": "figures"})
+
+    def log(self) -> dict[str, NDArray[np.float64]]:
+        """Return what truly happened, one entry a tick, by column: see ``COLUMNS`` of emulation/plant.py."""
+        self.figures()
+        rows = np.fromfile(self._log).reshape(-1, len(COLUMNS))
+        return {name: rows[:, place] for place, name in enumerate(COLUMNS)}
+
+    def fault(self, kind: str, **details: Any) -> None:
+        """Break something at the wire, in the circuit or in a channel, now."""
+        self._say({"do": "fault", "faults": [{"kind": kind, **details}]})
+
+    def repair(self) -> None:
+        """Mend wire, circuit and channels."""
+        self._say({"do": "repair"})
+
+    def spoil_line(self, **faults: Any) -> None:
+        """Let things go wrong on the host's line: the attributes of ``LineFaults``; without any it is sound again."""
+        self._say({"do": "line", **faults})
+
+    def unplug(self) -> None:
+        """Pull the host's line out; the host's port fails, and none opens until ``plug``."""
+        self._say({"do": "unplug"})
+
+    def plug(self) -> None:
+        """Put the host's line back in."""
+        self._say({"do": "plug"})
+
+    def kill_power(self) -> None:
+        """Take the board's power away in the middle of whatever it does."""
+        self._say({"do": "kill_power"})
+
+    def restart(self) -> None:
+        """Give the board its power again and wait until it has started."""
+        starts = self.figures()["starts"]
+        self._say({"do": "restart"})
+        self._wait_for_start(starts + 1)
+
+    def reset(self) -> None:
+        """Press the board's reset button; its memory keeps its content."""
+        starts = self.figures()["starts"]
+        self._say({"do": "monitor", "text": "system_reset"})
+        self._wait_for_start(starts + 1)
+
+    def pause(self) -> None:
+        """Stop the board's processor and its clocks; the bench's time goes on."""
+        self._say({"do": "monitor", "text": "stop"})
+
+    def resume(self) -> None:
+        """Let the processor go on."""
+        self._say({"do": "monitor", "text": "cont"})
+
+    def release(self, ticks: int) -> None:
+        """In lockstep: let some ticks pass without a command, and wait until they have."""
+        self._say({"do": "release", "ticks": ticks})
+        while self.figures()["released"]:
+            time.sleep(0.001)
+
+    def close(self) -> None:
+        """End bench and emulator."""
+        if self._plant.stdin is not None:
+            self._plant.stdin.close()
+        try:
+            self._plant.wait(timeout=5.0)
+        except subprocess.TimeoutExpired:
+            self._plant.kill()
+            self._plant.wait()
+        if self._plant.stdout is not None:
+            self._plant.stdout.close()
+        self._folder.cleanup()
+
+    def __enter__(self) -> Self:
+        """Return the board itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """End it."""
+        self.close()
+
+
+def main() -> int:
+    """Run a board until Ctrl-C; say once a second how well it keeps its ticks."""
+    parser = argparse.ArgumentParser(description="An emulated board with a simulated wire, on a port of this machine.")
+    parser.add_argument("--wire", default="paper-100um")
+    parser.add_argument("--board", default="mps2-an386")
+    parser.add_argument("--pace", choices=("clock", "lockstep"), default="clock")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seconds", type=float, default=None, help="end by itself and print the rate of ticks")
+    given = parser.parse_args()
+    try:
+        with EmulatedBoard(given.wire, pace=given.pace, seed=given.seed, board=given.board) as board:
+            print(f'port = "{board.port_url}"', flush=True)
+            before = board.figures()
+            wait(given.seconds)
+            after = board.figures()
+            passed_s = after["clock_s"] - before["clock_s"]
+            ticks = after["ticks"] - before["ticks"]
+            print(
+                f"{ticks} ticks in {passed_s:.2f} s: {ticks / passed_s:.1f} Hz, {after['late'] - before['late']} late "
+                f"by more than a tick, {after['given_up'] - before['given_up']} given up"
+            )
+    except MusclewireError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return error.exit_code
+    return 0
+
+
+def wait(seconds: float | None) -> None:
+    """Wait so long, or until Ctrl-C."""
+    end_s = None if seconds is None else time.monotonic() + seconds
+    try:
+        while end_s is None or time.monotonic() < end_s:
+            time.sleep(0.1)
+    except KeyboardInterrupt:
+        pass
+
+
+if __name__ == "__main__":
+    sys.exit(main())

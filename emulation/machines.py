@@ -1,0 +1,40 @@
+"""The emulators that run a board's firmware, and how they are connected to the bench."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+__all__ = ["start_machine"]
+
+FOLDER = Path(__file__).resolve().parent
+
+
+def start_machine(board: str, elf: str, host_port: int, wire_port: int, log: Path) -> subprocess.Popen[bytes]:
+    """Start the emulator of a board; it connects to two ports of this machine; its standard input is its monitor."""
+    with log.open("ab") as messages:
+        return subprocess.Popen(
+            COMMANDS[board](elf, host_port, wire_port), stdin=subprocess.PIPE, stdout=messages, stderr=messages
+        )
+
+
+def qemu(elf: str, host_port: int, wire_port: int) -> list[str]:
+    """Return the command of QEMU's MPS2 board with AN386: UART0 the host's line, UART1 converter and output."""
+    sockets = [
+        f"socket,id=host,host=127.0.0.1,port={host_port},nodelay=on",
+        f"socket,id=wire,host=127.0.0.1,port={wire_port},nodelay=on",
+    ]
+    return [
+        *("qemu-system-arm", "-M", "mps2-an386", "-display", "none", "-monitor", "stdio", "-net", "none"),
+        *("-chardev", sockets[0], "-chardev", sockets[1], "-serial", "chardev:host", "-serial", "chardev:wire"),
+        *("-kernel", elf),
+    ]
+
+
+def simavr(elf: str, host_port: int, wire_port: int) -> list[str]:
+    """Return the command of the ATmega328P in simavr, by the small program beside this file."""
+    return [str(Path(elf).with_name("simavr_board")), elf, str(host_port), str(wire_port)]
+
+
+COMMANDS: Mapping[str, Callable[[str, int, int], list[str]]] = {"mps2-an386": qemu, "arduino-uno": simavr}

@@ -1,0 +1,151 @@
+"""The wire on the bench of an emulated board: output codes in, converter codes out, one tick at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import TypeAdapter
+
+from musclewire.errors import CallerError
+from musclewire.parameters.library import load_alloy, load_bench, load_wire
+from musclewire.rigs.configuration import with_settings
+from musclewire.rigs.faults import Fault, Faults
+from musclewire.rigs.mechanism import Mechanism
+from musclewire.rigs.simulated_building import wires_of
+from musclewire.simulate.loads import spring_load
+
+__all__ = ["BenchWire", "Converted", "Truth"]
+
+# Step of the simulated wire [s]; it divides every board's tick.
+STEP_S = 1e-3
+NOISE_AHEAD = 4096
+FAULT = TypeAdapter(Fault)
+# What happens behind a board's pins; what else a rig file knows is the host's to suffer.
+POSSIBLE = (
+    "broken wire",
+    "short circuit",
+    "contact",
+    "slipped clamp",
+    "frozen channel",
+    "saturated channel",
+    "swapped channels",
+    "output stuck",
+    "supply lost",
+)
+
+
+class Converted(NamedTuple):
+    """Codes of the node above the wire and of the shunt's amplifier, 0 to the converter's largest."""
+
+    node: int
+    shunt: int
+
+
+class Truth(NamedTuple):
+    """What is really at the wire: what the tests judge by."""
+
+    output_voltage_v: float
+    wire_current_a: float
+    wire_voltage_v: float
+    shunt_voltage_v: float
+    temperature_k: float
+    displacement_m: float
+    strain: float
+
+
+class BenchWire:
+    """A simulated wire behind a board's output stage, amplifiers and converter; repeatable for one seed."""
+
+    def __init__(
+        self, board: Mapping[str, Any], wire: str, seed: int, settings: Mapping[str, float | str] | None = None
+    ) -> None:
+        """Cool the wire. ``board`` is what board.toml says; ``settings`` change numbers of wire and bench."""
+        named = load_wire(wire)
+        changed = {"shunt_resistance_ohm": board["shunt_resistance_ohm"], **(settings or {})}
+        chosen, bench = with_settings(named, load_bench("paper"), changed, "the emulated board's wire")
+        self._board = board
+        self._shunt_ohm = float(board["shunt_resistance_ohm"])
+        self._lead_ohm = bench.lead_resistance_ohm.value
+        self._leg_m = bench.wire_length_m.value / bench.legs.value
+        spring = Mechanism(spring_load(bench.spring_stiffness_n_per_m.value), 0.0, True, None)
+        self._wires = wires_of(load_alloy(chosen.alloy), chosen, bench, (), spring, new_wire=False)
+        self._steps = round(board["tick_period_s"] / STEP_S)
+        self._random = np.random.default_rng(seed)
+        self._noise: list[float] = []
+        self._faults: list[Fault] = []
+        self._active = Faults(())
+        self._readings = int(board.get("readings_per_tick", 1))
+        self._full = 2 ** int(board["converter_bits"]) - 1
+        self.time_s = 0.0
+        # A voltage that heats by nothing shows the resistance before anything is driven.
+        self._wire_ohm = self._measured_ohm(self._wires.advance(1e-3, STEP_S, 1))
+
+    def _measured_ohm(self, means: Any) -> float:
+        return float(means.wire_voltage_v / (means.shunt_voltage_v / self._shunt_ohm))
+
+    def add_faults(self, faults: Sequence[Mapping[str, Any]]) -> None:
+        """Add faults, written as in a rig file; ``at`` counts from now on. CallerError for one of another place."""
+        for given in faults:
+            fault = FAULT.validate_python(dict(given))
+            if fault.kind not in POSSIBLE:
+                raise CallerError(f"a board's bench has no fault '{fault.kind}'; it has: {', '.join(POSSIBLE)}")
+            self._faults.append(fault.model_copy(update={"at": self.time_s + fault.at}))
+        self._active = Faults(self._faults)
+
+    def clear_faults(self) -> None:
+        """Repair everything."""
+        self._faults.clear()
+        self._active = Faults(())
+
+    def tick(self, code: int) -> tuple[Converted, Truth]:
+        """Hold an output code for one tick; return the conversion at its end, and the truth."""
+        board = self._board
+        commanded_v = code / (2 ** int(board["output_bits"]) - 1) * board["output_range_v"]
+        output_v = self._active.output_v(commanded_v, self.time_s)
+        circuit = self._active.circuit(output_v, self._wire_ohm + self._lead_ohm, self._shunt_ohm, self.time_s)
+        # The simulated wire has its own shunt in series: this is the drive that sends the circuit's current through it.
+        through_v = circuit.wire_current_a * (self._wire_ohm + self._lead_ohm + self._shunt_ohm)
+        means = self._wires.advance(through_v, STEP_S, self._steps)
+        if means.shunt_voltage_v > 0.0:
+            self._wire_ohm = self._measured_ohm(means)
+        faulty = bool(self._faults)
+        wire_v = circuit.wire_voltage_v if faulty else means.wire_voltage_v
+        shunt_v = circuit.shunt_voltage_v if faulty else means.shunt_voltage_v
+        self.time_s += board["tick_period_s"]
+        truth = Truth(
+            output_v,
+            means.shunt_voltage_v / self._shunt_ohm,
+            wire_v,
+            shunt_v,
+            self._wires.state.temperature_k,
+            means.displacement_m,
+            means.displacement_m / self._leg_m,
+        )
+        return self._converted(wire_v + shunt_v, shunt_v), truth
+
+    def _converted(self, node_v: float, shunt_v: float) -> Converted:
+        """Return what dividers, amplifiers and a converter with noise make of two voltages."""
+        inputs_v = (node_v * self._board["divider_share"], shunt_v * self._board["shunt_gain"])
+        if self._faults:
+            inputs_v = self._active.readings_v(*inputs_v, self.time_s)
+        codes = []
+        for input_v in inputs_v:
+            share = input_v / self._board["converter_range_v"]
+            noise = self._board["converter_noise_v"] / self._board["converter_range_v"] / self._readings**0.5
+            code = round((share + noise * self._next_noise()) * self._full)
+            codes.append(min(max(code, 0), self._full))
+        return Converted(*codes)
+
+    def _next_noise(self) -> float:
+        if not self._noise:
+            self._noise = self._random.standard_normal(NOISE_AHEAD).tolist()
+        noise = self._noise.pop()
+        return 0.0 if self._is_frozen() else noise
+
+    def _is_frozen(self) -> bool:
+        # A frozen channel repeats its last code: no noise on what the fault has put there.
+        return self._faults != [] and any(
+            fault.kind == "frozen channel" and fault.active(self.time_s) for fault in self._faults
+        )

@@ -1,0 +1,227 @@
+"""Build the reference firmware for a board: export the model as C, compile, link, print the size.
+
+    python firmware/build.py --board mps2-an386
+    python firmware/build.py --board arduino-uno --model model.json --wire wire.toml -o build
+
+A wire file says what hangs on the board, with the keys of a rig file (firmware/models/paper-100um.toml is one). The
+compilers are Debian's: gcc-arm-none-eabi with libnewlib-arm-none-eabi, gcc-avr with avr-libc.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import subprocess
+import sys
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from musclewire.controllers import DriveLimits, FuzzyPidSettings
+from musclewire.errors import CallerError, MusclewireError, nearest_hint
+from musclewire.experiment.closed_loop import RANGE_AS_PERCENT_STRAIN
+from musclewire.export.c import write_library
+from musclewire.parameters.validation import validated
+from musclewire.rigs.mounted import MountedWire
+from musclewire.sensing.model import SensingModel
+from musclewire.sensing.model_file import load_model
+
+FIRMWARE = Path(__file__).resolve().parent
+MODEL = FIRMWARE / "models" / "paper-100um.json"
+WIRE = FIRMWARE / "models" / "paper-100um.toml"
+EXPIRY_MS = 250
+WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wno-unknown-pragmas", "-Werror"]
+COMMON = ["-std=gnu99", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections", *WARNINGS]
+M4F = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]
+UNO = ["-mmcu=atmega328p", "-DF_CPU=16000000UL"]
+
+
+@dataclass(frozen=True)
+class Toolchain:
+    """The compiler of a kind of processor and what it is told."""
+
+    prefix: str
+    packages: str
+    compile: tuple[str, ...]
+    link: tuple[str, ...]
+
+
+TOOLCHAINS = {
+    "cortex-m4f": Toolchain(
+        "arm-none-eabi-",
+        "gcc-arm-none-eabi libnewlib-arm-none-eabi",
+        (*M4F, "-O2", *COMMON),
+        (*M4F, "-nostartfiles", "--specs=nosys.specs", "--specs=nano.specs", "-Wl,--gc-sections"),
+    ),
+    "avr5": Toolchain(
+        "avr-", "gcc-avr avr-libc binutils-avr", (*UNO, "-Os", *COMMON), (*UNO, "-Wl,--gc-sections", "-lm")
+    ),
+}
+
+
+def boards() -> list[str]:
+    """Return the boards that there is a hardware layer for."""
+    return sorted(file.parent.name for file in (FIRMWARE / "boards").glob("*/board.toml"))
+
+
+def board_description(board: str) -> dict[str, Any]:
+    """Return a board's numbers (board.toml). Raises CallerError for an unknown board."""
+    if board not in boards():
+        raise CallerError(f"there is no board '{board}'{nearest_hint(board, boards())}")
+    return tomllib.loads((FIRMWARE / "boards" / board / "board.toml").read_text(encoding="utf-8"))
+
+
+def read_wire(path: Path) -> MountedWire:
+    """Return what a wire file says. Raises CallerError naming file and key."""
+    if not path.is_file():
+        raise CallerError(f"there is no wire file {path}: give one with the keys of firmware/models/paper-100um.toml")
+    return validated(MountedWire, tomllib.loads(path.read_text(encoding="utf-8")), f"wire file {path}")
+
+
+def ranges_v(description: dict[str, Any]) -> tuple[float, float]:
+    """Return the largest node and shunt voltage that a board's channels measure."""
+    full = description["converter_range_v"]
+    return full / description["divider_share"], full / description["shunt_gain"]
+
+
+def board_constants(board: str, description: dict[str, Any], model: SensingModel, wire: MountedWire) -> str:
+    """Return the text of board_constants.h. Raises CallerError where board and wire do not fit together."""
+    if description["shunt_resistance_ohm"] != wire.shunt:
+        raise CallerError(
+            f"board {board} has a shunt of {description['shunt_resistance_ohm']:g} ohm and the wire file says "
+            f"{wire.shunt:g} ohm: make them equal"
+        )
+    if wire.maximum_voltage > description["output_range_v"]:
+        raise CallerError(
+            f"board {board} puts out {description['output_range_v']:g} V at most and the wire file allows "
+            f"{wire.maximum_voltage:g} V: lower maximum_voltage"
+        )
+    node_v, shunt_v = ranges_v(description)
+    full_code = (2 ** description["converter_bits"] - 1) * description.get("readings_per_tick", 1)
+    span = model.quantity_max - model.quantity_min
+    tick_s = description["tick_period_s"]
+    numbers = {
+        "BOARD_NAME": f'"{description["name"]}"',
+        "TICK_PERIOD_US": f"{round(1e6 * tick_s)}u",
+        "TICK_S": f"{tick_s!r}f",
+        "CONTROL_TICKS": f"{round(description['control_period_s'] / tick_s)}u",
+        "EXPIRY_MS": f"{EXPIRY_MS}u",
+        "CONVERTER_FULL_CODE": f"{full_code}u",
+        "NODE_RANGE_V": f"{node_v!r}f",
+        "SHUNT_RANGE_V": f"{shunt_v!r}f",
+        "OUTPUT_FULL_CODE": f"{2 ** description['output_bits'] - 1}u",
+        "OUTPUT_RANGE_V": f"{description['output_range_v']!r}f",
+        # Below the model's range a target only lets the wire cool; above it the loop would heat for ever.
+        "TARGET_LOWEST": f"{model.quantity_min - span!r}f",
+        "TARGET_HIGHEST": f"{model.quantity_max!r}f",
+        "BOARD_HAS_BUTTON": f"{int(description['has_button'])}",
+        "BOARD_HAS_KNOB": f"{int(description['has_knob'])}",
+    }
+    lines = [f"#define MW_{name} {value}" for name, value in numbers.items()]
+    start = f"/* Written by firmware/build.py from boards/{board}/board.toml, the model and the wire file. */\n"
+    guard = "MW_BOARD_CONSTANTS_H"
+    return f"{start}#ifndef {guard}\n#define {guard}\n\n" + "\n".join(lines) + "\n\n#endif\n"
+
+
+def settings_for(model: SensingModel) -> FuzzyPidSettings:
+    """Return the controller's settings as `musclewire control` chooses them for a model's quantity."""
+    if model.quantity == "strain":
+        return FuzzyPidSettings()
+    return FuzzyPidSettings(error_unit=(model.quantity_max - model.quantity_min) / RANGE_AS_PERCENT_STRAIN)
+
+
+def write_sources(board: str, model_file: Path, wire_file: Path, folder: Path) -> None:
+    """Write the exported controller and the board's constants into a folder. Raises CallerError."""
+    description = board_description(board)
+    model, wire = load_model(model_file), read_wire(wire_file)
+    node_v, shunt_v = ranges_v(description)
+    limits = wire.protection_limits(
+        wire_range_v=node_v, shunt_range_v=shunt_v, readings_noisy=description.get("readings_noisy", True)
+    )
+    constants = board_constants(board, description, model, wire)
+    drive = DriveLimits(wire.sense_voltage, wire.maximum_voltage)
+    write_library(model, settings_for(model), drive, limits, folder)
+    (folder / "src" / "board_constants.h").write_text(constants, encoding="utf-8")
+
+
+def tool(chain: Toolchain, name: str) -> str:
+    """Return the path of a tool. Raises CallerError with the line that installs it."""
+    path = shutil.which(chain.prefix + name)
+    if path is None:
+        raise CallerError(
+            f"{chain.prefix}{name} is missing: apt-get install --no-install-recommends -y {chain.packages}"
+        )
+    return path
+
+
+def run(command: Sequence[str]) -> str:
+    """Run a tool and return what it says. Raises CallerError with its own words where it fails."""
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise CallerError(f"{Path(command[0]).name} failed:\n{done.stderr.strip()}")
+    return done.stdout
+
+
+def build(
+    board: str,
+    folder: Path,
+    *,
+    model_file: Path = MODEL,
+    wire_file: Path = WIRE,
+    options: Sequence[str] = (),
+) -> Path:
+    """Build the firmware and return its ELF file. ``options`` go to the compiler, such as ``-DMW_STANDALONE``.
+
+    Raises CallerError for a wrong board, model or wire, a missing compiler, or code that does not compile.
+    """
+    description = board_description(board)
+    chain = TOOLCHAINS[description["processor"]]
+    compiler = tool(chain, "gcc")
+    write_sources(board, model_file, wire_file, folder)
+    places = [FIRMWARE / "src", FIRMWARE / "boards" / board, folder / "src"]
+    sources = [file for place in places for file in sorted(place.glob("*.c"))]
+    includes = [f"-I{place}" for place in places]
+    elf = folder / f"musclewire-{board}.elf"
+    script = FIRMWARE / "boards" / board / "link.ld"
+    link = [*chain.link, "-T", str(script)] if script.exists() else list(chain.link)
+    objects = []
+    for number, source in enumerate(sources):
+        objects.append(str(folder / f"{number:02}-{source.stem}.o"))
+        run([compiler, *chain.compile, *includes, *options, "-c", str(source), "-o", objects[-1]])
+    run([compiler, *objects, *link, "-o", str(elf)])
+    return elf
+
+
+def size_of(board: str, elf: Path) -> str:
+    """Return the lines that the compiler's ``size`` prints of an ELF file."""
+    return run([tool(TOOLCHAINS[board_description(board)["processor"]], "size"), str(elf)])
+
+
+def main() -> int:
+    """Build as the command line says; 2 with one line where that cannot be."""
+    parser = argparse.ArgumentParser(description="Build the reference firmware for a board.")
+    parser.add_argument("--board", default="mps2-an386", help=f"one of: {', '.join(boards())}")
+    parser.add_argument("--model", type=Path, default=MODEL, help="sensing model, as musclewire fit writes it")
+    parser.add_argument("--wire", type=Path, default=WIRE, help="what hangs on the board (TOML)")
+    parser.add_argument("-o", "--out", type=Path, default=None, help="folder; firmware/build/BOARD without it")
+    parser.add_argument("--standalone", action="store_true", help="closes the loop by itself, started by a button")
+    parser.add_argument("--fault-injection", action="store_true", help="for tests: the command that makes it fail")
+    given = parser.parse_args()
+    folder = given.out or FIRMWARE / "build" / given.board
+    flags = {"-DMW_STANDALONE": given.standalone, "-DMW_FAULT_INJECTION": given.fault_injection}
+    options = [flag for flag, wanted in flags.items() if wanted]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        elf = build(given.board, folder, model_file=given.model, wire_file=given.wire, options=options)
+        print(size_of(given.board, elf), end="")
+    except MusclewireError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return error.exit_code
+    print(f"built {elf}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,301 @@
+#include "application.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "board_constants.h"
+
+#define RETAINED_MAGIC 0x6d757363u
+
+static uint16_t retained_check(void)
+{
+    return (uint16_t)(RETAINED_MAGIC ^ (uint16_t)(board_retained.state * 257u) ^ (uint16_t)(board_retained.event << 4));
+}
+
+static void retain(uint8_t state, uint8_t event)
+{
+    board_retained.state = state;
+    board_retained.event = event;
+    board_retained.check = retained_check();
+    board_retained.magic = RETAINED_MAGIC;
+}
+
+/* What the board was doing when it was reset, as an event; 0 after a clean end or a real power-on. */
+static uint8_t event_at_reset(uint8_t cause)
+{
+    if (cause == MW_RESET_WATCHDOG) {
+        return MW_EVENT_WATCHDOG;
+    }
+    if (board_retained.magic != RETAINED_MAGIC || board_retained.check != retained_check()) {
+        return MW_EVENT_NONE; /* the memory lost its content with the power */
+    }
+    const uint8_t state = board_retained.state;
+    const bool ran = state == MW_STATE_RUN || state == MW_STATE_HOLD || state == MW_STATE_SENSE;
+    return ran ? MW_EVENT_POWER_LOST : board_retained.event;
+}
+
+static void send(mw_application *application, mw_message *message)
+{
+    uint8_t frame[MW_FRAME_MAX];
+    message->version = MW_PROTOCOL_VERSION;
+    message->sequence = application->sequence++; /* counts frames that found no room, too: the host sees the gap */
+    (void)board_put(frame, mw_frame_encode(message, frame));
+}
+
+static void acknowledge(mw_application *application, const mw_message *command, uint8_t result)
+{
+    mw_message message;
+    message.type = MW_ACK;
+    message.payload_length = MW_ACK_BYTES;
+    mw_put_u16(message.payload, command->sequence);
+    message.payload[2] = command->type;
+    message.payload[3] = result;
+    send(application, &message);
+}
+
+static void put_text(uint8_t *at, const char *text, uint8_t room)
+{
+    memset(at, 0, room);
+    memcpy(at, text, strlen(text) < room ? strlen(text) : room);
+}
+
+static void send_identity(mw_application *application)
+{
+    mw_message message;
+    uint8_t *at = message.payload;
+    message.type = MW_IDENTITY;
+    message.payload_length = MW_IDENTITY_BYTES;
+    at[0] = MW_PROTOCOL_VERSION;
+    at[1] = MW_FIRMWARE_MAJOR;
+    at[2] = MW_FIRMWARE_MINOR;
+    at[3] = application->reset_cause;
+    mw_put_u32(at + 4, MW_TICK_PERIOD_US);
+    mw_put_u32(at + 8, MW_TICK_PERIOD_US * (uint32_t)MW_CONTROL_TICKS);
+    mw_put_f32(at + 12, (float)MW_SENSE_VOLTAGE_V);
+    mw_put_f32(at + 16, (float)MW_MAXIMUM_VOLTAGE_V);
+    mw_put_f32(at + 20, (float)MW_SHUNT_RESISTANCE_OHM);
+    mw_put_u16(at + 24, MW_EXPIRY_MS);
+    mw_put_u32(at + 26, MW_MODEL_CHECKSUM);
+    at[30] = application->event_at_reset;
+    put_text(at + 31, MW_BOARD_NAME, 16);
+    put_text(at + 47, MW_QUANTITY, 12);
+    send(application, &message);
+}
+
+/* Means over the ticks since the last sample, and what the core makes of them. Without a reading they are no numbers. */
+static void send_sample(mw_application *application)
+{
+    const mw_control_loop *loop = &application->loop;
+    mw_sums *sums = &application->sums;
+    mw_message message;
+    uint8_t *at = message.payload;
+    const float count = sums->count > 0u ? (float)sums->count : NAN;
+    const float wire_voltage_v = sums->wire_voltage_v / count;
+    const float shunt_voltage_v = sums->shunt_voltage_v / count;
+    const mw_real resistance_ohm = mw_resistance((mw_real)wire_voltage_v, (mw_real)shunt_voltage_v);
+    message.type = MW_SAMPLE;
+    message.payload_length = MW_SAMPLE_BYTES;
+    mw_put_u32(at, application->tick);
+    at[4] = mw_loop_state(loop);
+    at[5] = mw_loop_event(loop);
+    mw_put_u16(at + 6, application->command_sequence);
+    mw_put_f32(at + 8, mw_loop_output(loop));
+    mw_put_f32(at + 12, wire_voltage_v);
+    mw_put_f32(at + 16, shunt_voltage_v);
+    mw_put_f32(at + 20, (float)resistance_ohm);
+    mw_put_f32(at + 24, resistance_ohm > 0 ? (float)mw_estimate(resistance_ohm).value : NAN);
+    mw_put_f32(at + 28, loop->target);
+    send(application, &message);
+    memset(sums, 0, sizeof *sums);
+}
+
+/* Puts out what may be out now; tells the host and the retained memory where the state has changed. */
+static void settle(mw_application *application)
+{
+    const uint8_t state = mw_loop_state(&application->loop);
+    const uint8_t event = mw_loop_event(&application->loop);
+    board_set_drive(mw_loop_output(&application->loop));
+    if (state == application->told_state && event == application->told_event) {
+        return;
+    }
+    application->told_state = state;
+    application->told_event = event;
+    retain(state, event);
+    mw_message message;
+    message.type = MW_EVENT;
+    message.payload_length = MW_EVENT_BYTES;
+    mw_put_u32(message.payload, application->tick);
+    message.payload[4] = state;
+    message.payload[5] = event;
+    mw_put_f32(message.payload + 6, mw_loop_resistance(&application->loop));
+    send(application, &message);
+}
+
+static void bad_frame(mw_application *application)
+{
+    const uint32_t now = application->tick;
+    uint32_t *oldest = &application->storm_ticks[application->bad_frames % MW_STORM_FRAMES];
+    const bool enough = application->bad_frames >= MW_STORM_FRAMES - 1u;
+    *oldest = now;
+    application->bad_frames++;
+    /* After the step above, the slot after this one holds the first of the last sixteen. */
+    const uint32_t first = application->storm_ticks[application->bad_frames % MW_STORM_FRAMES];
+    if (enough && (float)(now - first) * MW_TICK_S <= MW_STORM_S) {
+        mw_loop_trip(&application->loop, MW_EVENT_LINK_CORRUPTED);
+    }
+}
+
+static uint8_t armed_command(mw_application *application, const mw_message *command)
+{
+    mw_control_loop *loop = &application->loop;
+    if (command->payload_length != 4u) {
+        return MW_BAD_PAYLOAD;
+    }
+    if (!mw_loop_armed(loop)) {
+        return MW_REFUSED;
+    }
+    const float value = mw_get_f32(command->payload);
+    mw_standalone_stop(&application->standalone);
+    const bool taken = command->type == MW_DRIVE ? mw_loop_drive(loop, value) : mw_loop_target(loop, value);
+    if (!taken) {
+        return MW_BAD_PAYLOAD;
+    }
+    loop->expires = true;
+    application->command_sequence = command->sequence;
+    return MW_DONE;
+}
+
+#ifdef MW_FAULT_INJECTION
+static uint8_t inject(mw_application *application, const mw_message *command)
+{
+    if (command->payload_length != 1u) {
+        return MW_BAD_PAYLOAD;
+    }
+    application->injected = command->payload[0];
+    return MW_DONE;
+}
+#endif
+
+static uint8_t plain_command(mw_application *application, const mw_message *command)
+{
+    mw_control_loop *loop = &application->loop;
+    const uint8_t expected = command->type == MW_STREAM ? 2u : 0u;
+    if (command->type == MW_DRIVE || command->type == MW_TARGET) {
+        return armed_command(application, command);
+    }
+#ifdef MW_FAULT_INJECTION
+    if (command->type == MW_INJECT) {
+        return inject(application, command);
+    }
+#endif
+    if (command->type < MW_HELLO || command->type > MW_KEEP) {
+        return MW_UNKNOWN;
+    }
+    if (command->payload_length != expected) {
+        return MW_BAD_PAYLOAD;
+    }
+    if (command->type == MW_ARM) {
+        mw_standalone_stop(&application->standalone);
+        mw_loop_arm(loop);
+        application->command_sequence = command->sequence;
+    } else if (command->type == MW_OFF) {
+        mw_standalone_stop(&application->standalone);
+        mw_loop_off(loop);
+    } else if (command->type == MW_STREAM) {
+        application->stream_every = mw_get_u16(command->payload);
+        application->stream_left = application->stream_every;
+        memset(&application->sums, 0, sizeof application->sums);
+    } else if (command->type == MW_KEEP) {
+        mw_loop_renew(loop);
+    }
+    return MW_DONE;
+}
+
+void mw_application_byte(mw_application *application, uint8_t byte)
+{
+    mw_message command;
+    const mw_frame_result result = mw_decoder_push(&application->decoder, byte, &command);
+    if (result == MW_FRAME_NONE) {
+        return;
+    }
+    if (result == MW_FRAME_BAD) {
+        bad_frame(application);
+        settle(application);
+        return;
+    }
+    const uint8_t done = plain_command(application, &command);
+    settle(application); /* the output first, then talk about it */
+    acknowledge(application, &command, done);
+    if (command.type == MW_HELLO && done == MW_DONE) {
+        send_identity(application);
+    }
+}
+
+#ifdef MW_FAULT_INJECTION
+static bool injected_reading(mw_application *application, mw_board_tick tick, mw_board_reading *reading)
+{
+    if (application->injected == MW_INJECT_STUCK_LOOP) {
+        for (;;) { /* the watchdog is what ends this */
+        }
+    }
+    if (application->injected == MW_INJECT_FROZEN_CONVERTER) {
+        *reading = application->kept;
+    } else if (application->injected == MW_INJECT_NAN) {
+        reading->wire_voltage_v = NAN;
+    } else {
+        application->kept = *reading;
+    }
+    return tick == MW_TICK_READING && application->injected != MW_INJECT_SILENT_CONVERTER;
+}
+#endif
+
+static void count(mw_application *application, const mw_board_reading *reading)
+{
+    application->sums.wire_voltage_v += reading->wire_voltage_v;
+    application->sums.shunt_voltage_v += reading->shunt_voltage_v;
+    application->sums.count++;
+}
+
+void mw_application_tick(mw_application *application, mw_board_tick tick, const mw_board_reading *given)
+{
+    mw_board_reading reading = *given;
+    bool there = tick == MW_TICK_READING;
+    if (tick == MW_TICK_PENDING) {
+        return;
+    }
+#ifdef MW_FAULT_INJECTION
+    there = injected_reading(application, tick, &reading);
+#endif
+    /* Time is what the converter says: a tick it did not finish is missing, and has not passed. */
+    if (tick == MW_TICK_READING) {
+        application->tick++;
+    }
+    if (there) {
+        mw_loop_reading(&application->loop, &reading);
+        count(application, &reading);
+    } else {
+        mw_loop_missing(&application->loop);
+    }
+    mw_standalone_tick(&application->standalone, &application->loop);
+    settle(application);
+    if (application->stream_every != 0u && tick == MW_TICK_READING && --application->stream_left == 0u) {
+        application->stream_left = application->stream_every;
+        send_sample(application);
+    }
+}
+
+void mw_application_start(mw_application *application)
+{
+    memset(application, 0, sizeof *application);
+    application->reset_cause = board_reset_cause();
+    application->event_at_reset = event_at_reset(application->reset_cause);
+    mw_decoder_start(&application->decoder);
+    mw_loop_start(&application->loop);
+    mw_standalone_start(&application->standalone, application->reset_cause);
+    board_set_drive(0.0f);
+    retain(MW_STATE_OFF, application->event_at_reset);
+    application->told_state = MW_STATE_OFF;
+    application->told_event = mw_loop_event(&application->loop);
+    /* Unasked: a host in the middle of a run learns by this that the board has started anew. */
+    send_identity(application);
+}

@@ -1,0 +1,169 @@
+#include "control.h"
+
+#include <math.h>
+
+#include "board_constants.h"
+
+void mw_loop_start(mw_control_loop *loop)
+{
+    mw_start(&loop->core);
+    mw_protect_off(&loop->core.protection);
+    loop->command_v = 0.0f;
+    loop->target = NAN;
+    loop->closed_loop = false;
+    loop->expires = true;
+    loop->ticks_to_control = MW_CONTROL_TICKS;
+    loop->command_age_s = loop->reading_age_s = 0.0f;
+}
+
+void mw_loop_arm(mw_control_loop *loop)
+{
+    mw_loop_start(loop);
+    mw_protect_arm(&loop->core.protection);
+    loop->command_v = (float)MW_SENSE_VOLTAGE_V;
+}
+
+void mw_loop_off(mw_control_loop *loop)
+{
+    mw_protection *protection = &loop->core.protection;
+    if (protection->state != MW_STATE_TRIPPED) {
+        protection->event = MW_EVENT_STOPPED;
+    }
+    mw_protect_off(protection);
+}
+
+void mw_loop_trip(mw_control_loop *loop, uint8_t event)
+{
+    /* What is off already has nothing to be switched off, and keeps saying why it is. */
+    if (mw_loop_armed(loop)) {
+        mw_protect_trip(&loop->core.protection, event);
+    }
+}
+
+bool mw_loop_armed(const mw_control_loop *loop)
+{
+    const uint8_t state = loop->core.protection.state;
+    return state == MW_STATE_RUN || state == MW_STATE_HOLD || state == MW_STATE_SENSE;
+}
+
+void mw_loop_renew(mw_control_loop *loop)
+{
+    mw_protection *protection = &loop->core.protection;
+    loop->command_age_s = 0.0f;
+    if (mw_loop_armed(loop) && protection->event == MW_EVENT_COMMAND_MISSING) {
+        protection->state = MW_STATE_RUN;
+        protection->event = MW_EVENT_NONE;
+        protection->missing_us = 0;
+        loop->core.started = 0; /* the loop takes over from what is out */
+    }
+}
+
+bool mw_loop_drive(mw_control_loop *loop, float drive_voltage_v)
+{
+    /* The core is the judge of the range: what it refuses, it trips on. */
+    mw_loop_renew(loop);
+    mw_drive(&loop->core, (mw_real)drive_voltage_v);
+    loop->closed_loop = false;
+    loop->command_v = drive_voltage_v;
+    return mw_loop_armed(loop);
+}
+
+bool mw_loop_target(mw_control_loop *loop, float target)
+{
+    if (!(target >= (float)MW_TARGET_LOWEST && target <= (float)MW_TARGET_HIGHEST)) {
+        mw_loop_trip(loop, MW_EVENT_COMMAND_REFUSED);
+        return false;
+    }
+    mw_loop_renew(loop);
+    if (!loop->closed_loop) {
+        loop->core.started = 0;
+        loop->ticks_to_control = MW_CONTROL_TICKS;
+    }
+    loop->closed_loop = true;
+    loop->target = target;
+    return true;
+}
+
+/* Follows the last command again where a missing reading has interrupted it. */
+static void follow(mw_control_loop *loop)
+{
+    mw_protection *protection = &loop->core.protection;
+    if (!loop->closed_loop) {
+        mw_protect_command(protection, (mw_real)loop->command_v);
+        return;
+    }
+    if (--loop->ticks_to_control > 0u) {
+        return;
+    }
+    loop->ticks_to_control = MW_CONTROL_TICKS;
+    const bool follows =
+        protection->state == MW_STATE_RUN || (protection->state == MW_STATE_SENSE && protection->event == MW_EVENT_NONE);
+    if (follows) {
+        mw_control(&loop->core, (mw_real)loop->target, (mw_real)(MW_CONTROL_TICKS * MW_TICK_S));
+    } else {
+        loop->core.started = 0; /* what the loop last asked for is not what is out */
+    }
+}
+
+/* The host's silence, by the table's rule: hold, then sense, then trip. */
+static void age_command(mw_control_loop *loop)
+{
+    mw_protection *protection = &loop->core.protection;
+    const uint8_t event = protection->event;
+    loop->command_age_s += MW_TICK_S;
+    if (!loop->expires || loop->command_age_s <= MW_COMMAND_GRACE_S) {
+        return;
+    }
+    /* A missing reading runs by its own clock, which no command may set back; the end of both is the same. */
+    const bool expired = loop->command_age_s * 1000.0f > (float)MW_EXPIRY_MS;
+    if (expired || event == MW_EVENT_NONE || event == MW_EVENT_COMMAND_MISSING) {
+        mw_protect_event(protection, MW_EVENT_COMMAND_MISSING, (mw_real)loop->command_age_s);
+    }
+}
+
+void mw_loop_reading(mw_control_loop *loop, const mw_board_reading *reading)
+{
+    if (!mw_loop_armed(loop)) {
+        return;
+    }
+    loop->reading_age_s = 0.0f;
+    mw_sample(&loop->core, (mw_real)reading->wire_voltage_v, (mw_real)reading->shunt_voltage_v, (mw_real)MW_TICK_S);
+    age_command(loop);
+    if (mw_loop_armed(loop)) {
+        follow(loop);
+    }
+}
+
+void mw_loop_missing(mw_control_loop *loop)
+{
+    if (!mw_loop_armed(loop)) {
+        return;
+    }
+    loop->reading_age_s += MW_TICK_S;
+    if (loop->reading_age_s <= MW_READING_GRACE_S) {
+        return;
+    }
+    mw_protect_event(&loop->core.protection, MW_EVENT_SAMPLE_LATE, (mw_real)loop->reading_age_s);
+    age_command(loop); /* the host's silence goes on, whatever the converter does */
+}
+
+float mw_loop_output(const mw_control_loop *loop)
+{
+    return (float)mw_protect_allowed(&loop->core.protection);
+}
+
+uint8_t mw_loop_state(const mw_control_loop *loop)
+{
+    return loop->core.protection.state;
+}
+
+uint8_t mw_loop_event(const mw_control_loop *loop)
+{
+    return loop->core.protection.event;
+}
+
+float mw_loop_resistance(const mw_control_loop *loop)
+{
+    const mw_protection *protection = &loop->core.protection;
+    return (float)mw_resistance(protection->wire_voltage_v, protection->shunt_voltage_v);
+}
