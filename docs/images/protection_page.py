@@ -36,11 +36,12 @@ RULES = """- **Latched.** After a trip the drive stays off whatever is asked; th
   again, a board armed again.
 - **In time.** From a fault to 0 V takes at most 0.5 s. An event's own time is in the table; to it comes one sample
   period, because a fault shows in the next sample.
-- **Missing.** A reading without current, a late sample or a missing command is bridged: the drive is held at once, falls
-  to the sense voltage after {sense} s and goes off after {trip} s. Nothing that a script commands is followed meanwhile.
+- **Missing.** A reading without current, a late sample or a missing command is bridged: the drive is held at once,
+  falls to the sense voltage after {sense} s and goes off after {trip} s. Nothing that a script commands is followed
+  meanwhile.
 - **Averaged.** A reading is judged as a mean over at least {reading} ms: one noisy sample of a fast rig is no event.
-- **Told.** A trip raises `ProtectionTripError`, a `RigError` with the event in `.event`; a command ends with exit code 3, and
-  the recording says the cause in `ended`.
+- **Told.** A trip raises `ProtectionTripError`, a `RigError` with the event in `.event`; a command ends with exit code
+  3, and the recording says the cause in `ended`.
 """
 
 LIMITS_HEAD = """## Limits
@@ -52,10 +53,10 @@ simulated rig with the paper's wire:
 
 LAST = """## What it cannot do
 
-- A transistor or amplifier that has failed closed heats the wire whatever software says. The event `output_stuck` tells,
-  and only the supply's fuse, its current limit or the emergency switch stop it.
-- The temperature is an estimate from the power, for still air and a straight wire. A wire in a sleeve, against a wall or
-  embedded is hotter.
+- A transistor or amplifier that has failed closed heats the wire whatever software says. The event `output_stuck`
+  tells, and only the supply's fuse, its current limit or the emergency switch stop it.
+- The temperature is an estimate from the power, for still air and a straight wire. A wire in a sleeve, against a wall
+  or embedded is hotter.
 - A frozen converter without noise of its own is seen only when the drive has moved.
 - A contact that changes the resistance by less than `jump_share` from one reading to the next is not seen here.
 - A data acquisition card has no program of its own. When the machine itself dies, its output stays: see

@@ -1,6 +1,7 @@
 """Every ``python`` and ``sh`` block of the pages runs, page by page, in one empty folder in the order it is read.
 
-Blocks marked ``console`` are for reading (setting up a checkout); they stand in CONTRIBUTING.md only.
+Blocks marked ``console`` are for reading: setting up a checkout, and what needs a board, a card or a second terminal.
+They stand on the pages of ``FOR_READING`` only. ``mermaid`` is a drawing.
 """
 
 from __future__ import annotations
@@ -15,6 +16,17 @@ import pytest
 from doc_pages import ROOT
 
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+FOR_READING = {
+    "CONTRIBUTING.md",
+    "README.md",
+    "drive_a_board.md",
+    "drive_an_ni_card.md",
+    "flash_the_firmware.md",
+    "put_a_real_wire_on.md",
+    "put_the_controller_on_a_microcontroller.md",
+    "run_in_real_time.md",
+    "wire_the_circuit.md",
+}
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.M | re.S)
 
 
@@ -65,7 +77,7 @@ def test_the_readmes_python_example_is_short() -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_every_block_has_a_language_that_a_test_knows(page: Path) -> None:
-    allowed = {"python", "sh"} | ({"console"} if page.name in {"CONTRIBUTING.md", "README.md"} else set())
+    allowed = {"python", "sh", "mermaid"} | ({"console"} if page.name in FOR_READING else set())
     assert {language for language, _ in blocks(page)} <= allowed
 
 

@@ -13,7 +13,7 @@ from musclewire.parameters import Parameter, load_alloy, load_bench, load_wire
 from musclewire.parameters.finger_file import finger_file_text, load_finger
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import wire_file_text
-from musclewire.rigs.configuration import RigConfiguration, open_rig, read_rig_file
+from musclewire.rigs.configuration import RigConfiguration, open_rig, read_rig_file, rig_names
 
 
 @pytest.fixture
@@ -118,7 +118,7 @@ def test_a_mistake_in_a_rig_file_is_one_line_with_a_hint(rig_file, text: str, hi
 def test_a_name_that_is_no_rig_is_answered_in_whole_sentences() -> None:
     near, far = refusal("griper"), refusal("lever")
     assert near.endswith("did you mean 'gripper'? Otherwise give the path of a TOML rig file")
-    assert far.endswith("known: finger, gripper, simulated, or give the path of a TOML rig file")
+    assert far.endswith(f"known: {', '.join(sorted(rig_names()))}, or give the path of a TOML rig file")
 
 
 def test_a_mistake_in_a_rig_file_names_the_file(rig_file) -> None:
