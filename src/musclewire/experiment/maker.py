@@ -44,7 +44,7 @@ FloatArray = NDArray[np.float64]
 BENCH = "dead-weight"
 DEFAULT_LENGTH_M = 0.14
 # The question is what would become of the wire: a protection that switches off before would hide the answer.
-SIZING_LIMITS = LimitsTable(maximum_temperature=5000.0, resistance_low=1e-6, resistance_high=1e6, jump_share=1.0)
+SIZING_LIMITS = LimitsTable(maximum_temperature=1e9, resistance_low=1e-6, resistance_high=1e6, jump_share=1.0)
 # Dynalloy, Technical Characteristics of Flexinol Actuator Wires (F1140): melting point 1300 C.
 MELTING_K = 1573.15
 AMBIENT_K = 295.15
