@@ -32,8 +32,8 @@ stateDiagram-v2
     tripped --> off: close; only opening or arming again leaves it
 ```"""
 
-RULES = """- **Latched.** After a trip the drive stays off whatever is asked; the first cause stays, too. The rig must be
-  opened again, a board armed again.
+RULES = """- **Latched.** After a trip the drive stays off whatever is asked; the first cause stays, too. The rig
+  must be opened again, a board armed again.
 - **In time.** From a fault to 0 V takes at most 0.5 s. An event's own time is in the table; to it comes one sample
   period, because a fault shows in the next sample.
 - **Missing.** A reading without current, a late sample or a missing command is bridged: the drive is held at once,
