@@ -11,12 +11,22 @@ from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase, load
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.export.c.constants import Constants, collect
+from musclewire.export.c.golden import golden_vectors
 from musclewire.export.c.header import constants_header
 from musclewire.export.c.precision import check_precision, single_error_share
+from musclewire.export.c.reference import ReferenceTick
 from musclewire.sensing.model import SensingModel
 
 __all__ = ["Library", "library_sources", "write_library"]
 
+TEST_FILES = (
+    "golden_test.c",
+    "same_bits.c",
+    "bench.h",
+    "cortex_m/start.c",
+    "cortex_m/mps2.ld",
+    "cortex_m/tick_cost.c",
+)
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 
@@ -27,6 +37,28 @@ class Library(NamedTuple):
     files: tuple[str, ...]
     constants: Constants
     single_error_share: float
+
+
+def project_files(name: str, quantity: str) -> dict[str, str]:
+    """Return what stands around the sources, by its place in the library's folder, with the library's name in it."""
+    from importlib.metadata import version
+
+    root = files("musclewire.export") / "c_project"
+    places = {
+        "README.md": "README.md",
+        "CMakeLists.txt": "CMakeLists.txt",
+        "library.properties": "library.properties",
+        "sketch.ino": f"examples/{name}/{name}.ino",
+        **{f"test/{file}": f"test/{file}" for file in TEST_FILES},
+    }
+    filled = {"@NAME@": name, "@VERSION@": version("musclewire"), "@QUANTITY@": quantity}
+    texts = {}
+    for source, place in places.items():
+        text = root.joinpath(*source.split("/")).read_text(encoding="utf-8")
+        for key, value in filled.items():
+            text = text.replace(key, value)
+        texts[place] = text
+    return texts
 
 
 def library_sources() -> dict[str, str]:
@@ -71,8 +103,11 @@ def write_library(
         quantity=model.quantity,
         double=double,
     )
+    reference = ReferenceTick(model, settings, limits, protection, rules)
     texts = {f"src/{file}": text for file, text in sorted(library_sources().items())}
     texts["src/mw_constants.h"] = header
+    texts |= project_files(name, model.quantity)
+    texts["test/golden_vectors.csv"] = golden_vectors(reference)
     _write(Path(folder), texts)
     return Library(Path(folder), tuple(texts), constants, single_error_share(model, constants))
 
