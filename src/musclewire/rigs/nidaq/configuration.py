@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError
 from musclewire.rigs.hardware import HardwareConfiguration
@@ -33,14 +33,22 @@ if TYPE_CHECKING:
 
 __all__ = ["DisplacementInput", "ForceInput", "Inputs", "NiDaqConfiguration", "Output", "Terminal", "VoltageInput"]
 
+
+def not_zero(value: float) -> float:
+    """Refuse a scale of nothing per volt; a negative one turns a sensor round."""
+    if value == 0.0:
+        raise ValueError("a scale of 0 per volt would measure nothing")
+    return value
+
+
 Terminal = Literal["differential", "RSE", "NRSE", "pseudodifferential"]
 Hertz = Annotated[float, measured_in("Hz"), Field(gt=0.0, allow_inf_nan=False)]
 RangeVolts = Annotated[float, measured_in("V"), Field(gt=0.0, le=60.0)]
 Volts = Annotated[float, measured_in("V"), Field(allow_inf_nan=False)]
 Gain = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-MetresPerVolt = Annotated[float, measured_in("m/V"), Field(allow_inf_nan=False)]
+MetresPerVolt = Annotated[float, measured_in("m/V"), AfterValidator(not_zero), Field(allow_inf_nan=False)]
 Metres = Annotated[float, measured_in("m"), Field(allow_inf_nan=False)]
-NewtonsPerVolt = Annotated[float, measured_in("N/V"), Field(allow_inf_nan=False)]
+NewtonsPerVolt = Annotated[float, measured_in("N/V"), AfterValidator(not_zero), Field(allow_inf_nan=False)]
 Newtons = Annotated[float, measured_in("N"), Field(allow_inf_nan=False)]
 
 

@@ -130,6 +130,7 @@ class InputStream:
             self._reader = card.package.stream_readers.AnalogMultiChannelReader(self._task.in_stream)
             self._reader.verify_array_shape = False
         self._width = len(inputs)
+        self._closed = False
 
     def start(self) -> None:
         """Begin to read."""
@@ -154,7 +155,10 @@ class InputStream:
         return values
 
     def close(self) -> None:
-        """Let go of the inputs; never raises."""
+        """Let go of the inputs; may be done twice; never raises."""
+        if self._closed:
+            return
+        self._closed = True
         with suppress(self._card.package.errors.Error):
             self._task.close()
 
@@ -250,7 +254,12 @@ class OutputLine:
         self.put_now(voltage_v)
 
     def release_card(self) -> None:
-        """Abort what a dead host left on the card; never raises."""
+        """Abort what a dead host left on a card in another machine; never raises.
+
+        In this machine the driver frees what a process held when it ends. A gRPC device server keeps it.
+        """
+        if self._settings.grpc_address is None:
+            return
         with suppress(DaqFaultError):
             self._card.reset()
 

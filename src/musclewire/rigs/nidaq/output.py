@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import secrets
 import socket
 import subprocess
 import sys
 from contextlib import suppress
+from typing import NoReturn
 
 from musclewire.errors import RigError
 from musclewire.rigs.nidaq.driver import OutputLine
@@ -52,6 +54,7 @@ class GuardedOutput:
                 stdout=subprocess.DEVNULL,
                 start_new_session=True,
                 text=True,
+                env={"GRPC_VERBOSITY": "NONE", **os.environ},  # what gRPC logs of a lost line is said by the rig
             )
             try:
                 assert self._process.stdin is not None
@@ -116,7 +119,7 @@ class GuardedOutput:
             data += more
         return data
 
-    def _lost(self) -> None:
+    def _lost(self) -> NoReturn:
         """Switch off without the guardian, which is gone or hangs, and raise GuardianLostError."""
         self._let_go()
         try:

@@ -1,0 +1,143 @@
+"""A host that is killed or stalls while it heats: the guardian switches off. Real processes, real time."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from emulation.daq_bench import card_of
+from emulation.daq_server import DaqServer
+from musclewire.controllers.protection import Event
+from musclewire.rigs.guarded import ProtectionTripError
+from musclewire.rigs.nidaq.rig import NiDaqRig
+from tests.contract.nidaq_rigs import at_seam, wiring_of
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="not run: signals as POSIX has them")
+
+NAMES = ("ni-pci-6229", "ni-usb-6001")
+DRIVE_V = 2.0
+# A host that heats until somebody stops it, by the public door.
+HOST = f"""
+import sys
+import musclewire
+with musclewire.open_rig(sys.argv[1]) as rig:
+    rig.exchange(rig.sense_voltage_v)
+    while True:
+        rig.exchange({DRIVE_V})
+"""
+
+
+class Bench:
+    """A card that runs by the clock, and a host process that heats the wire on it."""
+
+    def __init__(self, server: DaqServer, host: subprocess.Popen[str]) -> None:
+        self.server, self.host = server, host
+
+    def output_v(self) -> float:
+        return self.server.card.outputs_v["ao0"]
+
+    def seconds_until(self, reached: Callable[[float], bool], within_s: float) -> float:
+        """Return how long it takes until the output is as wanted."""
+        began = time.monotonic()
+        while not reached(self.output_v()):
+            assert time.monotonic() - began < within_s, f"{self.output_v()} V after {within_s} s"
+            time.sleep(0.001)
+        return time.monotonic() - began
+
+
+@pytest.fixture(params=NAMES)
+def name(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def bench(name: str, tmp_path: Path) -> Iterator[Bench]:
+    with DaqServer(card_of(name, paced=True)) as server:
+        host = subprocess.Popen(
+            [sys.executable, "-c", HOST, str(rig_file(tmp_path, name, server.address))],
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            found = Bench(server, host)
+            found.seconds_until(lambda volts: volts == DRIVE_V, 60.0)
+            yield found
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                host.send_signal(signal.SIGCONT)
+            host.kill()
+            host.communicate()
+
+
+def rig_file(folder: Path, name: str, address: str) -> Path:
+    """Return a user's rig file: the one that comes along, with the address."""
+    import musclewire.parameters
+
+    shipped = Path(musclewire.parameters.__path__[0]) / "data" / "rigs" / f"{name}.toml"
+    file = folder / "rig.toml"
+    file.write_text(shipped.read_text().replace('kind = "nidaq"', f'kind = "nidaq"\ngrpc = "{address}"'))
+    return file
+
+
+def test_a_killed_host_leaves_no_voltage_on_the_card(bench: Bench) -> None:
+    bench.host.kill()
+    assert bench.seconds_until(lambda volts: volts == 0.0, 0.3) < 0.3
+    time.sleep(0.5)
+    assert bench.output_v() == 0.0
+
+
+def test_after_a_killed_host_the_card_is_free_again(bench: Bench, name: str) -> None:
+    bench.host.kill()
+    bench.seconds_until(lambda volts: volts == 0.0, 0.3)
+    time.sleep(0.5)  # the guardian frees what the host left behind
+    with NiDaqRig(wiring_of(name).model_copy(update={"grpc": bench.server.address})) as rig:
+        rig.exchange(rig.sense_voltage_v)
+
+
+def test_a_stalled_host_leads_to_the_sense_voltage_and_then_off(bench: Bench) -> None:
+    """0.1 s and 0.25 s by the protection table, and a tenth for the machine."""
+    bench.host.send_signal(signal.SIGSTOP)
+    began = time.monotonic()
+    bench.seconds_until(lambda volts: volts < DRIVE_V, 0.2)
+    assert bench.output_v() in (0.0, pytest.approx(0.3))
+    bench.seconds_until(lambda volts: volts == 0.0, 0.35)
+    assert time.monotonic() - began < 0.35
+    bench.host.send_signal(signal.SIGCONT)
+    _, said = bench.host.communicate(timeout=20.0)
+    assert bench.output_v() == 0.0
+    assert "the guardian has switched off" in said.splitlines()[-1]
+
+
+def test_a_host_that_is_interrupted_switches_off_by_itself(bench: Bench) -> None:
+    bench.host.send_signal(signal.SIGINT)
+    assert bench.seconds_until(lambda volts: volts == 0.0, 0.5) < 0.5
+
+
+def test_a_killed_guardian_is_noticed_and_the_host_switches_off(name: str) -> None:
+    with at_seam(name, paced=True) as rig:
+        rig.exchange(DRIVE_V)
+        rig._output._process.kill()
+        began = time.monotonic()
+        with pytest.raises(ProtectionTripError, match="this one has switched off") as caught:
+            for _ in range(3):
+                rig.exchange(DRIVE_V)
+        assert rig.server.card.outputs_v["ao0"] == 0.0
+        assert time.monotonic() - began < 0.5
+    assert caught.value.event is Event.DEVICE_LOST
+
+
+def test_a_forgotten_rig_is_switched_off() -> None:
+    rig = at_seam("ni-usb-6001", paced=True)
+    card = rig.server.card
+    rig.exchange(DRIVE_V)
+    assert card.outputs_v["ao0"] == DRIVE_V
+    del rig
+    assert card.outputs_v["ao0"] == 0.0

@@ -1,0 +1,93 @@
+"""What a nidaq rig file may say, and what is said of a wrong one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from musclewire.errors import CallerError
+from musclewire.parameters.validation import validated
+from musclewire.rigs.configuration import rig_configuration
+from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
+
+NAMES = ("ni-pci-6229", "ni-usb-6001")
+
+
+def content(name: str = "ni-usb-6001") -> dict[str, Any]:
+    """Return a shipped rig file's content, to be changed."""
+    configuration = rig_configuration(name)[0]
+    assert isinstance(configuration, NiDaqConfiguration)
+    return configuration.model_dump()
+
+
+def refused(data: dict[str, Any]) -> str:
+    with pytest.raises(CallerError) as caught:
+        validated(NiDaqConfiguration, data, "rig file bench.toml")
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_rig_files_that_come_along_are_right(name: str) -> None:
+    data = content(name)
+    configuration = validated(NiDaqConfiguration, data, name)
+    assert configuration.layout().period == 50
+    assert list(configuration.inputs.wired()) == ["wire_voltage", "shunt_voltage", "displacement", "force"]
+
+
+def test_quantities_take_units() -> None:
+    data = content()
+    data["reading_rate"], data["inputs"]["displacement"]["scale"] = "2 kHz", "2.5 mm/V"
+    data["inputs"]["force"]["scale"] = "500 mN/V"
+    data["readings"] = 80
+    configuration = validated(NiDaqConfiguration, data, "rig")
+    assert configuration.reading_rate == 2000.0
+    assert configuration.inputs.displacement is not None
+    assert configuration.inputs.displacement.rule.quantity(2.0) == pytest.approx(5e-3)
+    assert configuration.inputs.force is not None
+    assert configuration.inputs.force.rule.quantity(2.0) == pytest.approx(1.0)
+
+
+def test_instruments_may_be_left_out() -> None:
+    data = content()
+    data["inputs"] = {name: data["inputs"][name] for name in ("wire_voltage", "shunt_voltage")}
+    assert list(validated(NiDaqConfiguration, data, "rig").inputs.wired()) == ["wire_voltage", "shunt_voltage"]
+
+
+def test_a_misspelt_key_suggests_the_right_one() -> None:
+    data = content()
+    data["inputs"]["wire_voltage"]["terminals"] = "RSE"
+    assert "did you mean 'terminal'?" in refused(data)
+    assert "did you mean 'readings'?" in refused({**content(), "reading": 40})
+
+
+@pytest.mark.parametrize(
+    ("changed", "expected"),
+    [
+        ({"readings": 50}, "no time to decide"),
+        ({"reading_rate": "990 Hz"}, "whole number"),
+        ({"output": {"channel": "ao0", "range": "2 V"}}, "outside its range of 2 V"),
+        ({"output": {"channel": "ao0", "gain": 0.1}}, "needs 36 V at ao0"),
+        ({"output_timing": "software"}, "output_timing"),
+        ({"output": {"channel": "Dev1/ao0"}}, "output.channel"),
+        ({"sense_voltage": "4 V"}, "must rise in this order"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(changed: dict[str, Any], expected: str) -> None:
+    assert expected in refused({**content(), **changed})
+
+
+def test_one_terminal_cannot_be_two_inputs() -> None:
+    data = content()
+    data["inputs"]["shunt_voltage"]["channel"] = data["inputs"]["wire_voltage"]["channel"]
+    assert "the channel ai0 is named for two inputs" in refused(data)
+
+
+def test_an_input_without_gain_is_refused() -> None:
+    data = content()
+    data["inputs"]["wire_voltage"]["gain"] = 0.0
+    assert "inputs.wire_voltage.gain" in refused(data)
+    data = content()
+    data["inputs"]["displacement"]["scale"] = 0.0
+    assert "inputs.displacement" in refused(data)

@@ -1,0 +1,43 @@
+"""What the driver's errors become: one line that says what, where and what to do."""
+
+from __future__ import annotations
+
+import grpc
+import pytest
+from nidaqmx.error_codes import DAQmxErrors
+from nidaqmx.errors import DaqError, DaqNotFoundError, RpcError
+
+from musclewire.rigs.nidaq.faults import LATE_WRITE, MEANINGS, STALLED, explained
+
+
+def test_every_number_is_one_that_the_driver_knows() -> None:
+    known = {int(item) for item in DAQmxErrors}
+    assert known >= set(MEANINGS)
+    assert {LATE_WRITE, STALLED} <= known
+
+
+@pytest.mark.parametrize("code", sorted(MEANINGS))
+def test_each_meaning_is_one_line_with_the_number_and_what_to_do(code: int) -> None:
+    fault = explained(DaqError("Many\nlines\nof NI's own", code), "Dev1")
+    assert str(fault).startswith("Dev1 ")
+    assert str(code) in str(fault)
+    assert ": " in str(fault)
+    assert "\n" not in str(fault)
+    assert (fault.code, fault.exit_code) == (code, 3)
+
+
+def test_an_unknown_number_keeps_the_drivers_first_line() -> None:
+    fault = explained(DaqError("Something rare happened.\n\nProperty: X", -200999), "Dev1")
+    assert str(fault).startswith("Dev1: Something rare happened (NI-DAQmx -200999)")
+    assert "\n" not in str(fault)
+
+
+def test_an_error_without_text_still_says_its_kind() -> None:
+    assert "DaqNotFoundError" not in str(explained(DaqNotFoundError(""), "Dev1"))
+    assert "install it from ni.com" in str(explained(DaqNotFoundError("Could not find\nan installation"), "Dev1"))
+
+
+def test_a_server_that_does_not_answer_is_named() -> None:
+    fault = explained(RpcError(grpc.StatusCode.UNAVAILABLE, "Failed to connect\nto server"), "Dev1")
+    assert "does not answer for Dev1" in str(fault)
+    assert "\n" not in str(fault)
