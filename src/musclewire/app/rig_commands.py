@@ -14,7 +14,6 @@ import typer
 from musclewire.app.files import require_figure_file, require_model_file, require_recording_file, save_figure
 from musclewire.app.options import Force, Json, OutputPath, RealTime, RigName, Seed, quantity_option
 from musclewire.app.output import emit_json, progress_bar, say, show, warn
-from musclewire.app.pace import Pace
 from musclewire.app.stopping import stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 
@@ -249,6 +248,7 @@ def control(
     from musclewire.experiment.closed_loop import APPROACH_S
     from musclewire.experiment.closed_loop import control as run_control
     from musclewire.experiment.force_limit import force_warnings
+    from musclewire.experiment.timing import timing_json
     from musclewire.experiment.training import recalibrate as anchor
     from musclewire.rigs.configuration import open_rig
     from musclewire.sensing import load_model
@@ -263,21 +263,15 @@ def control(
         if recalibrate:
             with progress_bar("Anchoring R_min and R_max", 90.0, quiet=json) as anchoring:
                 loaded = anchor(opened, loaded, on_sample=anchoring).model
-        pace = Pace(opened.sample_period_s, opened.paced)
         if target is None:
             target = staircase_for(loaded, load, opened.leg_length_m)
-        with progress_bar("Closed loop", APPROACH_S + target.duration_s, quiet=json) as advance:
-
-            def on_sample(row: Mapping[str, float]) -> None:
-                pace.note(row)
-                advance(row)
-
+        with progress_bar("Closed loop", APPROACH_S + target.duration_s, quiet=json) as on_sample:
             run = run_control(
                 opened, loaded, target, settings=settings, load=load, path=output, overwrite=force, on_sample=on_sample
             )
     answer = {
         **metrics_json(run.metrics),
-        **pace.report(),
+        **timing_json(run.metadata),
         "known_stiffness_n_per_m": None if load is None else load.stiffness_n_per_m,
         "known_friction_n": None if load is None else load.friction_n,
         "ended": run.metadata["ended"],
@@ -324,8 +318,10 @@ def train(
             on_cycle=None if json else say_cycle,
             on_sample=stop_if_asked,
         )
+    warnings = warn(training.warnings)
     if json:
-        emit_json({"settled": training.settled, "cycles": [vars(cycle) for cycle in training.cycles]})
+        cycles = [vars(cycle) for cycle in training.cycles]
+        emit_json({"settled": training.settled, "cycles": cycles, "warnings": warnings})
     else:
         show("settled" if training.settled else f"not settled after {len(training.cycles)} cycles")
     if not training.settled:

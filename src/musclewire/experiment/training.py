@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from musclewire.errors import CallerError, RecordingError
+from musclewire.experiment.force_limit import force_warnings
 from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.run import OnSample, file_in
 from musclewire.identify.recordings import required_quantity, resistance_reading
@@ -43,10 +44,14 @@ class TrainingCycle:
 
 @dataclass(frozen=True)
 class Training:
-    """A finished training. ``settled`` is False when the largest number of cycles came first."""
+    """A finished training. ``settled`` is False when the largest number of cycles came first.
+
+    ``warnings`` tell of the first cycle in which the wire pulled harder than it may.
+    """
 
     cycles: tuple[TrainingCycle, ...]
     settled: bool
+    warnings: tuple[str, ...] = ()
 
 
 def train(
@@ -68,6 +73,7 @@ def train(
     if most_cycles < 2:
         raise CallerError(f"most_cycles is {most_cycles}: a change needs at least 2 cycles")
     cycles: list[TrainingCycle] = []
+    warnings: tuple[str, ...] = ()
     for number in range(1, most_cycles + 1):
         recording = characterize(
             rig,
@@ -78,6 +84,7 @@ def train(
             overwrite=True,
             on_sample=on_sample,
         )
+        warnings = warnings or tuple(f"cycle {number}: {text}" for text in force_warnings(recording))
         reading = resistance_reading(recording)
         segments = find_segments(reading.resistance_ohm, required_quantity(recording), reading.valid)
         cycle = TrainingCycle(
@@ -94,8 +101,8 @@ def train(
         if on_cycle is not None:
             on_cycle(cycle)
         if cycle.change is not None and cycle.change < settled_share:
-            return Training(tuple(cycles), settled=True)
-    return Training(tuple(cycles), settled=False)
+            return Training(tuple(cycles), settled=True, warnings=warnings)
+    return Training(tuple(cycles), settled=False, warnings=warnings)
 
 
 def change_between(before: TrainingCycle, after: TrainingCycle) -> float:

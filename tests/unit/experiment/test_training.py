@@ -38,6 +38,12 @@ def test_a_training_that_runs_out_of_cycles_says_so() -> None:
             train(rig, most_cycles=1)
 
 
+def test_a_training_against_a_load_that_is_too_stiff_says_in_which_cycle() -> None:
+    with open_rig("simulated", spring_stiffness_n_per_m=2500.0, pretension_n=2.0) as rig:
+        training = train(rig, most_cycles=2)
+    assert training.warnings[0].startswith("cycle 1: the wire pulls with up to")
+
+
 def test_recalibration_finds_the_anchors_of_today_without_a_sensor() -> None:
     """A model whose resistances are off by 0.3 ohm (longer leads, another day) steers wrong until it is anchored."""
     with open_rig("simulated") as rig:
