@@ -18,7 +18,7 @@ from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
 from musclewire.experiment.staircases import staircase_within
 from musclewire.identify.recordings import COLUMN_SUFFIX
-from musclewire.rigs.protocol import Rig
+from musclewire.rigs.protocol import Metadata, Rig
 from musclewire.sensing.known_load import KnownSpring, force_model
 from musclewire.sensing.model import SHOWN_AS, SensingModel
 from musclewire.sensing.resistance import wire_resistance
@@ -26,7 +26,7 @@ from musclewire.sensing.tracking import SegmentState, SegmentTracker
 from musclewire.signals.recording import MetadataValue
 from musclewire.signals.samples import RawSample
 
-__all__ = ["SelfSensingPolicy", "control", "controller_for"]
+__all__ = ["SelfSensingPolicy", "check_made_for", "control", "controller_for", "settings_for"]
 
 # In the first step the wire starts cold, where resistance does not tell strain; it gets this long to arrive.
 APPROACH_S = 12.0
@@ -47,12 +47,19 @@ def controller_for(
     rig: Rig, model: SensingModel, settings: FuzzyPidSettings | None = None, load: KnownSpring | None = None
 ) -> FuzzyPid:
     """Return the fuzzy-tuned PID within a rig's limits, its error unit fitted to the model's quantity."""
+    return FuzzyPid(settings_for(model, settings, load), DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v))
+
+
+def settings_for(
+    model: SensingModel, settings: FuzzyPidSettings | None = None, load: KnownSpring | None = None
+) -> FuzzyPidSettings:
+    """Return the controller's settings with the error unit fitted to the model's quantity, unless they name one."""
     chosen = settings or FuzzyPidSettings()
     if model.quantity != "strain" and "error_unit" not in chosen.model_fields_set:
         steep = 0.0 if load is None else FRICTION_AS_RANGE * load.friction_n
         unit = (model.quantity_max - model.quantity_min + steep) / RANGE_AS_PERCENT_STRAIN
         chosen = chosen.model_copy(update={"error_unit": unit})
-    return FuzzyPid(chosen, DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v))
+    return chosen
 
 
 class SelfSensingPolicy:
@@ -252,7 +259,11 @@ def check_same_wire(model: SensingModel, rig: Rig) -> None:
     Resistance goes with length, so a model of another length would read a cold wire as a contracted one; the
     displacement of a finger's endpoint belongs to that finger.
     """
-    known = rig.metadata()
+    check_made_for(model, rig.metadata())
+
+
+def check_made_for(model: SensingModel, known: Metadata) -> None:
+    """Raise CallerError as ``check_same_wire`` does, for what is known of a rig that need not be open."""
     fitted, mounted = model.wire.get("wire"), known.get("wire")
     if fitted and mounted and fitted != mounted:
         raise CallerError(f"this model was fitted to wire {fitted}, the rig has {mounted}: fit one for this wire")
