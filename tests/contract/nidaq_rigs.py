@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
+
 from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
 from musclewire.rigs.nidaq.output import GuardedOutput

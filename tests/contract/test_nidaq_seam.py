@@ -8,15 +8,15 @@ import time
 from itertools import pairwise
 
 import pytest
-
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
+from tests.contract.nidaq_rigs import RigAtSeam, at_seam, wiring_of
+
 from musclewire.controllers.protection import Event
 from musclewire.errors import MissingExtraError, RigError
 from musclewire.rigs.guarded import ProtectionTripError
 from musclewire.rigs.nidaq import rig as rig_module
 from musclewire.rigs.nidaq.rig import NiDaqRig
-from tests.contract.nidaq_rigs import RigAtSeam, at_seam, wiring_of
 
 NAMES = ("ni-pci-6229", "ni-usb-6001")
 
@@ -163,7 +163,7 @@ def test_no_server_at_the_address_is_said() -> None:
 
 def test_without_the_driver_it_says_what_to_install() -> None:
     """Where NI's driver is installed, the card is asked for instead, and is not there."""
-    with pytest.raises(RigError, match="is not installed on this machine|is not known to the driver") as caught:
+    with pytest.raises(RigError, match=r"is not installed on this machine|is not known to the driver") as caught:
         NiDaqRig(wiring_of("ni-usb-6001").model_copy(update={"device": "NoSuchCard"}))
     assert "\n" not in str(caught.value)
 
