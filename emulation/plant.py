@@ -41,6 +41,9 @@ CONVERTING_EVERY_S = 0.2
 GIVE_UP_S = 0.1
 # A serial line holds only so much: what a board does not take in time waits in the host's own buffer.
 LINE_BYTES = 512
+# A board that is this many conversions behind does not get more until it has caught up.
+UNREAD = 8
+UNREAD_AT_MOST = 16
 ACK, DRIVE, TARGET, DONE = 0x84, 0x03, 0x04, 0
 
 
@@ -71,7 +74,7 @@ class Plant:
         self.unplugged = False
         self.to_board, self.from_pins = bytearray(), bytearray()
         self.watched = FrameParser()
-        self.code = self.ticks = self.late = self.given_up = self.released = 0
+        self.code = self.ticks = self.late = self.given_up = self.overwritten = self.answered = self.released = 0
         self.started_boards = 0
         self.waiting: int | None = None
         self.due_s = self.converting_s = time.monotonic()
@@ -161,6 +164,11 @@ class Plant:
         if not powered:
             return
         number = self.ticks % 256
+        # As in a converter's register, where the next conversion takes the place of one that was not fetched; now and
+        # then one goes out all the same, for a board that has lost some.
+        if (number - self.answered) % 256 > UNREAD and number % UNREAD_AT_MOST and not self.lockstep:
+            self.overwritten += 1
+            return
         packet = bytes([CONVERSION]) + converted.node.to_bytes(2, "little") + converted.shunt.to_bytes(2, "little")
         packet += bytes([number])
         check = 0
@@ -206,6 +214,7 @@ class Plant:
                 continue
             del self.from_pins[:OUTPUT_BYTES]
             self.code = low + 256 * high
+            self.answered = number if kind == OUTPUT else self.ticks % 256
             if kind == OUTPUT_AT_START:
                 self.started_boards += 1
                 self.waiting = None
@@ -323,6 +332,7 @@ class Plant:
             "clock_s": time.monotonic(),
             "late": self.late,
             "given_up": self.given_up,
+            "overwritten": self.overwritten,
             "starts": self.started_boards,
             "running": self.machine.poll() is None,
             "corrupted_bytes": self.line.corrupted_bytes,

@@ -256,6 +256,19 @@ static void count(mw_application *application, const mw_board_reading *reading)
     application->sums.count++;
 }
 
+static void stream(mw_application *application, uint8_t ticks)
+{
+    if (application->stream_every == 0u) {
+        return;
+    }
+    if (application->stream_left > ticks) {
+        application->stream_left = (uint16_t)(application->stream_left - ticks);
+        return;
+    }
+    application->stream_left = application->stream_every;
+    send_sample(application);
+}
+
 void mw_application_tick(mw_application *application, mw_board_tick tick, const mw_board_reading *given)
 {
     mw_board_reading reading = *given;
@@ -268,7 +281,7 @@ void mw_application_tick(mw_application *application, mw_board_tick tick, const 
 #endif
     /* Time is what the converter says: a tick it did not finish is missing, and has not passed. */
     if (tick == MW_TICK_READING) {
-        application->tick++;
+        application->tick += reading.ticks;
     }
     if (there) {
         mw_loop_reading(&application->loop, &reading);
@@ -278,9 +291,8 @@ void mw_application_tick(mw_application *application, mw_board_tick tick, const 
     }
     mw_standalone_tick(&application->standalone, &application->loop);
     settle(application);
-    if (application->stream_every != 0u && tick == MW_TICK_READING && --application->stream_left == 0u) {
-        application->stream_left = application->stream_every;
-        send_sample(application);
+    if (tick == MW_TICK_READING) {
+        stream(application, reading.ticks);
     }
 }
 

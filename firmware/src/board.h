@@ -11,10 +11,11 @@
 typedef struct {
     float wire_voltage_v;
     float shunt_voltage_v;
+    uint8_t ticks; /* since the last reading: 1, more where conversions were overwritten before they were fetched */
 } mw_board_reading;
 
 typedef enum {
-    MW_TICK_READING, /* a conversion came: one tick has passed */
+    MW_TICK_READING, /* a conversion came: its ticks have passed */
     MW_TICK_MISSING, /* a conversion is overdue by the independent time base: one tick has passed without it */
     MW_TICK_PENDING  /* the converter says that it still works on it: no time has passed */
 } mw_board_tick;

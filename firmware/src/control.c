@@ -85,14 +85,15 @@ bool mw_loop_target(mw_control_loop *loop, float target)
 }
 
 /* Follows the last command again where a missing reading has interrupted it. */
-static void follow(mw_control_loop *loop)
+static void follow(mw_control_loop *loop, uint8_t ticks)
 {
     mw_protection *protection = &loop->core.protection;
     if (!loop->closed_loop) {
         mw_protect_command(protection, (mw_real)loop->command_v);
         return;
     }
-    if (--loop->ticks_to_control > 0u) {
+    if (loop->ticks_to_control > ticks) {
+        loop->ticks_to_control = (uint16_t)(loop->ticks_to_control - ticks);
         return;
     }
     loop->ticks_to_control = MW_CONTROL_TICKS;
@@ -106,11 +107,11 @@ static void follow(mw_control_loop *loop)
 }
 
 /* The host's silence, by the table's rule: hold, then sense, then trip. */
-static void age_command(mw_control_loop *loop)
+static void age_command(mw_control_loop *loop, float passed_s)
 {
     mw_protection *protection = &loop->core.protection;
     const uint8_t event = protection->event;
-    loop->command_age_s += MW_TICK_S;
+    loop->command_age_s += passed_s;
     if (!loop->expires || loop->command_age_s <= MW_COMMAND_GRACE_S) {
         return;
     }
@@ -126,11 +127,12 @@ void mw_loop_reading(mw_control_loop *loop, const mw_board_reading *reading)
     if (!mw_loop_armed(loop)) {
         return;
     }
+    const float passed_s = (float)reading->ticks * MW_TICK_S;
     loop->reading_age_s = 0.0f;
-    mw_sample(&loop->core, (mw_real)reading->wire_voltage_v, (mw_real)reading->shunt_voltage_v, (mw_real)MW_TICK_S);
-    age_command(loop);
+    mw_sample(&loop->core, (mw_real)reading->wire_voltage_v, (mw_real)reading->shunt_voltage_v, (mw_real)passed_s);
+    age_command(loop, passed_s);
     if (mw_loop_armed(loop)) {
-        follow(loop);
+        follow(loop, reading->ticks);
     }
 }
 
@@ -144,7 +146,7 @@ void mw_loop_missing(mw_control_loop *loop)
         return;
     }
     mw_protect_event(&loop->core.protection, MW_EVENT_SAMPLE_LATE, (mw_real)loop->reading_age_s);
-    age_command(loop); /* the host's silence goes on, whatever the converter does */
+    age_command(loop, MW_TICK_S); /* the host's silence goes on, whatever the converter does */
 }
 
 float mw_loop_output(const mw_control_loop *loop)

@@ -11,7 +11,7 @@ int main(void)
     board_start();
     mw_application_start(&application);
     for (;;) {
-        mw_board_reading reading = {0.0f, 0.0f};
+        mw_board_reading reading = {0.0f, 0.0f, 1u};
         mw_board_tick tick;
         uint8_t byte;
         if (board_wait(&tick, &reading)) {

@@ -52,6 +52,7 @@ mw_ina226_result mw_ina226_read(const mw_ina226 *chip, mw_board_reading *reading
     }
     /* Two's complement without relying on how a compiler converts out-of-range numbers. */
     const int32_t shunt_steps = shunt >= 0x8000u ? (int32_t)shunt - 0x10000 : (int32_t)shunt;
+    reading->ticks = 1u;
     reading->shunt_voltage_v = (float)shunt_steps * SHUNT_STEP_V;
     reading->wire_voltage_v = (float)bus * BUS_STEP_V - reading->shunt_voltage_v;
     return shunt == 0x7fffu || shunt == 0x8000u ? MW_INA226_OVERFLOW : MW_INA226_READY;

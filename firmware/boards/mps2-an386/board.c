@@ -25,8 +25,8 @@
 #define LATE (2u * MW_TICK_PERIOD_US * (CLOCK_HZ / 1000000u))
 #define LATE_WHILE_CONVERTING CLOCK_HZ
 #define TICK_COUNTS (MW_TICK_PERIOD_US * (CLOCK_HZ / 1000000u))
-/* First the interrupt, which switches off, then, as long again, the reset. */
-#define WATCHDOG_COUNTS (CLOCK_HZ / 10u)
+/* After 0.2 s the interrupt, which switches off; as long again, and the reset. */
+#define WATCHDOG_COUNTS (CLOCK_HZ / 5u)
 
 mw_retained board_retained __attribute__((section(".noinit")));
 static uint32_t note __attribute__((section(".noinit")));
@@ -40,6 +40,7 @@ typedef struct {
 static ring from_host, from_bench, to_host;
 static uint8_t cause;
 static uint8_t answered; /* number of the conversion that the next output answers */
+static bool first = true;
 static uint32_t heard;   /* when the converter last said something, in counts of the time base */
 static uint32_t patience = LATE;
 static uint8_t packet[CONVERSION_BYTES], packet_length;
@@ -221,6 +222,9 @@ static bool next_tick(mw_board_tick *tick, mw_board_reading *reading)
             patience = *tick == MW_TICK_READING ? LATE : LATE_WHILE_CONVERTING;
             if (*tick == MW_TICK_READING) {
                 *reading = mw_sense_channels(&channels, code_at(1), code_at(3));
+                /* The first after a start has no number before it. */
+                reading->ticks = (uint8_t)(first ? 1u : (uint8_t)(packet[5] - answered));
+                first = false;
                 answered = packet[5];
             }
             return true;
