@@ -15,6 +15,7 @@ import typer
 from musclewire.app.calibrate_command import add_calibrate_command
 from musclewire.app.design_commands import add_design_commands
 from musclewire.app.doctor_command import add_doctor_command
+from musclewire.app.export_command import add_export_commands
 from musclewire.app.grip_command import add_grip_command
 from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
@@ -66,6 +67,7 @@ add_wire_commands(app)
 add_paper_commands(app)
 add_calibrate_command(app)
 add_design_commands(app)
+add_export_commands(app)
 add_protection_command(app)
 
 

@@ -31,12 +31,16 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 
 class Library(NamedTuple):
-    """What was written: where, which files (relative, in order), its numbers, and how well single precision does."""
+    """What was written: where, which files (relative, in order), and its numbers.
+
+    ``single_error_share`` is how far the estimate in single precision is off at most, as a share of the full scale.
+    """
 
     folder: Path
     files: tuple[str, ...]
     constants: Constants
     single_error_share: float
+    golden_rows: int
 
 
 def project_files(name: str, quantity: str) -> dict[str, str]:
@@ -107,9 +111,9 @@ def write_library(
     texts = {f"src/{file}": text for file, text in sorted(library_sources().items())}
     texts["src/mw_constants.h"] = header
     texts |= project_files(name, model.quantity)
-    texts["test/golden_vectors.csv"] = golden_vectors(reference)
+    texts["test/golden_vectors.csv"] = vectors = golden_vectors(reference)
     _write(Path(folder), texts)
-    return Library(Path(folder), tuple(texts), constants, single_error_share(model, constants))
+    return Library(Path(folder), tuple(texts), constants, single_error_share(model, constants), vectors.count("\n") - 1)
 
 
 def _write(folder: Path, texts: dict[str, str]) -> None:

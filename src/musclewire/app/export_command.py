@@ -1,0 +1,163 @@
+"""The command that takes a controller out of Python: export c."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from musclewire.app.options import Json
+from musclewire.app.output import emit_json, say, show
+from musclewire.errors import CallerError
+
+if TYPE_CHECKING:
+    from musclewire.controllers import FuzzyPidSettings
+    from musclewire.controllers.protection import ProtectionLimits
+    from musclewire.rigs.protocol import Metadata
+
+__all__ = ["add_export_commands"]
+
+
+def add_export_commands(app: typer.Typer) -> None:
+    """Add the group and its command."""
+    export = typer.Typer(name="export", no_args_is_help=True, help="Take a model and its controller out of Python: c.")
+
+    # A group with a single command would lose its name without this.
+    @export.callback()
+    def _group() -> None:
+        pass
+
+    export.command("c")(export_c)
+    app.add_typer(export)
+
+
+def export_c(
+    model: Annotated[Path, typer.Argument(help="Model file, as 'musclewire fit' writes it.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the library; made if need be.")],
+    rig: Annotated[
+        str,
+        typer.Option(
+            "--rig",
+            help="Whose circuit and limits: 'simulated', or a rig file of kind simulated or serial. Not opened.",
+        ),
+    ] = "simulated",
+    settings: Annotated[
+        Path | None,
+        typer.Option("--settings", help="TOML file with settings of the controller, as kp_range = [0.01, 0.1]."),
+    ] = None,
+    rules: Annotated[
+        str | None, typer.Option("--rules", help="Rule base of the fuzzy tuning; see 'musclewire rules'.")
+    ] = None,
+    double: Annotated[bool, typer.Option("--double", help="Double precision by choice of the library.")] = False,
+    name: Annotated[str, typer.Option("--name", help="Name of the library, a C identifier.")] = "musclewire_wire",
+    json: Json = False,
+) -> None:
+    """Model, controller, limits and protection as a self-contained C99 library, with what it costs on a board."""
+    from musclewire.controllers import DriveLimits
+    from musclewire.experiment.closed_loop import check_made_for, settings_for
+    from musclewire.export.c import write_library
+    from musclewire.export.c.figures import library_figures
+    from musclewire.sensing import load_model
+
+    loaded = load_model(model)
+    limits, known = limits_of_rig(rig)
+    check_made_for(loaded, known)
+    chosen = settings_for(loaded, read_settings(settings, rules))
+    library = write_library(
+        loaded,
+        chosen,
+        DriveLimits(limits.sense_voltage_v, limits.maximum_voltage_v),
+        limits,
+        output,
+        name,
+        double=double,
+    )
+    answer = {
+        "folder": str(output),
+        "name": name,
+        "files": list(library.files),
+        "quantity": loaded.quantity,
+        "rule_base": chosen.rule_base,
+        "precision": "double" if double else "single",
+        "single_error_share": library.single_error_share,
+        "limits": finite_numbers(limits._asdict()),
+        "golden_rows": library.golden_rows,
+        "figures": library_figures(output, double=double),
+    }
+    if json:
+        emit_json(answer)
+    else:
+        show(export_text(answer, rig))
+
+
+def limits_of_rig(rig: str) -> tuple[ProtectionLimits, Metadata]:
+    """Return limits and facts of a rig without driving anything: a simulated one, or a board's rig file.
+
+    Raises CallerError for a rig of another kind.
+    """
+    from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
+    from musclewire.rigs.serial.configuration import SerialConfiguration
+
+    configuration, where = rig_configuration(rig)
+    if isinstance(configuration, RigConfiguration):
+        with open_rig(configuration) as opened:
+            return opened.protection_limits, opened.metadata()
+    if isinstance(configuration, SerialConfiguration):
+        limits = configuration.protection_limits(
+            wire_range_v=configuration.wire_range,
+            shunt_range_v=configuration.shunt_range,
+            readings_noisy=configuration.readings_noisy,
+        )
+        return limits, configuration.facts()
+    raise CallerError(
+        f"{where} is no board: a library's limits come from the channels of the board it runs on; write a rig file "
+        'with kind = "serial" for it'
+    )
+
+
+def read_settings(path: Path | None, rules: str | None) -> FuzzyPidSettings:
+    """Return the controller's settings from a TOML file, and the rule base that an option names instead.
+
+    Raises CallerError naming file and key.
+    """
+    from musclewire.controllers import FuzzyPidSettings
+    from musclewire.parameters.toml_file import read_toml
+
+    given: dict[str, Any] = {} if path is None else read_toml(path, "settings file")
+    if rules is not None:
+        given["rule_base"] = rules
+    try:
+        return FuzzyPidSettings(**given)
+    except CallerError as error:
+        raise CallerError(f"settings file {path}: {error}" if path else str(error)) from None
+
+
+def finite_numbers(numbers: dict[str, float]) -> dict[str, float | None]:
+    """Return the numbers with None for "no limit": a JSON document knows no infinity."""
+    return {name: value if abs(value) < float("inf") else None for name, value in numbers.items()}
+
+
+def export_text(answer: dict[str, Any], rig: str) -> str:
+    """Return what was written and what it costs, for people."""
+    limits = answer["limits"]
+    lines = [
+        f"{answer['folder']}: {answer['quantity']} from resistance, rule base {answer['rule_base']}, "
+        f"{answer['precision']} precision",
+        f"limits of rig {rig}: shunt {limits['shunt_resistance_ohm']:g} ohm, drive {limits['sense_voltage_v']:g} to "
+        f"{limits['maximum_voltage_v']:g} V, resistance {limits['resistance_low_ohm']:.3g} to "
+        f"{limits['resistance_high_ohm']:.3g} ohm",
+        f"single precision is off by at most {100.0 * answer['single_error_share']:.2g} % of the full scale",
+        f"{len(answer['files'])} files, {answer['golden_rows']} golden vectors: "
+        f"cmake -S {answer['folder']} -B build && cmake --build build && ctest --test-dir build",
+        "",
+        f"{'target':<12}{'flash [B]':>10}{'RAM [B]':>9}{'state [B]':>11}{'tick [instructions], mean and most':>37}",
+    ]
+    for row in answer["figures"]:
+        said = [str(row[key]) if row[key] is not None else "-" for key in ("flash_bytes", "ram_bytes", "state_bytes")]
+        tick = f"{row['tick_instructions_mean']} / {row['tick_instructions_most']}"
+        counted = tick if row["tick_instructions_mean"] is not None else "-"
+        lines.append(f"{row['target']:<12}{said[0]:>10}{said[1]:>9}{said[2]:>11}{counted:>37}")
+    for note in dict.fromkeys(row["not_measured"] for row in answer["figures"] if row["not_measured"]):
+        say(f"not measured: {note}")
+    return "\n".join(lines)
