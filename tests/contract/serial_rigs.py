@@ -1,0 +1,76 @@
+"""The serial rigs of the contract suite: the real firmware in an emulator, the simulated wire on its pins.
+
+In lockstep: time passes only for commands, so that a busy machine changes nothing.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import weakref
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from emulation.board import EmulatedBoard, firmware_for
+from musclewire.rigs.configuration import rig_configuration
+from musclewire.rigs.serial.configuration import SerialConfiguration
+from musclewire.rigs.serial.device import Board
+from musclewire.rigs.serial.line import open_line
+from musclewire.rigs.serial.rig import SerialRig
+from tests.tools import require_tool
+
+__all__ = ["SERIAL_COLD_OHM", "SERIAL_RIGS", "RigOnBoard", "built_firmware", "mounted", "on_board"]
+
+BOARD = "mps2-an386"
+# A busy machine may take long over a sample; the board's own clock stands still meanwhile.
+PATIENCE_S = 10.0
+
+
+class RigOnBoard(SerialRig):
+    """A rig that brings its emulated board along."""
+
+    def __init__(self, configuration: SerialConfiguration, board: EmulatedBoard) -> None:
+        super().__init__(configuration, Board(open_line(configuration.port, configuration.baud)))
+        self.emulated = board
+        weakref.finalize(self, board.close)
+
+
+def require_board() -> None:
+    """Skip the test, or fail it in CI, where the compiler or the emulator is missing."""
+    require_tool("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi")
+    require_tool("qemu-system-arm", "qemu-system-arm")
+
+
+@cache
+def built_firmware(fault_injection: bool = False) -> Path:
+    """Return the firmware, built once for all tests of a run."""
+    folder = tempfile.TemporaryDirectory(prefix="musclewire-firmware-")
+    built_firmware.folders.append(folder)  # type: ignore[attr-defined]
+    return firmware_for(BOARD, Path(folder.name), ["--fault-injection"] if fault_injection else [])
+
+
+built_firmware.folders = []  # type: ignore[attr-defined]
+
+
+def mounted(port: str, **changed: Any) -> SerialConfiguration:
+    """Return the rig file that comes with musclewire, on a port, with some keys changed."""
+    shipped = rig_configuration("serial-board")[0]
+    assert isinstance(shipped, SerialConfiguration)
+    return SerialConfiguration.model_validate({**shipped.model_dump(), "port": port, **changed})
+
+
+def on_board(**changed: Any) -> RigOnBoard:
+    """Return a rig on a board of its own that has just been switched on, its wire cold."""
+    require_board()
+    board = EmulatedBoard(pace="lockstep", elf=built_firmware())
+    try:
+        return RigOnBoard(mounted(board.port_url, patience=PATIENCE_S, **changed), board)
+    except BaseException:
+        board.close()
+        raise
+
+
+SERIAL_RIGS: dict[str, Callable[[], RigOnBoard]] = {"serial, emulated Cortex-M4F": on_board}
+# Resistance between the terminals of the paper's wire, as on the simulated rig.
+SERIAL_COLD_OHM = dict.fromkeys(SERIAL_RIGS, (12.0, 20.0))
