@@ -13,12 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from emulation.board import EmulatedBoard, firmware_for
+from tests.tools import require_tool
+
 from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.serial.configuration import SerialConfiguration
 from musclewire.rigs.serial.device import Board
 from musclewire.rigs.serial.line import open_line
 from musclewire.rigs.serial.rig import SerialRig
-from tests.tools import require_tool
 
 __all__ = ["SERIAL_COLD_OHM", "SERIAL_RIGS", "RigOnBoard", "built_firmware", "mounted", "on_board"]
 
