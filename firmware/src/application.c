@@ -273,6 +273,7 @@ void mw_application_tick(mw_application *application, mw_board_tick tick, const 
 {
     mw_board_reading reading = *given;
     bool there = tick == MW_TICK_READING;
+    reading.ticks = reading.ticks > 0u ? reading.ticks : 1u; /* a reading without time would stop the expiry */
     if (tick == MW_TICK_PENDING) {
         return;
     }

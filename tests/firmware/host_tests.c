@@ -1,0 +1,604 @@
+/* The firmware's parts on the host's compiler: each test is a function, and its name says what must be so.
+ *
+ *     host_tests            runs all; prints the failed ones; exit code 1 where one failed
+ *     host_tests frames     reads a body's type, sequence and payload as text, prints the frame: for golden vectors
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "application.h"
+#include "board_constants.h"
+#include "sense_channels.h"
+#include "sense_ina226.h"
+
+/* ---- a board of variables --------------------------------------------------------------------------- */
+
+mw_retained board_retained;
+static uint8_t fake_cause;
+static float output_v;
+static bool line_full, button;
+static uint8_t sent[65536];
+static size_t sent_length;
+
+uint8_t board_reset_cause(void) { return fake_cause; }
+void board_set_drive(float drive_voltage_v) { output_v = drive_voltage_v; }
+bool board_button(void) { return button; }
+float board_knob(void) { return 0.5f; }
+
+bool board_put(const uint8_t *bytes, uint8_t length)
+{
+    if (line_full || sent_length + length > sizeof sent)
+        return false;
+    memcpy(sent + sent_length, bytes, length);
+    sent_length += length;
+    return true;
+}
+
+static int failed;
+
+#define MUST(condition)                                                                    \
+    do {                                                                                   \
+        if (!(condition)) {                                                                \
+            printf("FAILED %s, line %d: %s\n", __func__, __LINE__, #condition);            \
+            failed = 1;                                                                    \
+            return;                                                                        \
+        }                                                                                  \
+    } while (0)
+
+static mw_application app;
+
+static void fresh(uint8_t cause)
+{
+    memset(&board_retained, 0, sizeof board_retained);
+    fake_cause = cause;
+    sent_length = 0;
+    line_full = button = false;
+    output_v = -1.0f;
+    mw_application_start(&app);
+}
+
+static void say(uint8_t type, const void *payload, uint8_t length)
+{
+    mw_message message = {.version = MW_PROTOCOL_VERSION, .type = type, .sequence = 7, .payload_length = length};
+    uint8_t frame[MW_FRAME_MAX];
+    memcpy(message.payload, payload, length);
+    const uint8_t bytes = mw_frame_encode(&message, frame);
+    for (uint8_t i = 0; i < bytes; i++)
+        mw_application_byte(&app, frame[i]);
+}
+
+static void drive(float value)
+{
+    uint8_t payload[4];
+    mw_put_f32(payload, value);
+    say(MW_DRIVE, payload, 4);
+}
+
+/* A wire in the middle of its window at whatever is out, with a little noise, for some ticks. */
+static void live(int ticks)
+{
+    static unsigned noise = 1;
+    const float ohm = 0.5f * ((float)MW_RESISTANCE_LOW_OHM + (float)MW_RESISTANCE_HIGH_OHM);
+    for (int i = 0; i < ticks; i++) {
+        noise = noise * 1664525u + 1013904223u;
+        const float shunt = output_v / (ohm + (float)MW_SHUNT_RESISTANCE_OHM) * (float)MW_SHUNT_RESISTANCE_OHM;
+        const float wobble = 1e-5f * (float)(noise >> 24);
+        const mw_board_reading reading = {output_v - shunt + wobble, shunt + 0.01f * wobble, 1u};
+        mw_application_tick(&app, MW_TICK_READING, &reading);
+    }
+}
+
+static void silent(int ticks)
+{
+    const mw_board_reading none = {0.0f, 0.0f, 1u};
+    for (int i = 0; i < ticks; i++)
+        mw_application_tick(&app, MW_TICK_MISSING, &none);
+}
+
+/* The last frame of a type that was sent. */
+static bool last_sent(uint8_t type, mw_message *found)
+{
+    mw_decoder decoder;
+    mw_message message;
+    bool any = false;
+    mw_decoder_start(&decoder);
+    for (size_t i = 0; i < sent_length; i++)
+        if (mw_decoder_push(&decoder, sent[i], &message) == MW_FRAME_GOOD && message.type == type) {
+            *found = message;
+            any = true;
+        }
+    return any;
+}
+
+static uint8_t acknowledged(void)
+{
+    mw_message message;
+    return last_sent(MW_ACK, &message) ? message.payload[3] : 255u;
+}
+
+static int ticks_of(float time_s) { return (int)(time_s / MW_TICK_S + 0.5f); }
+
+/* ---- framing -------------------------------------------------------------------------------------- */
+
+static void the_check_sum_is_that_of_zlib(void)
+{
+    MUST(mw_crc32((const uint8_t *)"123456789", 9) == 0xcbf43926u);
+    MUST(mw_crc32((const uint8_t *)"", 0) == 0u);
+}
+
+static void every_length_of_payload_comes_back(void)
+{
+    for (unsigned length = 0; length <= MW_PAYLOAD_MAX; length++) {
+        mw_message in = {.version = 1, .type = 3, .sequence = (uint16_t)(length * 257u), .payload_length = (uint8_t)length};
+        mw_message out;
+        mw_decoder decoder;
+        uint8_t frame[MW_FRAME_MAX];
+        for (unsigned i = 0; i < length; i++)
+            in.payload[i] = (uint8_t)(i % 3u ? i : 0u);
+        const uint8_t bytes = mw_frame_encode(&in, frame);
+        MUST(bytes <= MW_FRAME_MAX && memchr(frame, 0, bytes) == frame + bytes - 1);
+        mw_decoder_start(&decoder);
+        mw_frame_result result = MW_FRAME_NONE;
+        for (uint8_t i = 0; i < bytes; i++)
+            result = mw_decoder_push(&decoder, frame[i], &out);
+        MUST(result == MW_FRAME_GOOD && out.type == 3 && out.sequence == in.sequence);
+        MUST(out.payload_length == length && memcmp(out.payload, in.payload, length) == 0);
+    }
+}
+
+static void a_single_wrong_bit_drops_the_frame(void)
+{
+    mw_message in = {.version = 1, .type = MW_KEEP, .sequence = 258}, out;
+    uint8_t frame[MW_FRAME_MAX];
+    const uint8_t bytes = mw_frame_encode(&in, frame);
+    for (unsigned bit = 0; bit < 8u * (bytes - 1u); bit++) {
+        mw_decoder decoder;
+        mw_decoder_start(&decoder);
+        frame[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
+        for (uint8_t i = 0; i < bytes; i++)
+            MUST(mw_decoder_push(&decoder, frame[i], &out) != MW_FRAME_GOOD);
+        frame[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
+    }
+}
+
+static void another_version_is_dropped(void)
+{
+    mw_message in = {.version = 2, .type = MW_KEEP}, out;
+    uint8_t frame[MW_FRAME_MAX];
+    mw_decoder decoder;
+    const uint8_t bytes = mw_frame_encode(&in, frame);
+    mw_decoder_start(&decoder);
+    for (uint8_t i = 0; i + 1 < bytes; i++)
+        MUST(mw_decoder_push(&decoder, frame[i], &out) == MW_FRAME_NONE);
+    MUST(mw_decoder_push(&decoder, 0, &out) == MW_FRAME_BAD);
+}
+
+static void noise_without_zeros_counts_once_a_frames_length_and_ends_with_a_zero(void)
+{
+    mw_message out;
+    mw_decoder decoder;
+    int bad = 0;
+    mw_decoder_start(&decoder);
+    for (int i = 0; i < 980; i++)
+        bad += mw_decoder_push(&decoder, 0x55, &out) == MW_FRAME_BAD;
+    MUST(bad == 10);
+    MUST(mw_decoder_push(&decoder, 0, &out) == MW_FRAME_NONE);
+    MUST(mw_decoder_push(&decoder, 0, &out) == MW_FRAME_NONE);
+}
+
+/* ---- application ---------------------------------------------------------------------------------- */
+
+static void at_the_start_the_output_is_off_and_the_board_says_who_it_is(void)
+{
+    mw_message identity;
+    fresh(MW_RESET_POWER_ON);
+    MUST(output_v == 0.0f);
+    MUST(last_sent(MW_IDENTITY, &identity) && identity.payload_length == MW_IDENTITY_BYTES);
+    MUST(identity.payload[3] == MW_RESET_POWER_ON && identity.payload[30] == MW_EVENT_NONE);
+    MUST(mw_get_u32(identity.payload + 26) == MW_MODEL_CHECKSUM);
+    MUST(mw_get_f32(identity.payload + 16) == (float)MW_MAXIMUM_VOLTAGE_V);
+}
+
+static void a_drive_before_arming_is_refused(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    drive(1.0f);
+    MUST(acknowledged() == MW_REFUSED && output_v == 0.0f);
+}
+
+static void arming_puts_out_the_sense_voltage_and_a_drive_takes_effect_at_once(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    MUST(acknowledged() == MW_DONE && output_v == (float)MW_SENSE_VOLTAGE_V);
+    drive(1.5f);
+    MUST(acknowledged() == MW_DONE && output_v == 1.5f);
+    say(MW_OFF, "", 0);
+    MUST(output_v == 0.0f && mw_loop_event(&app.loop) == MW_EVENT_STOPPED);
+}
+
+static void a_drive_that_is_no_number_or_out_of_range_trips(void)
+{
+    const float wrong[] = {NAN, INFINITY, -INFINITY, -0.1f, (float)MW_MAXIMUM_VOLTAGE_V * 1.001f};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        fresh(MW_RESET_POWER_ON);
+        say(MW_ARM, "", 0);
+        drive(1.0f);
+        drive(wrong[i]);
+        MUST(acknowledged() == MW_BAD_PAYLOAD && output_v == 0.0f);
+        MUST(mw_loop_event(&app.loop) == MW_EVENT_COMMAND_REFUSED);
+        drive(1.0f);
+        MUST(acknowledged() == MW_REFUSED && output_v == 0.0f);
+        say(MW_ARM, "", 0);
+        drive(1.0f);
+        MUST(output_v == 1.0f);
+    }
+}
+
+static void wrong_types_and_lengths_are_said_and_change_nothing(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    drive(1.0f);
+    say(0x42, "", 0);
+    MUST(acknowledged() == MW_UNKNOWN && output_v == 1.0f);
+    say(MW_DRIVE, "abc", 3);
+    MUST(acknowledged() == MW_BAD_PAYLOAD && output_v == 1.0f);
+    say(MW_OFF, "x", 1);
+    MUST(acknowledged() == MW_BAD_PAYLOAD && output_v == 1.0f);
+}
+
+static void silence_of_the_host_is_held_then_sensed_then_off(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    drive(2.0f);
+    live(ticks_of(0.09f));
+    MUST(output_v == 2.0f && mw_loop_state(&app.loop) == MW_STATE_HOLD);
+    live(ticks_of(0.02f));
+    MUST(output_v == (float)MW_SENSE_VOLTAGE_V && mw_loop_state(&app.loop) == MW_STATE_SENSE);
+    live(ticks_of(0.15f));
+    MUST(output_v == 0.0f && mw_loop_state(&app.loop) == MW_STATE_TRIPPED);
+    MUST(mw_loop_event(&app.loop) == MW_EVENT_COMMAND_MISSING);
+}
+
+static void a_keep_renews_and_a_late_drive_ends_the_silence(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    drive(2.0f);
+    for (int i = 0; i < 20; i++) {
+        live(ticks_of(0.05f));
+        say(MW_KEEP, "", 0);
+    }
+    MUST(output_v == 2.0f && mw_loop_state(&app.loop) == MW_STATE_RUN);
+    live(ticks_of(0.15f));
+    MUST(output_v == (float)MW_SENSE_VOLTAGE_V);
+    drive(1.0f);
+    MUST(output_v == 1.0f && mw_loop_state(&app.loop) == MW_STATE_RUN);
+}
+
+static void asking_who_it_is_or_a_refused_command_does_not_renew(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    drive(2.0f);
+    for (int i = 0; i < 10; i++) {
+        live(ticks_of(0.03f));
+        say(MW_HELLO, "", 0);
+        say(MW_DRIVE, "abc", 3);
+        say(0x42, "", 0);
+    }
+    MUST(output_v == 0.0f && mw_loop_event(&app.loop) == MW_EVENT_COMMAND_MISSING);
+}
+
+static void a_silent_converter_is_off_after_a_quarter_of_a_second(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    drive(2.0f);
+    for (int i = 0; i < 9; i++) {
+        silent(ticks_of(0.03f));
+        drive(2.0f);
+    }
+    MUST(output_v == 0.0f && mw_loop_state(&app.loop) == MW_STATE_TRIPPED);
+    MUST(mw_loop_event(&app.loop) == MW_EVENT_SAMPLE_LATE);
+}
+
+static void sixteen_bad_frames_within_a_fifth_of_a_second_are_a_storm(void)
+{
+    const uint8_t garbage[] = {5, 5, 5, 0};
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    drive(1.0f);
+    for (int frame = 0; frame < 40; frame++) { /* 71 in a second are none */
+        live(14);
+        drive(1.0f);
+        for (size_t i = 0; i < sizeof garbage; i++)
+            mw_application_byte(&app, garbage[i]);
+    }
+    MUST(output_v == 1.0f);
+    live(ticks_of(0.05f));
+    drive(1.0f);
+    for (int frame = 0; frame < 15; frame++)
+        for (size_t i = 0; i < sizeof garbage; i++)
+            mw_application_byte(&app, garbage[i]);
+    MUST(output_v == 0.0f && mw_loop_event(&app.loop) == MW_EVENT_LINK_CORRUPTED);
+}
+
+static void samples_are_means_and_come_every_so_many_ticks(void)
+{
+    uint8_t every[2];
+    mw_message sample;
+    mw_put_u16(every, 10);
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    say(MW_STREAM, every, 2);
+    drive(1.0f);
+    for (int i = 0; i < 9; i++) {
+        const mw_board_reading reading = {0.9f, 0.05f, 1u};
+        mw_application_tick(&app, MW_TICK_READING, &reading);
+    }
+    MUST(!last_sent(MW_SAMPLE, &sample));
+    const mw_board_reading other = {1.9f, 0.15f, 1u};
+    mw_application_tick(&app, MW_TICK_READING, &other);
+    MUST(last_sent(MW_SAMPLE, &sample) && sample.payload_length == MW_SAMPLE_BYTES);
+    MUST(mw_get_u32(sample.payload) == 10u && mw_get_u16(sample.payload + 6) == 7u);
+    MUST(fabsf(mw_get_f32(sample.payload + 12) - 1.0f) < 1e-6f);
+    MUST(fabsf(mw_get_f32(sample.payload + 16) - 0.06f) < 1e-6f);
+}
+
+static void a_target_closes_the_loop_on_the_board(void)
+{
+    uint8_t payload[4];
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    mw_put_f32(payload, 0.5f * ((float)MW_QUANTITY_MIN + (float)MW_QUANTITY_MAX));
+    for (int i = 0; i < 40; i++) {
+        say(MW_TARGET, payload, 4);
+        live(ticks_of(0.05f));
+    }
+    MUST(acknowledged() == MW_DONE && mw_loop_state(&app.loop) == MW_STATE_RUN);
+    MUST(output_v >= (float)MW_SENSE_VOLTAGE_V && output_v <= (float)MW_MAXIMUM_VOLTAGE_V);
+    mw_put_f32(payload, (float)MW_QUANTITY_MAX * 1.1f);
+    say(MW_TARGET, payload, 4);
+    MUST(output_v == 0.0f && mw_loop_event(&app.loop) == MW_EVENT_COMMAND_REFUSED);
+}
+
+static void a_line_that_nobody_reads_changes_nothing(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    line_full = true;
+    say(MW_ARM, "", 0);
+    drive(2.0f);
+    MUST(output_v == 2.0f);
+    live(ticks_of(0.3f));
+    MUST(output_v == 0.0f);
+}
+
+static void a_reset_in_a_run_is_told_as_what_it_was(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    drive(2.0f);
+    fake_cause = MW_RESET_WATCHDOG;
+    mw_application_start(&app);
+    MUST(output_v == 0.0f && app.event_at_reset == MW_EVENT_WATCHDOG);
+    say(MW_ARM, "", 0);
+    drive(2.0f);
+    fake_cause = MW_RESET_EXTERNAL;
+    mw_application_start(&app);
+    MUST(output_v == 0.0f && app.event_at_reset == MW_EVENT_POWER_LOST);
+    board_retained.check ^= 1u; /* the dip of the supply took the memory, too */
+    mw_application_start(&app);
+    MUST(app.event_at_reset == MW_EVENT_NONE);
+}
+
+static void memory_of_a_clean_end_is_no_lost_power(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    say(MW_OFF, "", 0);
+    fake_cause = MW_RESET_EXTERNAL;
+    mw_application_start(&app);
+    MUST(app.event_at_reset == MW_EVENT_STOPPED);
+}
+
+#ifdef MW_STANDALONE
+static void press(void)
+{
+    button = true;
+    live(5);
+    button = false;
+    live(5);
+}
+
+static void alone_a_button_starts_and_stops_the_staircase(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    live(20);
+    MUST(output_v == 0.0f);
+    press();
+    live(ticks_of(2.0f)); /* no host, no expiry */
+    MUST(mw_loop_state(&app.loop) == MW_STATE_RUN && output_v >= (float)MW_SENSE_VOLTAGE_V);
+    press();
+    MUST(output_v == 0.0f && mw_loop_state(&app.loop) == MW_STATE_OFF);
+}
+
+static void alone_nothing_starts_after_a_watchdog_reset(void)
+{
+    fresh(MW_RESET_WATCHDOG);
+    live(20);
+    press();
+    live(100);
+    MUST(output_v == 0.0f);
+}
+
+static void a_host_takes_over_and_its_silence_counts_again(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    live(20);
+    press();
+    drive(1.0f);
+    MUST(output_v == 1.0f);
+    live(ticks_of(0.3f));
+    MUST(output_v == 0.0f && mw_loop_event(&app.loop) == MW_EVENT_COMMAND_MISSING);
+}
+#endif
+
+/* ---- sense front ends ----------------------------------------------------------------------------- */
+
+static void channels_turn_codes_into_volts(void)
+{
+    const mw_channels channels = {65535u, 5.5f, 0.33f};
+    const mw_board_reading reading = mw_sense_channels(&channels, 32768u, 16384u);
+    MUST(fabsf(reading.shunt_voltage_v - 0.33f * 16384.0f / 65535.0f) < 1e-6f);
+    MUST(fabsf(reading.wire_voltage_v + reading.shunt_voltage_v - 5.5f * 32768.0f / 65535.0f) < 1e-6f);
+}
+
+static void a_saturated_channel_reads_as_the_end_of_its_range(void)
+{
+    const mw_channels channels = {65535u, 5.5f, 0.33f};
+    MUST(mw_sense_channels(&channels, 65535u, 30000u).wire_voltage_v == 5.5f);
+    MUST(mw_sense_channels(&channels, 30000u, 65535u).shunt_voltage_v == 0.33f);
+}
+
+/* An INA226 of registers (SBOS547): ready bit cleared by reading it, settings kept, no other register written. */
+typedef struct {
+    uint16_t settings, shunt, bus, maker;
+    bool ready, gone;
+    int writes;
+} chip_model;
+
+static bool model_write(void *bus, uint8_t address, uint8_t chip_register, uint16_t value)
+{
+    chip_model *chip = bus;
+    chip->writes++;
+    if (chip->gone || address != 0x45u || chip_register != 0x00u)
+        return false;
+    chip->settings = value;
+    return true;
+}
+
+static bool model_read(void *bus, uint8_t address, uint8_t chip_register, uint16_t *value)
+{
+    chip_model *chip = bus;
+    if (chip->gone || address != 0x45u)
+        return false;
+    switch (chip_register) {
+    case 0x00: *value = chip->settings; return true;
+    case 0x01: *value = chip->shunt; return true;
+    case 0x02: *value = chip->bus; return true;
+    case 0x06: *value = chip->ready ? 0x0008u : 0u; chip->ready = false; return true;
+    case 0xfe: *value = chip->maker; return true;
+    case 0xff: *value = 0x2260u; return true;
+    default: return false;
+    }
+}
+
+static void the_monitor_chip_gives_each_pair_once_and_in_volts(void)
+{
+    chip_model model = {.settings = 0x4127u, .maker = 0x5449u};
+    const mw_ina226 chip = {model_write, model_read, &model, 0x45u};
+    mw_board_reading reading;
+    MUST(mw_ina226_start(&chip) && model.settings == 0x4097u && model.writes == 1);
+    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_NOT_YET);
+    model.ready = true;
+    model.shunt = 20000u; /* 50 mV */
+    model.bus = 2400u;    /* 3 V */
+    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_READY);
+    MUST(fabsf(reading.shunt_voltage_v - 0.05f) < 1e-7f && fabsf(reading.wire_voltage_v - 2.95f) < 1e-6f);
+    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_NOT_YET);
+}
+
+static void the_monitor_chip_tells_a_reversed_shunt_and_the_end_of_its_range(void)
+{
+    chip_model model = {.settings = 0x4127u, .maker = 0x5449u};
+    const mw_ina226 chip = {model_write, model_read, &model, 0x45u};
+    mw_board_reading reading;
+    MUST(mw_ina226_start(&chip));
+    model.ready = true;
+    model.shunt = 0xfc18u; /* minus 1000 steps */
+    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_READY && fabsf(reading.shunt_voltage_v + 0.0025f) < 1e-8f);
+    model.ready = true;
+    model.shunt = 0x7fffu;
+    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_OVERFLOW);
+}
+
+static void a_monitor_chip_that_is_gone_foreign_or_forgetful_is_not_believed(void)
+{
+    chip_model model = {.settings = 0x4127u, .maker = 0x1234u};
+    const mw_ina226 chip = {model_write, model_read, &model, 0x45u};
+    mw_board_reading reading;
+    MUST(!mw_ina226_start(&chip) && model.writes == 0);
+    model.maker = 0x5449u;
+    MUST(mw_ina226_start(&chip));
+    model.settings = 0x4127u; /* its supply dipped: back to what it wakes up with */
+    model.ready = true;
+    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_LOST);
+    model.gone = true;
+    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_LOST);
+}
+
+/* Golden vectors: "type sequence payload-in-hex" a line in, the frame in hex out. */
+static int print_frames(void)
+{
+    char line[1024], hex[512];
+    unsigned type, sequence;
+    while (fgets(line, sizeof line, stdin)) {
+        mw_message message = {.version = MW_PROTOCOL_VERSION};
+        uint8_t frame[MW_FRAME_MAX];
+        if (sscanf(line, "%u %u %511s", &type, &sequence, hex) != 3)
+            return 2;
+        message.type = (uint8_t)type;
+        message.sequence = (uint16_t)sequence;
+        for (const char *at = hex; at[0] != '-' && at[0] && at[1]; at += 2) {
+            const char pair[3] = {at[0], at[1], 0};
+            message.payload[message.payload_length++] = (uint8_t)strtoul(pair, NULL, 16);
+        }
+        const uint8_t bytes = mw_frame_encode(&message, frame);
+        for (uint8_t i = 0; i < bytes; i++)
+            printf("%02x", frame[i]);
+        printf("\n");
+    }
+    return 0;
+}
+
+int main(int count, char **arguments)
+{
+    if (count > 1 && strcmp(arguments[1], "frames") == 0)
+        return print_frames();
+    the_check_sum_is_that_of_zlib();
+    every_length_of_payload_comes_back();
+    a_single_wrong_bit_drops_the_frame();
+    another_version_is_dropped();
+    noise_without_zeros_counts_once_a_frames_length_and_ends_with_a_zero();
+    at_the_start_the_output_is_off_and_the_board_says_who_it_is();
+    a_drive_before_arming_is_refused();
+    arming_puts_out_the_sense_voltage_and_a_drive_takes_effect_at_once();
+    a_drive_that_is_no_number_or_out_of_range_trips();
+    wrong_types_and_lengths_are_said_and_change_nothing();
+    silence_of_the_host_is_held_then_sensed_then_off();
+    a_keep_renews_and_a_late_drive_ends_the_silence();
+    asking_who_it_is_or_a_refused_command_does_not_renew();
+    a_silent_converter_is_off_after_a_quarter_of_a_second();
+    sixteen_bad_frames_within_a_fifth_of_a_second_are_a_storm();
+    samples_are_means_and_come_every_so_many_ticks();
+    a_target_closes_the_loop_on_the_board();
+    a_line_that_nobody_reads_changes_nothing();
+    a_reset_in_a_run_is_told_as_what_it_was();
+    memory_of_a_clean_end_is_no_lost_power();
+#ifdef MW_STANDALONE
+    alone_a_button_starts_and_stops_the_staircase();
+    alone_nothing_starts_after_a_watchdog_reset();
+    a_host_takes_over_and_its_silence_counts_again();
+#endif
+    channels_turn_codes_into_volts();
+    a_saturated_channel_reads_as_the_end_of_its_range();
+    the_monitor_chip_gives_each_pair_once_and_in_volts();
+    the_monitor_chip_tells_a_reversed_shunt_and_the_end_of_its_range();
+    a_monitor_chip_that_is_gone_foreign_or_forgetful_is_not_believed();
+    return failed;
+}
