@@ -231,6 +231,13 @@ class DaqServer:
         self.close()
 
 
+def split(text: str) -> tuple[str, str, str]:
+    """Return terminal, gain and offset of an ``--error``."""
+    name, _, numbers = text.partition("=")
+    gain, _, offset = numbers.partition(",")
+    return name, gain, offset or "0"
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Serve until interrupted."""
     from emulation.daq_bench import card_of
@@ -239,12 +246,21 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--card", default="ni-pci-6229", help="the nidaq rig (name or file) that says what is wired")
     parser.add_argument("--wire", default="simulated", help="the simulated rig (name or file) at its terminals")
     parser.add_argument("--pace", choices=("clock", "free"), default="clock", help="free: time passes by reading")
-    parser.add_argument("--port", type=int, default=31763)
+    parser.add_argument("--port", type=int, default=31763, help="0: any that is free")
+    parser.add_argument(
+        "--error",
+        action="append",
+        default=[],
+        metavar="ai0=1.002,0.005",
+        help="what a terminal truly reads: gain and offset [V] beside the rig file's, for doctor to find",
+    )
     chosen = parser.parse_args(arguments)
+    errors = {name: (float(gain), float(offset)) for name, gain, offset in (split(text) for text in chosen.error)}
     over = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: over.set())
-    with DaqServer(card_of(chosen.card, chosen.wire, paced=chosen.pace == "clock"), chosen.port) as server:
+    card = card_of(chosen.card, chosen.wire, paced=chosen.pace == "clock", errors=errors)
+    with DaqServer(card, chosen.port) as server:
         print(f"an emulated {server.card.model.product} as {server.card.name}, with the rig {chosen.wire} behind it")
         print("a rig file of kind nidaq reaches it by the line")
         print(f'grpc = "{server.address}"', flush=True)

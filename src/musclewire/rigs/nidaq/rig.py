@@ -144,6 +144,11 @@ class NiDaqRig(GuardedRig):
         """Say which card, which wire, and what is out."""
         return f"NiDaqRig({self._product} {self._of.device}, wire {self._of.wire}, drive {self._drive_voltage_v:.3f} V)"
 
+    @property
+    def reference_columns(self) -> tuple[str, ...]:
+        """Names of the reference instruments that are wired."""
+        return tuple(COLUMNS[name] for name in self._wired if name not in ("wire_voltage", "shunt_voltage"))
+
     def metadata(self) -> Metadata:
         """Return what a recording should say about this rig."""
         return {
@@ -154,6 +159,7 @@ class NiDaqRig(GuardedRig):
             "output_timing": self._of.output_timing,
             "reading_rate_hz": self._of.reading_rate,
             "readings": self._of.readings,
+            "late_samples": self._late_samples,
         }
 
     def _exchange(self, drive_voltage_v: float) -> RawSample:
