@@ -1,0 +1,75 @@
+"""What to buy for a circuit of the wiring guide: parts with value, reason, source, and an estimated price.
+
+Prices are estimates in euros for one piece, as of the month that the list says; nothing was looked up in a shop.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters.toml_file import read_toml
+from musclewire.parameters.validation import validated
+
+__all__ = ["CircuitPart", "PartsList", "load_parts", "parts_names"]
+
+Checked = ConfigDict(extra="forbid", frozen=True)
+
+
+class CircuitPart(BaseModel):
+    """One part: its label on the drawing, its value, what it is, why it is there, and where its numbers come from."""
+
+    model_config = Checked
+
+    label: str = Field(min_length=1)
+    value: str = Field(min_length=1)
+    what: str = Field(min_length=3)
+    why: str = Field(min_length=3)
+    price_eur: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+    source: str = Field(min_length=3)
+    board: bool = False
+
+
+class PartsList(BaseModel):
+    """All parts of one circuit, for one wire; ``prices_of`` is the month of the estimates."""
+
+    model_config = Checked
+
+    name: str
+    description: str
+    wire: str
+    prices_of: Annotated[str, Field(pattern=r"^\d{4}-\d{2}$")]
+    part: tuple[CircuitPart, ...] = Field(min_length=1)
+
+    @property
+    def total_eur(self) -> float:
+        """Sum of the estimated prices."""
+        return sum(part.price_eur for part in self.part)
+
+    def values(self) -> dict[str, str]:
+        """Return the values by the parts' labels."""
+        return {part.label: part.value for part in self.part}
+
+
+def folder_of_parts() -> Path:
+    """Return where the lists lie."""
+    return Path(str(files("musclewire.parameters"))) / "data" / "parts"
+
+
+def parts_names() -> list[str]:
+    """Return the names of all lists."""
+    return sorted(item.stem for item in folder_of_parts().glob("*.toml"))
+
+
+@cache
+def load_parts(name: str) -> PartsList:
+    """Return a list by its name. Raises CallerError for an unknown name or a wrong file."""
+    if name not in parts_names():
+        raise CallerError(f"there is no parts list '{name}'{nearest_hint(name, parts_names())}")
+    path = folder_of_parts() / f"{name}.toml"
+    return validated(PartsList, read_toml(path, "parts list"), f"parts list {path}")
