@@ -36,7 +36,7 @@ COLUMNS = ("tick", "clock_s", "code", "powered", *Truth._fields)
 CONVERSION, CONVERTING, OUTPUT, OUTPUT_AT_START = 0xA5, 0x5A, 0x3C, 0x3D
 OUTPUT_BYTES = 5
 AFTER_THE_HOST_S = 0.5
-CONVERTING_EVERY_S = 0.2
+CONVERTING_EVERY_S = 0.02
 # Further behind than this the bench gives up on the ticks it has missed: the machine was busy with something else.
 GIVE_UP_S = 0.1
 # A serial line holds only so much: what a board does not take in time waits in the host's own buffer.
