@@ -26,7 +26,17 @@ Watts = Annotated[float, measured_in("W"), Field(gt=0.0, allow_inf_nan=False)]
 
 
 class LimitsTable(BaseModel):
-    """``[limits]`` of a rig file: limits of the protection that differ from what follows from wire and circuit."""
+    """``[limits]`` of a rig file: limits of the protection that differ from what follows from wire and circuit.
+
+    Attributes:
+        maximum_current: more is over-current.
+        maximum_power: more electrical power in the wire is over-power.
+        maximum_temperature: highest temperature that the power may explain.
+        minimum_current: below this a driven wire counts as open.
+        resistance_low: least resistance this wire can have.
+        resistance_high: most resistance it can have.
+        jump_share: change of resistance from one reading to the next, as a share of it, that no heating explains.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

@@ -1,0 +1,114 @@
+"""docs/reference/hardware_rig_files.md from the schemas that check rig files of real hardware, and simulated faults."""
+
+from __future__ import annotations
+
+import re
+from typing import Any, get_args
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from musclewire.parameters.validation import unit_of
+from musclewire.rigs.faults import Fault
+from musclewire.rigs.mounted import LimitsTable, MountedWire
+from musclewire.rigs.nidaq.configuration import DisplacementInput, ForceInput, NiDaqConfiguration, Output, VoltageInput
+from musclewire.rigs.replay import ReplayConfiguration
+from musclewire.rigs.serial.configuration import SerialConfiguration
+
+HEAD = """# Rig files of real hardware
+
+Written by `python docs/images/draw.py physics` from the schemas that check the files; a test holds this page to them. Do
+not edit it by hand. Rig files of the simulated rig are on the page on [files](files.md).
+
+A user with a wire on a bench changes one word: where a command says `simulated`, it says the rig file's name. Numbers
+are SI, or text with a unit (`"14 cm"`). An unknown key is an error that names the nearest. Three files come along to be
+copied: `ni-pci-6229`, `ni-usb-6001` and `serial-board`, under `src/musclewire/parameters/data/rigs`.
+"""
+SECTIONS = {
+    "The wire and its circuit": (MountedWire, "Every real rig has these keys, at the top of the file."),
+    "`[limits]`": (
+        LimitsTable,
+        "What the [protection](protection.md) is held against follows from wire and circuit; these are for what you know "
+        "better. A simulated rig's file takes the same table.",
+    ),
+    '`kind = "serial"`': (SerialConfiguration, "A board with the firmware: [how to](../how-to/drive_a_board.md)."),
+    '`kind = "nidaq"`': (NiDaqConfiguration, "A data acquisition card: [how to](../how-to/drive_an_ni_card.md)."),
+    "`[output]` of a card": (Output, ""),
+    "`[inputs.wire_voltage]` and `[inputs.shunt_voltage]` of a card": (VoltageInput, ""),
+    "`[inputs.displacement]` and `[inputs.endpoint_displacement]` of a card": (DisplacementInput, ""),
+    "`[inputs.force]` and `[inputs.endpoint_force]` of a card": (ForceInput, ""),
+    '`kind = "replay"`': (ReplayConfiguration, "A recording as a rig: [how to](../how-to/replay_a_recording.md)."),
+}
+FAULTS_HEAD = """## `[[fault]]` of a simulated rig
+
+What may go wrong, at a time, to see what the protection and your script do:
+
+| Fault | Fault keys | What happens |
+|---|---|---|
+"""
+
+
+def page() -> str:
+    """Return the whole page."""
+    sections = [f"## {title}\n\n{keys_section(*content)}" for title, content in SECTIONS.items()]
+    return "\n".join([HEAD, *sections, FAULTS_HEAD + "\n".join(fault_rows()) + "\n"])
+
+
+def keys_section(model: type[BaseModel], text: str) -> str:
+    """Return one table of keys, without those that every real rig has."""
+    shared = set() if model is MountedWire else set(MountedWire.model_fields)
+    said = meanings(model)
+    rows = [
+        f"| `{name}` | {unit_of(field)} | {default_of(field)} | {said.get(name) or type_in_words(field)} |"
+        for name, field in model.model_fields.items()
+        if name not in shared
+    ]
+    head = f"{text}\n\n" if text else ""
+    return head + "\n".join(["| Rig key | Unit | Default | Meaning |", "|---|---|---|---|", *rows]) + "\n"
+
+
+def fault_rows() -> list[str]:
+    """Return a row for each fault of a simulated rig."""
+    rows = []
+    for kind in get_args(get_args(Fault)[0]):
+        name = get_args(kind.model_fields["kind"].annotation)[0]
+        keys = [f"`{key}` ({default_of(field)})" for key, field in kind.model_fields.items() if key != "kind"]
+        rows.append(f"| `{name}` | {', '.join(keys)} | {first_line(kind)} |")
+    return rows
+
+
+def default_of(field: FieldInfo) -> str:
+    """Return a key's default as a rig file would have it."""
+    value: Any = field.default
+    if value is PydanticUndefined:
+        return "needed"
+    if value is None or isinstance(value, BaseModel):
+        return "none"
+    return {True: "true", False: "false"}[value] if isinstance(value, bool) else f"{value}"
+
+
+def type_in_words(field: FieldInfo) -> str:
+    """Return what may stand at a key that has no text of its own: its choices, or a table."""
+    choices = [choice for choice in get_args(field.annotation) if isinstance(choice, str)]
+    if choices:
+        return " or ".join(f'`"{choice}"`' for choice in choices)
+    inner = (field.annotation, *get_args(field.annotation))
+    if any(isinstance(kind, type) and issubclass(kind, BaseModel) for kind in inner):
+        return "a table, as here"
+    return field.description or ""
+
+
+def meanings(model: type[BaseModel]) -> dict[str, str]:
+    """Return what the docstrings of a model and what it is made of say of their keys."""
+    found: dict[str, str] = {}
+    for kind in reversed(model.__mro__):
+        text = (kind.__doc__ or "").partition("Attributes:")[2]
+        for name, said in re.findall(r"^\s{8}(\w+): (.*?)(?=^\s{8}\w+: |\Z)", text, re.M | re.S):
+            found[name] = " ".join(said.split()).rstrip(".").replace("``", "`")
+    return found
+
+
+def first_line(model: type[BaseModel]) -> str:
+    """Return the first sentence of a docstring."""
+    return (model.__doc__ or "").strip().splitlines()[0].rstrip(".")
