@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import tempfile
+from array import array
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
+from math import nan
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -69,25 +71,34 @@ class Recorder:
             "software_version": version("musclewire"),
             "start_time": datetime.now(UTC).isoformat(timespec="seconds"),
         }
-        self._rows: list[tuple[float, ...]] = []
+        # Plain numbers in one block: a million rows make no objects for the garbage collector to walk through.
+        self._values = array("d")
         self._writer = None if path is None else RecordingWriter(path, columns, self._metadata, block_rows, overwrite)
         self._ended = "running"
         self._lost: Path | None = None
 
-    def append(self, row: Mapping[str, float]) -> None:
-        """Keep one row; it gives every column."""
-        kept = {name: row[name] for name in self._columns}
-        self._rows.append(tuple(kept.values()))
+    def append(self, row: Mapping[str, float | None]) -> None:
+        """Keep one row; it gives every column, None where an instrument gave nothing."""
+        kept = [nan if (value := row[name]) is None else value for name in self._columns]
+        self._values.fromlist(kept)
         if self._writer is None:
             return
         try:
-            self._writer.append(kept)
+            self._writer.append_values(kept)
         except (OSError, RuntimeError) as problem:
             raise self._lose_file(problem) from None
 
+    def describe(self, metadata: Mapping[str, MetadataValue]) -> None:
+        """Add what is known only at the end; it stands in the file once that is closed."""
+        self._metadata.update(metadata)
+
+    def __len__(self) -> int:
+        """Return the number of rows so far."""
+        return len(self._values) // len(self._columns)
+
     def recording(self) -> Recording:
         """Return what has been recorded so far."""
-        table = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), len(self._columns))
+        table = np.array(self._values, dtype=np.float64).reshape(len(self), len(self._columns))
         columns = {name: table[:, place] for place, name in enumerate(self._columns)}
         return Recording(columns, {**self._metadata, "ended": self._ended})
 
@@ -112,7 +123,7 @@ class Recorder:
         if self._writer is None:
             return None
         try:
-            self._writer.close(self._ended)
+            self._writer.close(self._ended, self._metadata)
         except (OSError, RuntimeError, ValueError) as problem:
             return self._lose_file(problem)
         return None
@@ -125,7 +136,7 @@ class Recorder:
         if self._lost is not None:
             # Only now: by the time a recorder ends, the rig is safe, and a slow disk cannot keep a wire hot.
             where = f" and in {saved}" if (saved := rescued(recording, self._lost.stem)) else ""
-        error.add_note(f"{len(self._rows)} samples were recorded; they are in error.recording{where}")
+        error.add_note(f"{len(self)} samples were recorded; they are in error.recording{where}")
 
     def _lose_file(self, problem: Exception) -> RecordingNotWrittenError:
         """Give up a file that cannot be written any more and return the error that says so."""

@@ -6,12 +6,17 @@ or the user's Ctrl-C raises: the first thing that happens on the way out, before
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import gc
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from time import perf_counter_ns
 from typing import NamedTuple, Protocol
 
 from musclewire.errors import CallerError
 from musclewire.experiment.recorder import Recorder
+from musclewire.experiment.timing import LoopTiming
+from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.protocol import Rig
 from musclewire.signals.recording import MetadataValue, Recording
 from musclewire.signals.samples import RawSample
@@ -19,8 +24,9 @@ from musclewire.signals.samples import RawSample
 __all__ = ["Decision", "OnSample", "Policy", "file_in", "refuse_unusable", "run_on_rig"]
 
 OnSample = Callable[[Mapping[str, float]], None]
+Exchange = Callable[[float], RawSample]
 # Rows that may be lost to a power cut: about a second of a paced rig, a fraction of one where no clock paces.
-PACED_BLOCK_ROWS, FREE_BLOCK_ROWS = 20, 200
+PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
 REFERENCE_COLUMNS = RawSample._fields[4:]
 
 
@@ -80,36 +86,105 @@ def run_on_rig(
     """Drive a rig by a policy for a time and return the recording.
 
     ``on_sample`` sees every recorded row; it may raise to stop the run. Any exception leaves the rig at its
-    sense voltage and carries the partial recording as ``.recording``.
+    sense voltage and carries the partial recording as ``.recording``. How punctual the run was stands in the metadata.
     Raises CallerError for a duration under one sample.
     """
     samples = round(duration_s / rig.sample_period_s)
     if samples < 1:
         raise CallerError(f"a run of {duration_s} s is shorter than one sample of {rig.sample_period_s} s")
     refuse_unusable(path, overwrite)
+    timing = LoopTiming(rig.sample_period_s, rig.paced)
+    exchange = timed_exchange(rig, timing)
+    described = {**what_protects(rig), **rig.metadata(), **(metadata or {})}
+    first: RawSample | None = None
     try:
         drive = policy.first_drive_voltage_v()
-        sample = rig.exchange(drive)
-        start_s = sample.time_s - rig.sample_period_s
-        # The first sample also tells which reference instruments the rig has.
-        references = [name for name in REFERENCE_COLUMNS if getattr(sample, name) is not None]
-        columns = [*RawSample._fields[:4], *references, *policy.columns]
-        block_rows = PACED_BLOCK_ROWS if rig.paced else FREE_BLOCK_ROWS
-        described = {**rig.metadata(), **(metadata or {})}
-        with Recorder(columns, described, path, overwrite=overwrite, block_rows=block_rows) as recorder:
+        instruments = rig.reference_columns if isinstance(rig, GuardedRig) else None
+        if instruments is None:  # then the first sample tells
+            first = exchange(drive)
+            instruments = tuple(name for name in REFERENCE_COLUMNS if getattr(first, name) is not None)
+        columns = [*RawSample._fields[:4], *instruments, *policy.columns]
+        rows = block_rows(rig)
+        with Recorder(columns, described, path, overwrite=overwrite, block_rows=rows) as recorder, few_collections():
             try:
-                for index in range(samples):
-                    if index:
-                        sample = rig.exchange(drive)
-                    decision = policy.after(sample, sample.time_s - start_s)
-                    # A recording counts from its own start; rounded, because the difference of clocks is not.
-                    row = {**sample._asdict(), **decision.columns, "time_s": round(sample.time_s - start_s, 9)}
-                    recorder.append(row)
-                    if on_sample is not None:
-                        on_sample(row)
-                    drive = decision.drive_voltage_v
+                first = exchange(drive) if first is None else first
+                follow(policy, exchange, first, samples, rig.sample_period_s, recorder, timing, on_sample)
             finally:
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
+                # Once more: what a rig counts, lost frames for one, is known only now.
+                recorder.describe({**rig.metadata(), **(metadata or {}), **timing.metadata()})
     finally:
         rig.make_safe()
     return recorder.recording()
+
+
+def follow(
+    policy: Policy,
+    exchange: Exchange,
+    sample: RawSample,
+    samples: int,
+    sample_period_s: float,
+    recorder: Recorder,
+    timing: LoopTiming,
+    on_sample: OnSample | None,
+) -> None:
+    """Hand each sample to the policy, record both, hand the policy's drive to the rig; from a first sample on."""
+    start_s = sample.time_s - sample_period_s
+    for left in range(samples, 0, -1):
+        # A recording counts from its own start; rounded, because the difference of clocks is not, and before the policy
+        # sees it, so that a replay of the recording shows it the very same time.
+        elapsed_s = round(sample.time_s - start_s, 9)
+        decision = policy.after(sample, elapsed_s)
+        row = dict(zip(RawSample._fields, sample, strict=True))
+        row.update(decision.columns, time_s=elapsed_s)
+        recorder.append(row)
+        if on_sample is not None:
+            called_ns = perf_counter_ns()
+            on_sample(row)  # type: ignore[arg-type]  # None only where an instrument gave nothing
+            timing.called_back(perf_counter_ns() - called_ns)
+        if left > 1:
+            sample = exchange(decision.drive_voltage_v)
+
+
+def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
+    """Return the rig's exchange, with its times noted: the rig's own where it tells them, as it judges each sample."""
+    if isinstance(rig, GuardedRig):
+
+        def exchange(drive_voltage_v: float) -> RawSample:
+            sample = rig.exchange(drive_voltage_v)
+            timing.sampled(rig.drive_at_ns, rig.sample_at_ns)
+            return sample
+    else:
+
+        def exchange(drive_voltage_v: float) -> RawSample:
+            drive_at_ns = perf_counter_ns()
+            sample = rig.exchange(drive_voltage_v)
+            timing.sampled(drive_at_ns, perf_counter_ns())
+            return sample
+
+    return exchange
+
+
+def block_rows(rig: Rig) -> int:
+    """Return how many rows go to disk together."""
+    return max(1, round(PACED_BLOCK_S / rig.sample_period_s)) if rig.paced else FREE_BLOCK_ROWS
+
+
+def what_protects(rig: Rig) -> dict[str, MetadataValue]:
+    """Return the limits a rig is protected by; a replay of the recording is held to the same."""
+    limits = rig.protection_limits._asdict() if isinstance(rig, GuardedRig) else {}
+    return {"drive_amplitude_v": rig.drive_amplitude_v, **{f"limit_{name}": value for name, value in limits.items()}}
+
+
+@contextmanager
+def few_collections() -> Iterator[None]:
+    """Keep the garbage collector from walking through all that was there before a run.
+
+    A full collection over the objects of NumPy, Numba and Matplotlib takes tens of milliseconds. What the run itself
+    leaves behind is little and still collected.
+    """
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()

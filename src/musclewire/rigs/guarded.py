@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from time import perf_counter_ns
 from types import TracebackType
 from typing import Self, final
 
@@ -41,7 +42,13 @@ class GuardedRig(ABC):
     A kind of rig says how one sample is taken (``_exchange``), how its output goes to the sense voltage (``_put_safe``)
     and how it is switched off for good (``_switch_off``). Everything else, what may be out and when it must go off, is
     decided here, for all of them alike.
+
+    ``drive_at_ns`` and ``sample_at_ns`` are when the last drive was handed to the output and when its sample was there
+    (``time.perf_counter_ns``): between a sample and the next drive lies all that the host computes, the protection too.
     """
+
+    drive_at_ns = 0
+    sample_at_ns = 0
 
     _guard: ProtectionState
     _guard_limits: ProtectionLimits
@@ -107,6 +114,11 @@ class GuardedRig(ABC):
     def metadata(self) -> Metadata:
         """Return what a recording should say about this rig."""
 
+    @property
+    def reference_columns(self) -> tuple[str, ...] | None:
+        """Names of the reference instruments; None where only the first sample tells."""
+        return None
+
     @abstractmethod
     def _exchange(self, drive_voltage_v: float) -> RawSample:
         """Put out a drive voltage that the protection allows for one sample period; return the sample at its end."""
@@ -146,12 +158,15 @@ class GuardedRig(ABC):
                 f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; the drive is off",
                 Event.COMMAND_REFUSED,
             )
+        allowed_v = allowed_drive_v(self._guard, self._guard_limits)
+        self.drive_at_ns = perf_counter_ns()
         try:
-            sample = self._exchange(allowed_drive_v(self._guard, self._guard_limits))
+            sample = self._exchange(allowed_v)
         except BaseException as error:
             if isinstance(error, RigError):
                 self.close()  # whatever a device reports as its fault ends off, not at the sense voltage
             raise
+        self.sample_at_ns = perf_counter_ns()
         self._judge(sample)
         return sample
 
@@ -200,6 +215,17 @@ class GuardedRig(ABC):
         self._guard = protect_missing(self._guard, event, missing_s)
         if self._guard.state is State.TRIPPED:
             self.trip(event, f"missing for {missing_s:.3f} s")
+
+    def drive_when_late(self, drive_voltage_v: float, late_s: float) -> float:
+        """Return what may be out after a sample has been due for ``late_s`` before its drive was commanded.
+
+        The old drive was held meanwhile; later than the table's ``sense_after_s`` the new one is not followed.
+        Raises RigError, with the drive switched off, when it is too late (event ``sample_late``).
+        """
+        if late_s <= 0.0:
+            return drive_voltage_v
+        self.miss(Event.SAMPLE_LATE, late_s)
+        return allowed_drive_v(self._guard, self._guard_limits)
 
     def trip(self, event: Event, details: str = "") -> None:
         """Switch the drive off for good and raise the RigError of an event; the first cause stays."""

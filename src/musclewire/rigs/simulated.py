@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.instruments import Instruments
 from musclewire.rigs.load_parts import Contact, Finger, Part, Pretensioner, SecondFinger, Spring, Weight
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
+from musclewire.rigs.pacing import Pacer
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_building import force_limit_n, simulated_limits, wires_of
 from musclewire.rigs.simulated_wires import Means, TwoWires
@@ -72,8 +72,7 @@ class SimulatedRig(GuardedRig):
         self.protect_with(simulated_limits(alloy, wire, self._bench, self._parts, limits))
         self._faults = Faults(faults)
         self._wire_ohm = self._wire_values["resistance_per_metre_ohm_per_m"] * self._bench["wire_length_m"]
-        self._real_time = real_time
-        self._next_due_s: float | None = None
+        self._pacer = Pacer(self.sample_period_s) if real_time else None
         self._steps = self._steps_of_a_sample()
 
     def _mechanism_at(self, pretension_n: float, tendon_slack_m: float | None) -> Mechanism:
@@ -105,7 +104,7 @@ class SimulatedRig(GuardedRig):
     @property
     def paced(self) -> bool:
         """Whether samples wait for the clock."""
-        return self._real_time
+        return self._pacer is not None
 
     @property
     def drive_amplitude_v(self) -> float:
@@ -136,6 +135,15 @@ class SimulatedRig(GuardedRig):
     def partner_state(self) -> WireState | None:
         """The same of a second wire; None where there is none."""
         return self._wires.partner_state if isinstance(self._wires, TwoWires) else None
+
+    @property
+    def reference_columns(self) -> tuple[str, ...]:
+        """Names of the reference instruments this bench has."""
+        if self._mechanism.tendon is None:
+            return ("displacement_m", "force_n")
+        touches = any(isinstance(part, Contact) for part in self._parts)
+        endpoint = ("endpoint_displacement_m", "endpoint_force_n") if touches else ("endpoint_displacement_m",)
+        return ("displacement_m", "force_n", *endpoint)
 
     def __repr__(self) -> str:
         """Say which wire, at what pretension, and what is out."""
@@ -212,6 +220,7 @@ class SimulatedRig(GuardedRig):
     def _cool_at(self, around: Bench, tendon_slack_m: float | None) -> None:
         """Let the wires cool at another setting of the stages."""
         self._drive_voltage_v = 0.0
+        self._rest()
         # All that may be refused comes first: a refused setting leaves the rig at the one before.
         mechanism = self._mechanism_at(around.pretension_n.value, tendon_slack_m)
         wires = wires_of(self._alloy, self._wire, around, self._parts, mechanism, new_wire=self._new_wire)
@@ -226,6 +235,8 @@ class SimulatedRig(GuardedRig):
 
     def _exchange(self, drive_voltage_v: float) -> RawSample:
         """Hold a drive voltage for one sample period and return the averaged readings at its end."""
+        if self._pacer is not None:
+            drive_voltage_v = self.drive_when_late(drive_voltage_v, self._pacer.late_s())
         resolution = self._bench["amplifier_resolution_v"]
         self._drive_voltage_v = resolution * round(drive_voltage_v / resolution)
         if self._weather is not None:
@@ -237,7 +248,8 @@ class SimulatedRig(GuardedRig):
             raise NumericsError(
                 f"the simulated wire left its numbers at {self._wires.state.time_s:.3f} s: make time_step_s smaller"
             )
-        self._wait_until_due()
+        if self._pacer is not None:
+            self._pacer.wait()
         return self._read(means)
 
     def _advance(self, drive_voltage_v: float) -> Means:
@@ -296,19 +308,15 @@ class SimulatedRig(GuardedRig):
         force = means.grip_n if means.grip_n is not None else float(tendon.endpoint_force_n(means.displacement_m))
         return float(tendon.endpoint_m(means.displacement_m, force)), force
 
-    def _wait_until_due(self) -> None:
-        if not self._real_time:
-            return
-        now = time.monotonic()
-        due = now if self._next_due_s is None else self._next_due_s
-        if due > now:
-            time.sleep(due - now)
-        # Deadlines are absolute, so that a late sample does not shift all that follow.
-        self._next_due_s = max(due, now - self.sample_period_s) + self.sample_period_s
+    def _rest(self) -> None:
+        """Expect no sample at any time until the next exchange."""
+        if self._pacer is not None:
+            self._pacer.rest()
 
     def _put_safe(self) -> None:
         """Go to the sense voltage at once."""
         self._drive_voltage_v = self.sense_voltage_v
+        self._rest()
 
     def _switch_off(self) -> None:
         """Switch the drive off."""

@@ -84,17 +84,25 @@ class RecordingWriter:
         """Keep one row; every ``block_rows`` rows are written and flushed. CallerError for a wrong row."""
         if self._ended != "running":
             raise CallerError(f"{self._path}: the recording is closed ('{self._ended}'); start another one")
-        self._buffer.append(_checked_row(row, self._names))
+        self.append_values(_checked_row(row, self._names))
+
+    def append_values(self, values: list[float]) -> None:
+        """Keep one row as a list that nobody changes any more, a number for each column in their order."""
+        self._buffer.append(values)
         if len(self._buffer) >= self._block_rows:
             self._write_block()
 
-    def close(self, ended: str = "done") -> None:
-        """Write what is left and say why the recording ended, in one line. Closing twice does nothing."""
+    def close(self, ended: str = "done", metadata: Mapping[str, MetadataValue] | None = None) -> None:
+        """Write what is left, metadata that was not known before, and in one line why the recording ended.
+
+        Closing twice does nothing.
+        """
         if self._ended != "running":
             return
         self._ended = _one_line(ended) or "done"
         try:
             self._write_block()
+            _write_metadata(self._file, checked_metadata(metadata or {}))
             self._file.attrs["ended"] = self._ended
         finally:
             self._file.close()
@@ -220,9 +228,15 @@ def _create_file(path: Path, names: Sequence[str], metadata: Mapping[str, Metada
     file.attrs["format_version"] = FORMAT_VERSION
     file.attrs["columns"] = ",".join(names)
     file.attrs.create("rows", 0, dtype=np.int64)
+    _write_metadata(file, metadata)
+    return file
+
+
+def _write_metadata(file: Any, metadata: Mapping[str, MetadataValue]) -> None:
+    import h5py
+
     for key, value in metadata.items():
         file.attrs[key] = h5py.Empty("f8") if value is None else value
-    return file
 
 
 def _open_file(path: Path) -> Any:

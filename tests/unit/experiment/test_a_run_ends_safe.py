@@ -73,7 +73,7 @@ def test_a_disk_that_takes_no_more_ends_the_run_safe_with_the_samples_on_the_err
     def full(*_: object) -> None:
         raise OSError("[Errno 28] No space left on device")
 
-    monkeypatch.setattr("musclewire.signals.hdf5.RecordingWriter.append", full)
+    monkeypatch.setattr("musclewire.signals.hdf5.RecordingWriter.append_values", full)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     rig = FakeRig()
     with pytest.raises(RigError, match=r"cannot write .*run\.h5: .*No space left") as caught:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.rigs import simulated
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.protocol import HasStage
 from musclewire.rigs.simulated import SimulatedRig
@@ -92,68 +91,3 @@ def test_a_new_wire_goes_on_settling_when_the_stage_moves() -> None:
 def test_the_stage_refuses_what_no_stage_can_do(pretension_n: float) -> None:
     with pytest.raises(CallerError, match="pretension"):
         open_rig("simulated").set_pretension(pretension_n)
-
-
-class Clock:
-    """Stands in for the module ``time``: sleeping moves it, nothing else does but the test."""
-
-    def __init__(self) -> None:
-        self.now_s = 100.0
-        self.slept_s: list[float] = []
-
-    def monotonic(self) -> float:
-        return self.now_s
-
-    def sleep(self, seconds: float) -> None:
-        assert seconds > 0.0
-        self.slept_s.append(seconds)
-        self.now_s += seconds
-
-
-@pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    fake = Clock()
-    monkeypatch.setattr(simulated, "time", fake)
-    return fake
-
-
-def test_without_real_time_nobody_looks_at_the_clock(clock: Clock) -> None:
-    samples(open_rig("simulated"))
-    assert clock.slept_s == []
-
-
-def test_in_real_time_samples_come_one_period_apart(clock: Clock) -> None:
-    rig = open_rig("simulated", real_time=True)
-    returned = []
-    with rig:
-        for _ in range(5):
-            rig.exchange(0.3)
-            returned.append(clock.now_s)
-            clock.now_s += 0.01  # what the caller does with a sample
-    assert np.diff(returned) == pytest.approx([rig.sample_period_s] * 4)
-
-
-def test_a_late_sample_does_not_shift_those_that_follow(clock: Clock) -> None:
-    rig = open_rig("simulated", real_time=True)
-    returned = []
-    with rig:
-        for late_s in (0.0, 0.07, 0.0, 0.0):
-            rig.exchange(0.3)
-            returned.append(clock.now_s - 100.0)
-            clock.now_s += late_s
-    # The second sample returns at 0.05 s and its caller comes back at 0.12 s: the third is due at 0.10 s and
-    # comes at once, the fourth is due at 0.15 s and comes then.
-    assert returned == pytest.approx([0.0, 0.05, 0.12, 0.15])
-
-
-def test_after_a_long_pause_the_missed_samples_are_not_made_up_for(clock: Clock) -> None:
-    rig = open_rig("simulated", real_time=True)
-    with rig:
-        rig.exchange(0.3)
-        clock.now_s += 60.0
-        clock.slept_s.clear()
-        for _ in range(5):
-            rig.exchange(0.3)
-    # At most one sample comes at once and one early; then the pace is back.
-    assert len(clock.slept_s) >= 3
-    assert clock.slept_s[-1] == pytest.approx(rig.sample_period_s)

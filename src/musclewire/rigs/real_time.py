@@ -1,0 +1,68 @@
+"""What Linux lets a process do to be on time: real-time priority, a core of its own, memory in place, sharp timers."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+
+from musclewire.errors import CallerError
+
+__all__ = ["pin_to_cpu", "take_priority", "wake_on_time"]
+
+# Above ordinary real-time work such as sound, below the kernel's own threads for interrupts, which stand at 50.
+PRIORITY = 40
+# prctl(2), mlockall(2): numbers of the kernel's interface.
+PR_SET_TIMERSLACK = 29
+# Memory in use now, each page from when it is touched. Not memory to come: beyond the limit, allocating would fail.
+MCL_CURRENT, MCL_ONFAULT = 1, 4
+LEAST_SLACK_NS = 1
+
+
+def wake_on_time() -> None:
+    """Let timers of this thread fire when they are due and not up to 50 us later; needs no permission.
+
+    Linux lets timers of ordinary threads slip so that it can wake for several at once (prctl(2), PR_SET_TIMERSLACK).
+    Elsewhere nothing happens.
+    """
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, LEAST_SLACK_NS, 0, 0, 0)
+
+
+def pin_to_cpu(cpu: int) -> None:
+    """Keep this process on one processor core, so that it does not lose its caches by moving.
+
+    Raises CallerError for a core that is not there or that this process may not use, and on systems without pinning.
+    """
+    if sys.platform != "linux":
+        raise CallerError(f"a core cannot be chosen on {sys.platform}: leave --cpu away")
+    allowed = sorted(os.sched_getaffinity(0))
+    if cpu not in allowed:
+        cores = ", ".join(str(core) for core in allowed)
+        raise CallerError(f"core {cpu} is not one that this process may use ({cores}): choose one of these for --cpu")
+    os.sched_setaffinity(0, {cpu})
+
+
+def take_priority() -> list[str]:
+    """Run before all ordinary processes (SCHED_FIFO) and keep its memory in place (mlockall).
+
+    Returns a line for each of the two that the system does not permit, with what to do about it; the process then goes
+    on without. Raises CallerError on systems other than Linux.
+    """
+    if sys.platform != "linux":
+        raise CallerError(f"real-time priority is taken on Linux only, not on {sys.platform}")
+    refused = []
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+    except PermissionError:
+        refused.append(
+            "real-time priority is not permitted: add the lines '@realtime - rtprio 50' and '@realtime - memlock "
+            "unlimited' to /etc/security/limits.d/realtime.conf, join the group (sudo groupadd -f realtime; sudo "
+            "usermod -aG realtime $USER) and log in again"
+        )
+    if ctypes.CDLL(None, use_errno=True).mlockall(MCL_CURRENT | MCL_ONFAULT) != 0:
+        refused.append(
+            f"memory cannot be locked ({os.strerror(ctypes.get_errno())}): raise 'memlock' to unlimited in "
+            "/etc/security/limits.d/realtime.conf and log in again ('ulimit -l' shows it)"
+        )
+    return refused
