@@ -92,7 +92,7 @@ def closed_loop(name: str, rate_hz: int, exchanges: int) -> dict[str, object]:
         lasted_s = []
         for index in range(exchanges):
             began = time.perf_counter()
-            rig.exchange(0.5 + 0.001 * (index % 100))
+            rig.exchange(0.6 + 0.001 * (index % 100))
             lasted_s.append(time.perf_counter() - began)
     ordered = sorted(lasted_s)
     return {

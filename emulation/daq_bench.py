@@ -13,13 +13,16 @@ from musclewire.rigs.simulated import SimulatedRig
 
 __all__ = ["PCI_6229", "USB_6001", "WiredRig", "card_of"]
 
-# From NI's manuals: terminals, configurations, and that USB devices have no hardware-timed single point.
+# From NI's manuals: terminals, configurations, bits, and that USB devices have no hardware-timed single point. Noise
+# of one reading is assumed: that of the simulated bench for the first, half a step for the second.
 PCI_6229 = Model(
     "PCI-6229",
     tuple(f"ai{number}" for number in range(32)),
     tuple(f"ao{number}" for number in range(4)),
     ("differential", "RSE", "NRSE"),
     single_point=True,
+    bits=16,
+    noise_v=0.244e-3,
 )
 USB_6001 = Model(
     "USB-6001",
@@ -27,6 +30,8 @@ USB_6001 = Model(
     ("ao0", "ao1"),
     ("differential", "RSE"),
     single_point=False,
+    bits=14,
+    noise_v=0.7e-3,
 )
 SHORTEST_STEP_S = 0.001
 
@@ -76,6 +81,7 @@ def card_of(
     found = wiring if isinstance(wiring, NiDaqConfiguration) else rig_configuration(wiring)[0]
     if not isinstance(found, NiDaqConfiguration):
         raise CallerError(f"{wiring} is no rig of kind nidaq: it says what is wired to the card")
+    model = PCI_6229 if found.output_timing == "hardware" else USB_6001
     tick_s = 1.0 / found.reading_rate
     # Each reading of the card is one of the converter: the rig averages what it reads.
     rig = open_rig(
@@ -83,10 +89,12 @@ def card_of(
         sample_period_s=tick_s,
         time_step_s=min(tick_s, SHORTEST_STEP_S),
         acquisition_readings=1,
+        acquisition_bits=model.bits,
+        acquisition_noise_v=model.noise_v,
+        amplifier_resolution_v=2.0 * model.range_v / 2**model.bits,
         shunt_resistance_ohm=found.shunt,
     )
     if not isinstance(rig, SimulatedRig):
         rig.close()
         raise CallerError(f"{wire} is not simulated: it cannot stand behind an emulated card")
-    model = PCI_6229 if found.output_timing == "hardware" else USB_6001
     return Card(found.device, model, WiredRig(rig, found, errors), tick_s, paced=paced)

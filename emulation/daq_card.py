@@ -54,13 +54,15 @@ class Terminals(Protocol):
 
 @dataclass(frozen=True)
 class Model:
-    """What kind of card it is."""
+    """What kind of card it is: its terminals, and what one reading is worth."""
 
     product: str
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     terminals: tuple[str, ...]
     single_point: bool
+    bits: int
+    noise_v: float
     range_v: float = 10.0
 
 

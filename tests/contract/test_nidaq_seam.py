@@ -36,10 +36,12 @@ def refusal(name: str, **changed: object) -> str:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_sample_is_the_mean_of_the_readings_of_its_period(name: str) -> None:
-    """The simulated converter's noise is 0.244 mV and its steps 0.305 mV: 40 readings leave a sixth of both."""
+    """Of the noise and the steps of one reading, 40 readings leave a sixth."""
     with at_seam(name) as rig:
         found = [rig.exchange(rig.sense_voltage_v).shunt_voltage_v for _ in range(100)]
-    one_reading_v = (0.244e-3**2 + 0.305e-3**2 / 12.0) ** 0.5
+        model = rig.server.card.model
+    step_v = 2.0 * model.range_v / 2**model.bits
+    one_reading_v = (model.noise_v**2 + step_v**2 / 12.0) ** 0.5
     assert statistics.stdev(found[10:]) == pytest.approx(one_reading_v / 40**0.5, rel=0.3)
 
 

@@ -68,7 +68,7 @@ def test_a_misspelt_key_suggests_the_right_one() -> None:
         ({"readings": 50}, "no time to decide"),
         ({"reading_rate": "990 Hz"}, "whole number"),
         ({"output": {"channel": "ao0", "range": "2 V"}}, "outside its range of 2 V"),
-        ({"output": {"channel": "ao0", "gain": 0.1}}, "needs 36 V at ao0"),
+        ({"output": {"channel": "ao0", "gain": 0.1}}, "needs 44 V at ao0"),
         ({"output_timing": "software"}, "output_timing"),
         ({"output": {"channel": "Dev1/ao0"}}, "output.channel"),
         ({"sense_voltage": "4 V"}, "must rise in this order"),
