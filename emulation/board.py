@@ -27,6 +27,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from emulation.machines import prepared
 from emulation.plant import COLUMNS
 from musclewire.errors import CallerError, MusclewireError, RigError
 
@@ -76,6 +77,11 @@ class EmulatedBoard:
         self._folder = tempfile.TemporaryDirectory(prefix="musclewire-board-")
         folder = Path(self._folder.name)
         chosen = elf or firmware_for(board, folder, ["--fault-injection"] if fault_injection else [])
+        if board == "arduino-uno" and pace == "lockstep":
+            raise CallerError(
+                "the Arduino's emulator runs by the clock only: its bench keeps its time; use pace='clock'"
+            )
+        chosen = prepared(board, chosen, folder)
         description = tomllib.loads((FIRMWARE / "boards" / board / "board.toml").read_text(encoding="utf-8"))
         self._log, self._messages = folder / "log.bin", folder / "emulator.txt"
         begin = {
@@ -146,6 +152,10 @@ class EmulatedBoard:
     def figures(self) -> dict[str, Any]:
         """Return ticks passed, late ticks and what has gone wrong on the line so far."""
         return self._say({"do": "figures"})
+
+    def messages(self) -> str:
+        """Return what the emulator has said so far: for the Arduino, cycles per tick."""
+        return self._messages.read_text(encoding="utf-8")
 
     def log(self) -> dict[str, NDArray[np.float64]]:
         """Return what truly happened, one entry a tick, by column: see ``COLUMNS`` of emulation/plant.py."""

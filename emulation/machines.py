@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-__all__ = ["start_machine"]
+from musclewire.errors import CallerError
+
+__all__ = ["prepared", "start_machine"]
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -17,6 +20,29 @@ def start_machine(board: str, elf: str, host_port: int, wire_port: int, log: Pat
         return subprocess.Popen(
             COMMANDS[board](elf, host_port, wire_port), stdin=subprocess.PIPE, stdout=messages, stderr=messages
         )
+
+
+def prepared(board: str, elf: Path, folder: Path) -> Path:
+    """Return the firmware where its emulator wants it; for simavr the program that runs it is compiled beside it.
+
+    Raises CallerError where a compiler or a library is missing.
+    """
+    emulator = {"mps2-an386": "qemu-system-arm", "arduino-uno": "gcc"}[board]
+    packages = {"mps2-an386": "qemu-system-arm", "arduino-uno": "gcc libc6-dev libsimavr-dev libelf-dev"}[board]
+    found = shutil.which(emulator)
+    if found is None:
+        raise CallerError(f"{emulator} is missing: apt-get install --no-install-recommends -y {packages}")
+    if board == "mps2-an386":
+        return elf
+    placed = folder / elf.name
+    if placed != elf:
+        shutil.copy(elf, placed)
+    command = [found, "-O2", str(FOLDER / "simavr_board.c"), "-o", str(folder / "simavr_board"), "-lsimavr", "-lelf"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        line = f"apt-get install --no-install-recommends -y {packages}"
+        raise CallerError(f"emulation/simavr_board.c does not compile ({line}):\n{done.stderr.strip()}")
+    return placed
 
 
 def qemu(elf: str, host_port: int, wire_port: int) -> list[str]:

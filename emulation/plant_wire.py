@@ -76,8 +76,9 @@ class BenchWire:
         self._noise: list[float] = []
         self._faults: list[Fault] = []
         self._active = Faults(())
-        self._readings = int(board.get("readings_per_tick", 1))
-        self._full = 2 ** int(board["converter_bits"]) - 1
+        # Where the emulator has a converter of its own, the bench gives it finer steps and leaves the noise to it.
+        self._full = 2 ** int(board.get("bench_bits", board["converter_bits"])) - 1
+        self._noise_v = float(board.get("bench_noise_v", board["converter_noise_v"]))
         self.time_s = 0.0
         # A voltage that heats by nothing shows the resistance before anything is driven.
         self._wire_ohm = self._measured_ohm(self._wires.advance(1e-3, STEP_S, 1))
@@ -133,8 +134,8 @@ class BenchWire:
         codes = []
         for input_v in inputs_v:
             share = input_v / self._board["converter_range_v"]
-            noise = self._board["converter_noise_v"] / self._board["converter_range_v"] / self._readings**0.5
-            code = round((share + noise * self._next_noise()) * self._full)
+            noise = self._noise_v / self._board["converter_range_v"] * self._next_noise()
+            code = round((share + noise) * self._full)
             codes.append(min(max(code, 0), self._full))
         return Converted(*codes)
 
