@@ -53,7 +53,13 @@ Newtons = Annotated[float, measured_in("N"), Field(allow_inf_nan=False)]
 
 
 class Input(BaseModel):
-    """A terminal pair of the card: its number, how it is referred to ground, its range to both sides."""
+    """A terminal of the card.
+
+    Attributes:
+        channel: the card's name of the input, such as ``ai0``.
+        terminal: how it is referred to ground; differential reads a pair of terminals.
+        range: largest voltage at the terminal to both sides; the card takes the next of its ranges.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -63,7 +69,12 @@ class Input(BaseModel):
 
 
 class VoltageInput(Input):
-    """A voltage; ``gain`` is volts on the circuit per volt at the terminal, ``offset`` what remains at 0 V."""
+    """A voltage of the circuit.
+
+    Attributes:
+        gain: volts on the circuit per volt at the terminal: above 1 behind a divider, below behind an amplifier.
+        offset: volts on the circuit where the terminal reads 0 V; ``musclewire doctor --write`` finds both.
+    """
 
     gain: Gain = 1.0
     offset: Volts = 0.0
@@ -75,7 +86,12 @@ class VoltageInput(Input):
 
 
 class DisplacementInput(Input):
-    """A displacement sensor with a voltage output: an LVDT's conditioner or a laser."""
+    """A displacement sensor with a voltage output: an LVDT's conditioner or a laser.
+
+    Attributes:
+        scale: metres of contraction per volt at the terminal; negative where the sensor counts the other way.
+        offset: contraction where the terminal reads 0 V.
+    """
 
     scale: MetresPerVolt
     offset: Metres = 0.0
@@ -87,7 +103,12 @@ class DisplacementInput(Input):
 
 
 class ForceInput(Input):
-    """A load cell behind its amplifier."""
+    """A load cell behind its amplifier.
+
+    Attributes:
+        scale: newtons of pull per volt at the terminal; negative where the cell counts the other way.
+        offset: pull where the terminal reads 0 V.
+    """
 
     scale: NewtonsPerVolt
     offset: Newtons = 0.0
@@ -99,7 +120,7 @@ class ForceInput(Input):
 
 
 class Inputs(BaseModel):
-    """What is wired to the inputs; both voltages always, instruments where there are some."""
+    """What is wired to the inputs; both voltages always, reference instruments where there are some."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -117,7 +138,14 @@ class Inputs(BaseModel):
 
 
 class Output(BaseModel):
-    """The output that drives the circuit; ``gain`` is drive volts per volt of the card: the buffer amplifier's."""
+    """The output that drives the circuit through a buffer amplifier.
+
+    Attributes:
+        channel: the card's name of the output.
+        range: largest voltage of the card to both sides.
+        gain: drive volts per volt of the card: the buffer amplifier's.
+        offset: drive voltage where the card puts out 0 V.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -142,6 +170,9 @@ class NiDaqConfiguration(HardwareConfiguration, MountedWire):
             ``on-demand``: when the host writes it.
         reading_rate: readings of each channel per second.
         readings: so many of a sample period's readings are averaged; the rest is the host's time to decide.
+        output: ``[output]``: what drives the circuit.
+        inputs: ``[inputs.NAME]``: what is read; wire_voltage and shunt_voltage always, displacement, force,
+            endpoint_displacement and endpoint_force where there are such instruments.
     """
 
     kind: Literal["nidaq"]
