@@ -8,9 +8,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 from tests.contract.nidaq_rigs import NIDAQ_COLD_OHM, NIDAQ_RIGS
+from tests.contract.replay_rigs import REPLAY_COLD_OHM, REPLAY_RIGS, replayed
 from tests.contract.serial_rigs import SERIAL_COLD_OHM, SERIAL_RIGS
 
 from musclewire.errors import CallerError, RigError
@@ -48,6 +50,7 @@ COLD_OHM = {
     "two fingers": (2.0 * SHORT_OHM[0], 2.0 * SHORT_OHM[1]),
     **NIDAQ_COLD_OHM,
     **SERIAL_COLD_OHM,
+    **REPLAY_COLD_OHM,
 }
 # What the hot wire does within ten seconds: strain, and force beyond that of the cold wire [N]. A mount of 1e6 N/m lets
 # a wire pull, a cold antagonist must be stretched first, a weight stays what it is, and fingers that meet pull harder.
@@ -66,14 +69,14 @@ METADATA_KEYS = {
 }
 
 
-@pytest.fixture(params=sorted(RIGS))
+@pytest.fixture(params=sorted([*RIGS, *REPLAY_RIGS]))
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
 @pytest.fixture
-def rig(name: str) -> Rig:
-    return RIGS[name]()
+def rig(name: str, request: pytest.FixtureRequest, tmp_path: Path) -> Rig:
+    return replayed(REPLAY_RIGS[name], request, tmp_path) if name in REPLAY_RIGS else RIGS[name]()
 
 
 def test_time_rises_by_the_sample_period(rig: Rig) -> None:

@@ -1,0 +1,267 @@
+"""A recording played back as a rig: sample by sample, exact to the bit, through the same protection."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field
+
+from musclewire.controllers.protection import ProtectionLimits, State
+from musclewire.errors import RecordingError, RigError
+from musclewire.parameters.validation import validated
+from musclewire.rigs.guarded import GuardedRig
+from musclewire.rigs.hardware import HardwareConfiguration
+from musclewire.rigs.mounted import LimitsTable, Metres, MountedWire, Newtons, Ohms, Volts
+from musclewire.rigs.protocol import Metadata
+from musclewire.signals.hdf5 import read_hdf5
+from musclewire.signals.reading import read_recording
+from musclewire.signals.recording import Recording
+from musclewire.signals.samples import RawSample
+
+__all__ = ["ReplayConfiguration", "ReplayRig"]
+
+# What a recording says of its own run and not of its rig: the run on the replay says it anew.
+OF_THE_RUN = {"experiment", "ended", "start_time", "software_version", "pace", "deadline_misses", "drift_us"}
+OF_THE_RUN_TOO = ("limit_", "compute_", "latency_", "jitter_", "replay_")
+# A recording that does not tell its channels' ranges cannot show that one is at its end.
+UNKNOWN_RANGE_V = 1e6
+INSTRUMENTS = RawSample._fields[4:]
+
+
+class ReplayConfiguration(HardwareConfiguration):
+    """A rig file with ``kind = "replay"``: a recording, and what it does not say of its rig itself.
+
+    Attributes:
+        recording: a recording file, beside the rig file.
+        on_difference: what happens when a drive is asked for that was not out in the recording: an error, or a report
+            in the metadata of the new recording.
+        drive_tolerance: how far a drive may be from the recorded one, which was rounded to the output's steps.
+        wire, wire_length, legs, shunt, sense_voltage, maximum_voltage, drive_amplitude, pretension: as in a rig file of
+            real hardware; needed where the recording's metadata lack them, and before these where given.
+        limits: limits of the protection that differ from those of the recorded rig.
+    """
+
+    kind: Literal["replay"]
+    recording: str = Field(min_length=1)
+    on_difference: Literal["error", "report"] = "error"
+    drive_tolerance: Volts = 1e-3
+    wire: str | None = None
+    wire_length: Metres | None = None
+    legs: Annotated[int, Field(ge=1, le=2)] | None = None
+    shunt: Ohms | None = None
+    sense_voltage: Volts | None = None
+    maximum_voltage: Volts | None = None
+    drive_amplitude: Volts | None = None
+    pretension: Newtons | None = None
+    limits: LimitsTable = LimitsTable()
+
+    def open(self) -> ReplayRig:
+        """Return the rig. Raises RecordingError for a recording that cannot be read or does not tell enough."""
+        return ReplayRig(self)
+
+    def beside(self, folder: Path) -> Self:
+        """Return the configuration with recording and wire file found beside the rig file."""
+        return super().beside(folder).model_copy(update={"recording": str(folder / self.recording)})
+
+
+class ReplayRig(GuardedRig):
+    """Hands out the samples of a recording in their order; what is driven only decides whether they still fit.
+
+    A replay heats nothing: it repeats what a wire answered to the drives of the recording. So every drive is compared
+    with the recorded one, and where they differ the samples say nothing about the new drive.
+    """
+
+    def __init__(self, configuration: ReplayConfiguration) -> None:
+        """Read the recording and arm the protection with the limits of the rig it was taken on.
+
+        Raises RecordingError where it cannot be read or does not tell enough.
+        """
+        self._configuration = configuration
+        self._path = Path(configuration.recording)
+        recording = as_recorded(self._path)
+        self._known = known_of(recording, configuration)
+        self._samples = samples_of(recording, self._path, float(self._of_rig("shunt_resistance_ohm", "shunt")))
+        self._instruments = tuple(name for name in INSTRUMENTS if name in recording)
+        self._drive_amplitude_v = float(self._of_rig("drive_amplitude_v", "drive_amplitude"))
+        self._leg_length_m = float(self._of_rig("leg_length_m", "wire_length and legs"))
+        self._next = 0
+        self._drive_voltage_v = 0.0
+        self._differences = 0
+        self._largest_difference_v = 0.0
+        self._first_difference_s: float | None = None
+        self.protect_with(self._limits())
+
+    def _of_rig(self, key: str, name: str) -> float | str:
+        """Return what must be known of the recorded rig; ``name`` is what the rig file calls it."""
+        value = self._known.get(key)
+        if value is None:
+            raise RecordingError(f"{self._path} does not say its {key}: give {name} in the rig file of the replay")
+        return value
+
+    def _limits(self) -> ProtectionLimits:
+        """Return the limits of the recorded rig; without any those that follow from wire and circuit."""
+        given = self._configuration.limits.changed()
+        names = ProtectionLimits._fields
+        if all(f"limit_{name}" in self._known for name in names):
+            return ProtectionLimits(*(float(self._known[f"limit_{name}"] or 0.0) for name in names))._replace(**given)
+        facts = {
+            "wire": self._of_rig("wire", "wire"),
+            "wire_length": self._of_rig("wire_length_m", "wire_length"),
+            "shunt": self._of_rig("shunt_resistance_ohm", "shunt"),
+            "sense_voltage": self._of_rig("limit_sense_voltage_v", "sense_voltage"),
+            "maximum_voltage": self._of_rig("limit_maximum_voltage_v", "maximum_voltage"),
+            "drive_amplitude": self._drive_amplitude_v,
+            "sample_period": self.sample_period_s,
+            "limits": self._configuration.limits.model_dump(),
+        }
+        mounted = validated(MountedWire, facts, f"replay of {self._path}")
+        return mounted.protection_limits(
+            wire_range_v=UNKNOWN_RANGE_V, shunt_range_v=UNKNOWN_RANGE_V, readings_noisy=False
+        )
+
+    @property
+    def sample_period_s(self) -> float:
+        """Time between samples."""
+        return float(self._of_rig("sample_period_s", "nothing: a recording of two samples or more"))
+
+    @property
+    def paced(self) -> bool:
+        """No clock: samples come as fast as they are asked for."""
+        return False
+
+    @property
+    def drive_amplitude_v(self) -> float:
+        """Amplitude of the slow sine on the recorded rig."""
+        return self._drive_amplitude_v
+
+    @property
+    def leg_length_m(self) -> float:
+        """Length of one leg."""
+        return self._leg_length_m
+
+    @property
+    def drive_voltage_v(self) -> float:
+        """Drive voltage that was out in the recording at this place."""
+        return self._drive_voltage_v
+
+    @property
+    def reference_columns(self) -> tuple[str, ...]:
+        """Names of the reference instruments in the recording."""
+        return self._instruments
+
+    @property
+    def samples_left(self) -> int:
+        """Samples that have not been handed out yet."""
+        return len(self._samples) - self._next
+
+    def __repr__(self) -> str:
+        """Say what is played and how far it is."""
+        return f"ReplayRig({self._path}, {self._next} of {len(self._samples)} samples)"
+
+    def metadata(self) -> Metadata:
+        """Return what the recording says of its rig, and how the replay has gone so far."""
+        known = {
+            key: value
+            for key, value in self._known.items()
+            if key not in OF_THE_RUN and not key.startswith(OF_THE_RUN_TOO)
+        }
+        return {
+            **known,
+            "rig": "replay",
+            "replayed_rig": self._known.get("replayed_rig", self._known.get("rig")),
+            "replayed_recording": self._path.name,
+            "replay_differences": self._differences,
+            "replay_largest_difference_v": self._largest_difference_v,
+            "replay_first_difference_s": self._first_difference_s,
+        }
+
+    def _exchange(self, drive_voltage_v: float) -> RawSample:
+        """Return the next sample of the recording. Raises RigError at its end, and for another drive than recorded."""
+        if self._next == len(self._samples):
+            ended = str(self._known.get("ended", "for a reason it does not say"))
+            raise RigError(
+                f"the recording {self._path} ends after {self._next} samples (it ended '{ended}'): run no longer"
+            )
+        sample = self._samples[self._next]
+        # While readings are missing the protection decides what is out, here as on the recorded rig.
+        if self._guard.state is State.RUN:
+            self._compare(drive_voltage_v, sample)
+        self._next += 1
+        self._drive_voltage_v = sample.drive_voltage_v
+        return sample
+
+    def _compare(self, drive_voltage_v: float, sample: RawSample) -> None:
+        """Count a drive that is not the recorded one, or raise RigError for it."""
+        difference_v = abs(drive_voltage_v - sample.drive_voltage_v)
+        if difference_v <= self._configuration.drive_tolerance:
+            return
+        if self._configuration.on_difference == "error":
+            raise RigError(
+                f"{drive_voltage_v:.4f} V is asked at {sample.time_s:.3f} s of {self._path}, where "
+                f"{sample.drive_voltage_v:.4f} V was recorded: replay with the same model, target and settings, or set "
+                "on_difference = 'report'"
+            )
+        self._differences += 1
+        self._largest_difference_v = max(self._largest_difference_v, difference_v)
+        if self._first_difference_s is None:
+            self._first_difference_s = sample.time_s
+
+    def _put_safe(self) -> None:
+        self._drive_voltage_v = self.sense_voltage_v
+
+    def _switch_off(self) -> None:
+        self._drive_voltage_v = 0.0
+
+
+def as_recorded(path: Path) -> Recording:
+    """Return a recording with whatever is wrong in it: gaps and clocks that run back are for the protection to see.
+
+    Raises RecordingError for what is no recording.
+    """
+    return read_hdf5(path) if path.suffix.lower() in (".h5", ".hdf5") else read_recording(path)
+
+
+def known_of(recording: Recording, given: ReplayConfiguration) -> Metadata:
+    """Return what is known of the recorded rig, by the keys of metadata: the rig file's word before the recording's."""
+    said = {
+        "wire": given.wire,
+        "wire_length_m": given.wire_length,
+        "shunt_resistance_ohm": given.shunt,
+        "limit_sense_voltage_v": given.sense_voltage,
+        "limit_maximum_voltage_v": given.maximum_voltage,
+        "limit_shunt_resistance_ohm": given.shunt,
+        "drive_amplitude_v": given.drive_amplitude,
+        "pretension_n": given.pretension,
+    }
+    known = {**recording.metadata, **{key: value for key, value in said.items() if value is not None}}
+    length = known.get("wire_length_m")
+    if given.legs is not None and isinstance(length, (int, float)):
+        known["leg_length_m"] = length / given.legs
+    if "sample_period_s" not in known and "time_s" in recording and len(recording) > 1:
+        known["sample_period_s"] = float(np.median(np.diff(recording["time_s"])))
+    return known
+
+
+def samples_of(recording: Recording, path: Path, shunt_resistance_ohm: float) -> list[RawSample]:
+    """Return the rows of a recording as samples, to the bit; an instrument's NaN is no reading of it.
+
+    Raises RecordingError where time, drive or a voltage is missing.
+    """
+    for name in ("time_s", "drive_voltage_v", "wire_voltage_v"):
+        if name not in recording:
+            raise RecordingError(f"{path} has no column '{name}': a replay needs time, drive and both voltages")
+    if "shunt_voltage_v" in recording:
+        shunt_v = recording["shunt_voltage_v"]
+    elif "wire_current_a" in recording:
+        shunt_v = recording["wire_current_a"] * shunt_resistance_ohm
+    else:
+        raise RecordingError(f"{path} has neither 'shunt_voltage_v' nor 'wire_current_a': a replay needs one of them")
+    columns = [recording[name].tolist() for name in ("time_s", "drive_voltage_v", "wire_voltage_v")]
+    columns.append(shunt_v.tolist())
+    for name in INSTRUMENTS:
+        values = recording[name].tolist() if name in recording else [math.nan] * len(recording)
+        columns.append([None if math.isnan(value) else value for value in values])
+    return [RawSample(*row) for row in zip(*columns, strict=True)]

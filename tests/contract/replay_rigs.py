@@ -1,0 +1,69 @@
+"""The replay of the contract suite: every test runs twice, first on a rig that is recorded, then on that recording.
+
+A replay answers only to what was driven when its recording was made. So the recording is made by the test itself: its
+body runs on the simulated rig, whose samples are written to a file, and then, unchanged, on the replay of the file.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from musclewire.experiment.run import what_protects
+from musclewire.rigs.configuration import open_rig
+from musclewire.rigs.guarded import GuardedRig
+from musclewire.signals.recording import Recording
+from musclewire.signals.samples import RawSample
+
+__all__ = ["REPLAY_COLD_OHM", "REPLAY_RIGS", "replayed"]
+
+REPLAY_RIGS: dict[str, Callable[[], GuardedRig]] = {
+    "replay": lambda: open_rig("simulated"),
+    "replay of a finger": lambda: open_rig("finger"),
+}
+REPLAY_COLD_OHM = {"replay": (12.0, 20.0)}
+
+
+def noting(rig: GuardedRig) -> list[RawSample]:
+    """Return a list that will hold every sample of a rig, also one at which the protection trips."""
+    noted: list[RawSample] = []
+    take = rig._exchange
+
+    def exchange(drive_voltage_v: float) -> RawSample:
+        noted.append(take(drive_voltage_v))
+        return noted[-1]
+
+    rig._exchange = exchange  # type: ignore[method-assign]
+    return noted
+
+
+def recording_of(samples: list[RawSample], rig: GuardedRig, metadata: dict[str, Any]) -> Recording:
+    """Return samples as a recording, with the columns the rig has."""
+    names = [*RawSample._fields[:4], *(rig.reference_columns or ())]
+    columns = {name: np.array([getattr(sample, name) for sample in samples], dtype=np.float64) for name in names}
+    return Recording(columns, {**metadata, "ended": "done"})
+
+
+def replayed(make: Callable[[], GuardedRig], request: pytest.FixtureRequest, folder: Path) -> GuardedRig:
+    """Run the requesting test on a rig that is recorded; return the replay of the recording for its second run."""
+    recorded = make()
+    metadata = {**what_protects(recorded), **recorded.metadata()}
+    samples = noting(recorded)
+    test = request.function
+    parametrized = getattr(request.node, "callspec", None)
+    known = {} if parametrized is None else parametrized.params
+    arguments = {
+        name: known[name] if name in known else request.getfixturevalue(name)
+        for name in inspect.signature(test).parameters
+        if name != "rig"
+    }
+    test(rig=recorded, **arguments)
+    recording_of(samples, recorded, metadata).save(folder / "recorded.h5")
+    rig_file = folder / "replay.toml"
+    rig_file.write_text('kind = "replay"\nrecording = "recorded.h5"\n', encoding="utf-8")
+    return open_rig(rig_file)
