@@ -31,7 +31,7 @@ __all__ = ["BEGIN", "COMMAND", "END", "KEEP", "PUT", "REPLY", "SAFE", "GuardianO
 # Host to guardian: what to do, and a drive voltage [V].
 COMMAND = struct.Struct("<cd")
 BEGIN, PUT, KEEP, SAFE, END = b"B", b"D", b"K", b"S", b"O"
-# Guardian to host: how it went; seconds of silence or the clock's rate; the driver's number; a text's length.
+# Guardian to host: how it went; seconds of silence, or the clock's rate; the driver's number; a text's length.
 REPLY = struct.Struct("<cdiH")
 DONE, TRIPPED, FAILED = b"A", b"T", b"E"
 # How often the guardian looks whether its parent still lives where a socket may have been inherited by others.
@@ -131,14 +131,8 @@ class Guardian:
         """Serve the host until it says goodbye or is gone; the output is at 0 V afterwards."""
         goodbye = False
         try:
-            while not goodbye and os.getppid() == self._parent:
-                ready, _, _ = select.select([self._line], [], [], self._watch.left_s(time.monotonic()))
-                if ready:
-                    message = self._receive()
-                    if message is None:
-                        break
-                    goodbye = self._obey(*message)
-                self._look()
+            with suppress(OSError):  # a host that dies in the middle of a message is gone, too
+                goodbye = self._serve()
         finally:
             # Whatever brought this process here, nothing may keep it from switching off.
             signal.signal(signal.SIGTERM, signal.SIG_IGN)
@@ -150,14 +144,36 @@ class Guardian:
                 with suppress(OSError):
                     self._reply(DONE)
 
+    def _serve(self) -> bool:
+        """Follow the host; return whether it said goodbye, False where it is gone."""
+        while os.getppid() == self._parent:
+            silent_at_s = self._silent_at_s()
+            if silent_at_s is not None:
+                self._look(silent_at_s)
+                continue
+            message = self._receive()
+            if message is None:
+                return False
+            if self._obey(*message):
+                return True
+        return False
+
+    def _silent_at_s(self) -> float | None:
+        """Wait for a command; return None when there is one, otherwise a time up to which there certainly was none.
+
+        The machine may keep this process waiting too. What has come meanwhile is no silence of the host's, so the
+        socket is looked at once more after the clock.
+        """
+        if select.select([self._line], [], [], self._watch.left_s(time.monotonic()))[0]:
+            return None
+        now_s = time.monotonic()
+        return None if select.select([self._line], [], [], 0.0)[0] else now_s
+
     def _receive(self) -> tuple[bytes, float] | None:
         """Return the next command, None where the host is gone."""
         data = b""
         while len(data) < COMMAND.size:
-            try:
-                more = self._line.recv(COMMAND.size - len(data))
-            except OSError:
-                return None
+            more = self._line.recv(COMMAND.size - len(data))
             if not more:
                 return None
             data += more
@@ -166,18 +182,14 @@ class Guardian:
 
     def _obey(self, what: bytes, drive_v: float) -> bool:
         """Do what the host asks; return whether it was its goodbye."""
-        now = time.monotonic()
-        # A silence that has lasted too long stays so, even where the host woke before this process looked.
-        self._look()
         if what == KEEP:
-            self._watch.hear(now)
+            self._watch.hear(time.monotonic())
             return False
         if what == END:
             return True
         if self._watch.tripped_after_s is not None:
             self._reply(TRIPPED, self._watch.tripped_after_s)
             return False
-        silent_s = now - self._watch.heard_s
         try:
             voltage_v = self._scale.voltage_v(drive_v)
             if what == BEGIN:
@@ -190,12 +202,12 @@ class Guardian:
             self._reply(FAILED, 0.0, fault)
             return False
         self._watch.hear(time.monotonic(), drive_v)
-        self._reply(DONE, silent_s)
+        self._reply(DONE)
         return False
 
-    def _look(self) -> None:
-        """Do what silence calls for."""
-        due_v = self._watch.due(time.monotonic())
+    def _look(self, silent_at_s: float) -> None:
+        """Do what silence up to a time calls for."""
+        due_v = self._watch.due(silent_at_s)
         if due_v is None:
             return
         try:
