@@ -7,6 +7,7 @@ schemdraw (extra ``dev``).
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from itertools import pairwise
@@ -110,7 +111,8 @@ class Circuit:
         self.ground((x, lower - 0.6))
 
     def save(self, name: str) -> None:
-        """Write the drawing beside this file, as .svg and .png."""
+        """Write the drawing beside this file, as .svg and .png; the same bytes each time it is drawn."""
+        os.environ["SOURCE_DATE_EPOCH"] = "0"
         with mpl.rc_context({"svg.hashsalt": "musclewire", "svg.fonttype": "path"}):
             self.drawing.save(str(HERE / f"{name}.svg"))
             self.drawing.save(str(HERE / f"{name}.png"), dpi=DPI)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -49,6 +50,15 @@ def test_the_low_passes_of_the_board_leave_a_ten_thousandth_of_the_pulses() -> N
     assert values["R3"] == values["R2"]
     assert values["C2"] == values["C1"]
     assert (corner_hz / 15.6e3) ** 2 == pytest.approx(1e-4, rel=0.1)
+
+
+def test_the_board_is_wired_as_its_firmware_reads_it() -> None:
+    file = Path(__file__).resolve().parents[3] / "firmware/boards/arduino-uno/board.toml"
+    board, values = tomllib.loads(file.read_text("utf-8")), load_parts("board").values()
+    assert board["shunt_resistance_ohm"] == float(values["RS"].split()[0])
+    assert values["U2"] == "INA180A1"
+    assert (board["shunt_gain"], board["divider_share"]) == (20.0, 1.0)
+    assert 1e3 * board["converter_range_v"] / board["shunt_gain"] == 250.0
 
 
 def test_a_list_that_is_not_there_suggests_the_nearest() -> None:
