@@ -14,12 +14,20 @@ __all__ = ["prepared", "start_machine"]
 FOLDER = Path(__file__).resolve().parent
 
 
-def start_machine(board: str, elf: str, host_port: int, wire_port: int, log: Path) -> subprocess.Popen[bytes]:
+# In lockstep QEMU's clock counts instructions (32 ns each): a machine that lets the emulator wait for half a second, as
+# busy ones do, must not look like a hung firmware to the board's watchdog.
+BY_INSTRUCTIONS = ("-icount", "shift=5")
+
+
+def start_machine(
+    board: str, elf: str, host_port: int, wire_port: int, log: Path, *, lockstep: bool = False
+) -> subprocess.Popen[bytes]:
     """Start the emulator of a board; it connects to two ports of this machine; its standard input is its monitor."""
+    command = COMMANDS[board](elf, host_port, wire_port)
+    if lockstep and command[0].startswith("qemu"):
+        command += BY_INSTRUCTIONS
     with log.open("ab") as messages:
-        return subprocess.Popen(
-            COMMANDS[board](elf, host_port, wire_port), stdin=subprocess.PIPE, stdout=messages, stderr=messages
-        )
+        return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=messages, stderr=messages)
 
 
 def prepared(board: str, elf: Path, folder: Path) -> Path:
