@@ -1,5 +1,5 @@
 """The exported C library: its numbers, checks, files, golden vectors and figures."""
 
-from musclewire.export.c.library import Library, library_sources, write_library
+from musclewire.export.c.library import Library, library_sources, loop_checksum, write_library
 
-__all__ = ["Library", "library_sources", "write_library"]
+__all__ = ["Library", "library_sources", "loop_checksum", "write_library"]

@@ -20,12 +20,19 @@ from musclewire.errors import CallerError
 from musclewire.sensing.model import MARGIN, SensingModel
 from musclewire.sensing.resistance import wire_resistance
 
-__all__ = ["ACTIONS", "Constant", "Constants", "collect"]
+__all__ = ["ACTIONS", "CONTROL_HEADINGS", "Constant", "Constants", "collect", "control_numbers"]
 
 Kind = Literal["real", "integer"]
 ACTIONS = {"": 0, "trip": 1, "degrade": 2, "report": 3}
 INFERENCES = {"constant": 0, "product-weighted-sum": 1, "min-max-centroid": 2}
 MICROSECONDS_PER_S = 1e6
+RANGE_ENDS = {f"k{k}_{end}": f"k{k}_range[{i}]" for k in "pid" for i, end in enumerate(("minimum", "maximum"))}
+# The groups that say how the loop is closed, whatever board it runs on.
+CONTROL_HEADINGS = (
+    "the self-sensing model (Lan and Fan 2010, Eqs. 3 to 5)",
+    "the fuzzy-tuned PID (Eq. 6)",
+    "its rule base",
+)
 
 
 @dataclass(frozen=True)
@@ -73,13 +80,17 @@ def collect(
     return Constants(
         {
             "circuit and limits of the drive": _circuit(checked),
-            "the self-sensing model (Lan and Fan 2010, Eqs. 3 to 5)": _model(model),
-            "the fuzzy-tuned PID (Eq. 6)": _controller(settings),
-            "its rule base": _rules(rule_base),
+            **control_numbers(model, settings, rule_base).groups,
             "limits of the protection": _protection(checked),
             "the protection table": _table(),
         }
     )
+
+
+def control_numbers(model: SensingModel, settings: FuzzyPidSettings, rule_base: RuleBase) -> Constants:
+    """Return the numbers of a model and its controller: those that the checksum is of."""
+    groups = (_model(model), _controller(settings), _rules(rule_base))
+    return Constants(dict(zip(CONTROL_HEADINGS, groups, strict=True)))
 
 
 def _circuit(limits: ProtectionLimits) -> list[Constant]:
@@ -221,10 +232,19 @@ def _integer(name: str, value: int, meaning: str = "") -> Constant:
 
 
 def numbers_of(constants: Sequence[Constant]) -> list[tuple[str, float]]:
-    """Return every real number with a name that says where it stands: ``HEATING_FALLING[2]``."""
-    found = []
-    for constant in constants:
-        if constant.kind == "real":
-            several = len(constant.values) > 1
-            found += [(f"{constant.name}[{i}]" if several else constant.name, v) for i, v in enumerate(constant.values)]
-    return found
+    """Return every real number with the name its owner knows it by: ``heating_coefficients[2]``, ``kp_range[0]``."""
+    return [
+        (_known_as(constant, index), value)
+        for constant in constants
+        if constant.kind == "real"
+        for index, value in enumerate(constant.values)
+    ]
+
+
+def _known_as(constant: Constant, index: int) -> str:
+    name = constant.name.lower()
+    if name.endswith("_falling"):
+        return f"{name.removesuffix('_falling')}_coefficients[{len(constant.values) - 1 - index}]"
+    if name in RANGE_ENDS:
+        return RANGE_ENDS[name]
+    return f"{name}[{index}]" if constant.table else name

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import zlib
 
-from musclewire.export.c.constants import Constant, Constants
+from musclewire.export.c.constants import CONTROL_HEADINGS, Constant, Constants
 from musclewire.export.c.numbers import literal, rows
 
 __all__ = ["constants_header", "model_checksum"]
@@ -19,7 +19,7 @@ START = """/* Written by musclewire {version} (musclewire export c): numbers of 
 {double}
 #define MW_LIBRARY_NAME "{name}"
 #define MW_QUANTITY "{quantity}"
-#define MW_MODEL_CHECKSUM 0x{checksum:08x}u /* crc32 of all numbers below */
+#define MW_MODEL_CHECKSUM 0x{checksum:08x}u /* crc32 of model, controller and rules: what a host compares */
 """
 
 
@@ -42,8 +42,12 @@ def constants_header(constants: Constants, *, name: str, model: str, rules: str,
 
 
 def model_checksum(constants: Constants) -> int:
-    """Return the crc32 that tells one set of numbers from another."""
-    return zlib.crc32(_body(constants).encode())
+    """Return the crc32 that tells one model with its controller from another; circuit and limits are not in it.
+
+    They belong to the board; a host that wants to know whose loop runs there has only model and controller to compare.
+    """
+    chosen = {heading: group for heading, group in constants.groups.items() if heading in CONTROL_HEADINGS}
+    return zlib.crc32(_body(Constants(chosen)).encode())
 
 
 def _body(constants: Constants) -> str:

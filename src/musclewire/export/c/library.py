@@ -10,14 +10,14 @@ from typing import NamedTuple
 from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase, load_rule_base
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
-from musclewire.export.c.constants import Constants, collect
+from musclewire.export.c.constants import Constants, collect, control_numbers
 from musclewire.export.c.golden import golden_vectors
-from musclewire.export.c.header import constants_header
+from musclewire.export.c.header import constants_header, model_checksum
 from musclewire.export.c.precision import check_precision, single_error_share
 from musclewire.export.c.reference import ReferenceTick
 from musclewire.sensing.model import SensingModel
 
-__all__ = ["Library", "library_sources", "write_library"]
+__all__ = ["Library", "library_sources", "loop_checksum", "write_library"]
 
 TEST_FILES = (
     "golden_test.c",
@@ -33,7 +33,8 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 class Library(NamedTuple):
     """What was written: where, which files (relative, in order), and its numbers.
 
-    ``single_error_share`` is how far the estimate in single precision is off at most, as a share of the full scale.
+    ``single_error_share`` is how far the estimate in single precision is off at most, as a share of the full scale;
+    ``reference`` the tick in Python that the golden vectors come from.
     """
 
     folder: Path
@@ -41,6 +42,7 @@ class Library(NamedTuple):
     constants: Constants
     single_error_share: float
     golden_rows: int
+    reference: ReferenceTick
 
 
 def project_files(name: str, quantity: str) -> dict[str, str]:
@@ -63,6 +65,11 @@ def project_files(name: str, quantity: str) -> dict[str, str]:
             text = text.replace(key, value)
         texts[place] = text
     return texts
+
+
+def loop_checksum(model: SensingModel, settings: FuzzyPidSettings, rule_base: RuleBase | None = None) -> int:
+    """Return the checksum that a library with this model and controller carries, and a board built with it says."""
+    return model_checksum(control_numbers(model, settings, rule_base or load_rule_base(settings.rule_base)))
 
 
 def library_sources() -> dict[str, str]:
@@ -113,7 +120,9 @@ def write_library(
     texts |= project_files(name, model.quantity)
     texts["test/golden_vectors.csv"] = vectors = golden_vectors(reference)
     _write(Path(folder), texts)
-    return Library(Path(folder), tuple(texts), constants, single_error_share(model, constants), vectors.count("\n") - 1)
+    return Library(
+        Path(folder), tuple(texts), constants, single_error_share(model, constants), vectors.count("\n") - 1, reference
+    )
 
 
 def _write(folder: Path, texts: dict[str, str]) -> None:

@@ -32,7 +32,7 @@ def check_precision(model: SensingModel, constants: Constants) -> None:
     """Raise CallerError, naming the number, where single precision overflows, underflows or loses digits."""
     for name, value in numbers_of(constants.all()):
         if math.isfinite(value):
-            check_single(name.lower(), value)
+            check_single(name, value)
     for lower, upper in ORDERED:
         if not np.float32(constants.value(lower)) < np.float32(constants.value(upper)):
             raise CallerError(

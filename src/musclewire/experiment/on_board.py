@@ -1,0 +1,117 @@
+"""The closed loop on the board: the host sends targets, the firmware senses, controls and protects, the host records.
+
+The loop is the same as on the host, in C, by the numbers the firmware was built with. So it is refused where the board
+was built for another model: its checksum says which.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, cast
+
+from musclewire.controllers.references import Reference
+from musclewire.errors import CallerError
+from musclewire.experiment.closed_loop import APPROACH_S, check_same_wire, check_targets
+from musclewire.experiment.metrics import ControlRun, control_metrics
+from musclewire.experiment.run import Decision, OnSample, run_on_rig
+from musclewire.experiment.staircases import staircase_within
+from musclewire.identify.recordings import COLUMN_SUFFIX
+from musclewire.rigs.protocol import Rig
+from musclewire.rigs.serial.rig import SerialRig
+from musclewire.sensing.model import SensingModel
+from musclewire.signals.samples import RawSample
+
+__all__ = ["TargetRig", "control_on_board"]
+
+
+class TargetRig:
+    """A serial rig whose exchange takes a target instead of a drive voltage; everything else is the rig's own."""
+
+    def __init__(self, rig: SerialRig) -> None:
+        """Put targets through to a rig."""
+        self.rig = rig
+
+    def exchange(self, target: float) -> RawSample:
+        """Let the board follow a target (SI, its model's quantity) for one sample period."""
+        return self.rig.exchange_target(target)
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what the rig has under this name."""
+        return getattr(self.rig, name)
+
+
+class TargetPolicy:
+    """Hands out the reference's targets and records what the board estimates; it controls nothing."""
+
+    def __init__(self, rig: SerialRig, model: SensingModel, reference: Reference, approach_s: float) -> None:
+        """Begin with the reference's first target, which the approach holds."""
+        self._rig, self._model, self._reference, self._approach_s = rig, model, reference, approach_s
+        suffix = COLUMN_SUFFIX[model.quantity]
+        self._target_name, self._estimated_name = f"target_{suffix}", f"estimated_{suffix}"
+
+    @property
+    def columns(self) -> Sequence[str]:
+        """Names of the columns this policy adds."""
+        return ("wire_resistance_ohm", self._target_name, self._estimated_name, "valid")
+
+    def first_drive_voltage_v(self) -> float:
+        """Return the first target: what the rig's exchange takes here."""
+        return self._reference.target_at(0.0)
+
+    def after(self, _sample: RawSample, elapsed_s: float) -> Decision:
+        """Return the next target, with what the board made of the sample that has just ended."""
+        since_s = elapsed_s - self._approach_s
+        judged = self._reference.target_at(max(since_s - self._rig.sample_period_s, 0.0))
+        resistance_ohm = self._rig.board_resistance_ohm or 0.0
+        estimate = self._rig.board_estimate
+        valid = resistance_ohm > 0.0 and self._model.estimate(resistance_ohm).valid
+        return Decision(
+            self._reference.target_at(max(since_s, 0.0)),
+            {
+                "wire_resistance_ohm": resistance_ohm,
+                self._target_name: judged,
+                self._estimated_name: estimate if estimate is not None and valid else self._model.quantity_min,
+                "valid": float(valid),
+            },
+        )
+
+
+def control_on_board(
+    rig: Rig,
+    model: SensingModel,
+    reference: Reference | None = None,
+    *,
+    checksum: int,
+    approach_s: float = APPROACH_S,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    on_sample: OnSample | None = None,
+) -> ControlRun:
+    """Let a board's firmware move the wire along a reference; the paper's staircase by default.
+
+    ``checksum`` is that of the model and its controller as they are exported (``musclewire.export.c.loop_checksum``).
+    Returns the recording with its metrics, the estimate being the board's. Raises CallerError for a rig without a
+    board, a board that was built for another model or controller, and a target outside the model's range.
+    """
+    if not isinstance(rig, SerialRig):
+        raise CallerError("only a board with musclewire's firmware closes the loop itself: this rig has none")
+    if rig.identity.model_checksum != checksum:
+        raise CallerError(
+            f"the board's firmware was built for another model or controller (checksum "
+            f"{rig.identity.model_checksum:08x}, this model's is {checksum:08x}): build it with this model "
+            "(firmware/build.py --model) and flash it"
+        )
+    chosen = staircase_within(model) if reference is None else reference
+    check_targets(model, chosen, rig.sample_period_s)
+    check_same_wire(model, rig)
+    recording = run_on_rig(
+        cast(Rig, TargetRig(rig)),
+        TargetPolicy(rig, model, chosen, approach_s),
+        approach_s + chosen.duration_s,
+        metadata={"experiment": "closed loop on the board", "quantity": model.quantity, "approach_s": approach_s},
+        path=path,
+        overwrite=overwrite,
+        on_sample=on_sample,
+    )
+    return ControlRun(recording.columns, recording.metadata, control_metrics(recording, model.quantity, chosen))
