@@ -14,6 +14,7 @@ from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
     from musclewire.experiment.doctor import Check, Examination
+    from musclewire.experiment.doctor.calibration import ChannelCalibration
     from musclewire.experiment.doctor.probing import OnProbe
     from musclewire.signals.samples import RawSample
 
@@ -122,9 +123,16 @@ def text(found: Examination) -> str:
         for check in checks
     ]
     lines += [f"-    {one.name:<{width}}  {'not checked':>18}  {one.reason}" for one in unchecked]
+    lines += ["", *(calibrated(one) for one in found.calibration)] if found.calibration else []
     failed = sum(not check.ok for check in checks)
     verdict = f"{len(checks)} checks, {failed} not as they should be, {len(unchecked)} not made"
     return "\n".join([*lines, "", f"{verdict}; at most {found.highest_v:.3g} V was put out"])
+
+
+def calibrated(one: ChannelCalibration) -> str:
+    """Return what a channel reads wrong as a line."""
+    gain = "gain unknown without a meter" if one.gain is None else f"true = {one.gain:.5f} times what is left"
+    return f"{one.channel} channel: {1e3 * one.offset_v:.4f} mV too much at 0 V; {gain}"
 
 
 def explained(check: Check) -> str:

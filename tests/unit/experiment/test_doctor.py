@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 import musclewire as mw
+from musclewire.app.doctor_command import document, text
 from musclewire.errors import CallerError
 from musclewire.experiment.doctor import Examination, examine
 from musclewire.signals.samples import RawSample
@@ -244,6 +246,26 @@ class PacedInName:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._rig, name)
+
+
+@pytest.mark.parametrize("seed", range(120))
+def test_whatever_the_channels_say_the_answer_is_plain_numbers_and_nothing_is_heated(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    kinds = (0.0, 1.0, -1.0, 1e3, 1e-6, float("nan"), float("inf"), 1e300)
+    factors, offsets = random.choice(kinds, 2), random.choice((0.0, 0.0, 1e-3, 0.1, 11.0, -3.0, float("nan")), 2)
+    noise = random.choice((0.0, 1e-3, 1.0))
+
+    def garbled(sample: RawSample, _: int) -> RawSample:
+        wire, shunt = random.standard_normal(2) * noise
+        return sample._replace(
+            wire_voltage_v=float(factors[0] * sample.wire_voltage_v + offsets[0] + wire),
+            shunt_voltage_v=float(factors[1] * sample.shunt_voltage_v + offsets[1] + shunt),
+        )
+
+    found = examined(garbled)
+    json.dumps(document("rig", found, None), allow_nan=False)
+    assert text(found)
+    assert found.highest_v <= 0.3
 
 
 def test_the_rig_is_left_at_its_sense_voltage() -> None:
