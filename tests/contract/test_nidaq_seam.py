@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import statistics
+import subprocess
 import sys
 import time
+import tomllib
 from itertools import pairwise
+from pathlib import Path
 
+import grpc
+import nidaqmx
 import pytest
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
@@ -174,3 +179,37 @@ def test_without_the_package_it_names_the_extra(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(sys.modules, "nidaqmx", None)
     with pytest.raises(MissingExtraError, match=r"musclewire\[nidaq\]"):
         NiDaqRig(wiring_of("ni-usb-6001"))
+
+
+def test_the_card_holds_its_last_voltage_when_its_program_ends() -> None:
+    """As cards do: without it, switching off after a killed host would prove nothing."""
+    with DaqServer(card_of("ni-usb-6001", paced=True)) as server:
+        with grpc.insecure_channel(server.address) as channel:
+            task = nidaqmx.Task(grpc_options=nidaqmx.GrpcSessionOptions(channel, ""))
+            task.ao_channels.add_ao_voltage_chan("Dev1/ao0", min_val=-10.0, max_val=10.0)
+            task.write(2.0)
+            task.close()
+        assert server.card.outputs_v["ao0"] == 2.0
+
+
+def test_errors_of_a_channel_are_there_for_the_doctor_to_find() -> None:
+    wiring = wiring_of("ni-pci-6229")
+    errors = {"ai0": (1.01, 0.004)}
+    with (
+        DaqServer(card_of(wiring, paced=False, errors=errors)) as server,
+        NiDaqRig(wiring.model_copy(update={"grpc": server.address})) as rig,
+    ):
+        sample = rig.exchange(2.0)
+    assert sample.wire_voltage_v == pytest.approx(1.01 * (2.0 - sample.shunt_voltage_v) + 0.004, abs=2e-3)
+
+
+def test_the_server_prints_the_line_that_a_rig_file_needs() -> None:
+    command = [sys.executable, "-m", "emulation.daq_server", "--pace", "free", "--port", "0"]
+    root = Path(__file__).parents[2]
+    with subprocess.Popen(command, cwd=root, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        line = next(line for line in server.stdout if line.startswith("grpc = "))
+        with NiDaqRig(wiring_of("ni-pci-6229").model_copy(update=tomllib.loads(line))) as rig:
+            assert rig.exchange(rig.sense_voltage_v).shunt_voltage_v > 0.01
+        server.terminate()
+    assert server.returncode == 0
