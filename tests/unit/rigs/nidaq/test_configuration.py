@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import tomllib
+from itertools import takewhile
+from pathlib import Path
+from textwrap import dedent
 from typing import Any
 
 import pytest
@@ -91,3 +95,12 @@ def test_an_input_without_gain_is_refused() -> None:
     data = content()
     data["inputs"]["displacement"]["scale"] = 0.0
     assert "inputs.displacement" in refused(data)
+
+
+def test_the_rig_file_of_the_page_is_right() -> None:
+    page = (Path(__file__).parents[4] / "docs" / "how-to" / "drive_an_ni_card.md").read_text("utf-8")
+    lines = page[page.index('    kind = "nidaq"') :].split("\n")
+    block = "\n".join(line for line in takewhile(lambda line: not line or line.startswith("    "), lines))
+    configuration = validated(NiDaqConfiguration, tomllib.loads(dedent(block)), "the page's rig file")
+    assert configuration.layout().decision == 9
+    assert configuration.inputs.shunt_voltage.range == 1.0
