@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from enum import IntEnum
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from importlib.resources import files
 from typing import Literal
 
@@ -108,6 +108,11 @@ class ProtectionTable(BaseModel):
 
     def lasts_s(self) -> tuple[float, ...]:
         """Return for each event number how long it must last [s]; 0 where it has no row."""
+        return self.durations_s
+
+    @cached_property
+    def durations_s(self) -> tuple[float, ...]:
+        """What ``lasts_s`` returns, made once: it is asked for while a fault lasts, in a loop that must be on time."""
         rows = self._rows()
         return tuple(rows[event].lasts_s if event in rows else 0.0 for event in Event)
 
