@@ -4,7 +4,7 @@ After a change of the shipped parameters or of the physics, run it once and comm
 
 - README.md's pictures, from a run of the main job (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
-- docs/reference/parameters.md and docs/reference/protection.md.
+- docs/reference/parameters.md, protection.md and hardware_rig_files.md.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import physics_numbers
 import physics_pictures
 import physics_runs
 import protection_page
+import rig_keys_page
 
 from musclewire.app.report.figures import STYLE, loops_figure, staircase_figure
 from musclewire.experiment.demo import run_demo
@@ -28,6 +29,7 @@ HERE = Path(__file__).parent
 PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"
 PARAMETER_PAGE = HERE.parent / "reference" / "parameters.md"
 PROTECTION_PAGE = HERE.parent / "reference" / "protection.md"
+RIG_KEYS_PAGE = HERE.parent / "reference" / "hardware_rig_files.md"
 BLOCK = re.compile(r"(<!-- written by docs/images/draw\.py: (\w+) -->\n).*?(<!-- end -->)", re.S)
 DPI = 110
 
@@ -63,6 +65,7 @@ def main() -> None:
     draw_physics_pictures(loops)
     PARAMETER_PAGE.write_text(parameter_page.page(), encoding="utf-8")
     PROTECTION_PAGE.write_text(protection_page.page(), encoding="utf-8")
+    RIG_KEYS_PAGE.write_text(rig_keys_page.page(), encoding="utf-8")
     page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_numbers.blocks(loops))
     PHYSICS_PAGE.write_text(page, encoding="utf-8")
 

@@ -18,8 +18,8 @@ from musclewire.rigs.serial.configuration import SerialConfiguration
 
 HEAD = """# Rig files of real hardware
 
-Written by `python docs/images/draw.py physics` from the schemas that check the files; a test holds this page to them. Do
-not edit it by hand. Rig files of the simulated rig are on the page on [files](files.md).
+Written by `python docs/images/draw.py physics` from the schemas that check the files; a test holds this page to them.
+Do not edit it by hand. Rig files of the simulated rig are on the page on [files](files.md).
 
 A user with a wire on a bench changes one word: where a command says `simulated`, it says the rig file's name. Numbers
 are SI, or text with a unit (`"14 cm"`). An unknown key is an error that names the nearest. Three files come along to be
@@ -29,8 +29,8 @@ SECTIONS = {
     "The wire and its circuit": (MountedWire, "Every real rig has these keys, at the top of the file."),
     "`[limits]`": (
         LimitsTable,
-        "What the [protection](protection.md) is held against follows from wire and circuit; these are for what you know "
-        "better. A simulated rig's file takes the same table.",
+        "What the [protection](protection.md) is held against follows from wire and circuit; these are for what you "
+        "know better. A simulated rig's file takes the same table.",
     ),
     '`kind = "serial"`': (SerialConfiguration, "A board with the firmware: [how to](../how-to/drive_a_board.md)."),
     '`kind = "nidaq"`': (NiDaqConfiguration, "A data acquisition card: [how to](../how-to/drive_an_ni_card.md)."),
@@ -38,7 +38,11 @@ SECTIONS = {
     "`[inputs.wire_voltage]` and `[inputs.shunt_voltage]` of a card": (VoltageInput, ""),
     "`[inputs.displacement]` and `[inputs.endpoint_displacement]` of a card": (DisplacementInput, ""),
     "`[inputs.force]` and `[inputs.endpoint_force]` of a card": (ForceInput, ""),
-    '`kind = "replay"`': (ReplayConfiguration, "A recording as a rig: [how to](../how-to/replay_a_recording.md)."),
+    '`kind = "replay"`': (
+        ReplayConfiguration,
+        "A recording as a rig: [how to](../how-to/replay_a_recording.md). The keys of wire and circuit are needed "
+        "where the recording's metadata lack them.",
+    ),
 }
 FAULTS_HEAD = """## `[[fault]]` of a simulated rig
 
@@ -60,7 +64,7 @@ def keys_section(model: type[BaseModel], text: str) -> str:
     shared = set() if model is MountedWire else set(MountedWire.model_fields)
     said = meanings(model)
     rows = [
-        f"| `{name}` | {unit_of(field)} | {default_of(field)} | {said.get(name) or type_in_words(field)} |"
+        f"| `{name}` | {unit_in(field)} | {default_of(field)} | {said.get(name) or type_in_words(field)} |"
         for name, field in model.model_fields.items()
         if name not in shared
     ]
@@ -76,6 +80,18 @@ def fault_rows() -> list[str]:
         keys = [f"`{key}` ({default_of(field)})" for key, field in kind.model_fields.items() if key != "kind"]
         rows.append(f"| `{name}` | {', '.join(keys)} | {first_line(kind)} |")
     return rows
+
+
+def unit_in(field: FieldInfo) -> str:
+    """Return the unit of a key, also of one that may be left out."""
+    inner = (getattr(kind, "__metadata__", ()) for kind in get_args(field.annotation))
+    optional = next((unit for notes in inner for note in notes if (unit := unit_of_note(note))), "")
+    return unit_of(field) or optional
+
+
+def unit_of_note(note: Any) -> str:
+    """Return the unit that a validator reads text in, "" for any other note on a type."""
+    return str(getattr(getattr(note, "func", None), "unit", ""))
 
 
 def default_of(field: FieldInfo) -> str:

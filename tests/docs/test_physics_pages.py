@@ -41,6 +41,13 @@ def test_the_page_on_protection_is_the_table_the_code_runs_by(draw: ModuleType) 
     assert draw.PROTECTION_PAGE.read_text("utf-8") == draw.protection_page.page(), AGAIN
 
 
+def test_the_page_on_rig_files_of_hardware_is_what_the_schemas_say(draw: ModuleType) -> None:
+    page = draw.rig_keys_page.page()
+    assert draw.RIG_KEYS_PAGE.read_text("utf-8") == page, AGAIN
+    unexplained = [line for line in page.splitlines() if line.startswith("| `") and line.rstrip(" |").count("|") < 4]
+    assert [line for line in unexplained if line.split("|")[-2].strip() == ""] == []
+
+
 def test_every_parameter_of_the_alloy_the_wires_and_the_bench_is_on_the_page() -> None:
     listed = {word for table in tables_of(PARAMETERS.read_text("utf-8")) for row in table
               for word in code_words(row.get("parameter", ""))}  # fmt: skip

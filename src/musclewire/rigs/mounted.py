@@ -67,7 +67,7 @@ class MountedWire(BaseModel):
         legs: parts of the wire that share the force: 2 for a V, 1 for a straight wire.
         shunt: R of Eq. 1.
         sense_voltage: drive that heats by little and still gives a reading.
-        maximum_voltage: highest drive; by default the wire's, scaled from its own file only by the user.
+        maximum_voltage: highest drive that may ever be out; it goes with the length of the wire.
         drive_amplitude: amplitude of the slow sine.
         pretension: force of the cold wire, as set by hand.
         ambient_temperature: of the air around the wire.

@@ -34,13 +34,15 @@ INSTRUMENTS = RawSample._fields[4:]
 class ReplayConfiguration(HardwareConfiguration):
     """A rig file with ``kind = "replay"``: a recording, and what it does not say of its rig itself.
 
+    ``wire``, ``wire_length``, ``legs``, ``shunt``, ``sense_voltage``, ``maximum_voltage``, ``drive_amplitude`` and
+    ``pretension`` are those of any rig file of real hardware; they are needed where the recording's metadata lack them,
+    and count before these where given.
+
     Attributes:
         recording: a recording file, beside the rig file.
         on_difference: what happens when a drive is asked for that was not out in the recording: an error, or a report
             in the metadata of the new recording.
         drive_tolerance: how far a drive may be from the recorded one, which was rounded to the output's steps.
-        wire, wire_length, legs, shunt, sense_voltage, maximum_voltage, drive_amplitude, pretension: as in a rig file of
-            real hardware; needed where the recording's metadata lack them, and before these where given.
         limits: limits of the protection that differ from those of the recorded rig.
     """
 
