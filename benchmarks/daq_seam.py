@@ -4,7 +4,7 @@ Prints JSON. ``closed_loop``: exchanges per second of a rig whose card does not 
 left is what calls cost: NI's client, gRPC, the guardian, the emulated card and wire. ``by_the_clock``: rigs at their
 own pace, with the share of samples that came late and how exact their times are. ``host_killed`` and ``host_stalled``:
 the time from SIGKILL or SIGSTOP of a heating host to the card at 0 V. The server is a process of its own.
-``--quick`` measures less.
+``--quick`` measures less. From the root of a checkout: python -m benchmarks.daq_seam
 """
 
 from __future__ import annotations

@@ -49,7 +49,8 @@ class GuardedOutput:
             server.settimeout(START_S)
             # A session of its own on POSIX: what kills the host's group shall not kill its guardian first.
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "musclewire.rigs.nidaq.guardian"],
+                # -P: no file in the folder where the user works takes the place of a module.
+                [sys.executable, "-P", "-m", "musclewire.rigs.nidaq.guardian"],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
                 start_new_session=True,
@@ -67,6 +68,7 @@ class GuardedOutput:
                 raise GuardianLostError("the process that owns the card's output did not start") from None
         try:
             self.clock_hz = self._answer() or None
+            self._line.settimeout(ANSWER_S)
         except RigError:
             self._let_go()
             raise
