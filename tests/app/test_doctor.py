@@ -92,3 +92,22 @@ def test_the_reference_names_every_check_and_no_other(musclewire: Musclewire) ->
     said = musclewire("doctor", "simulated", "--json").json
     names = [one["name"] for one in (*said["checks"], *said["unchecked"])]
     assert sorted(re.findall(r"`(\w+)`", " ".join(rows))) == sorted(names)
+
+
+def test_nothing_is_written_while_the_wiring_is_wrong(tmp_path: Path) -> None:
+    import musclewire as mw
+    from musclewire.app.doctor_command import refuse_to_write
+    from musclewire.errors import CallerError, RigError
+    from musclewire.experiment.doctor import examine
+
+    for fault, error in (
+        ('kind = "swapped channels"', CallerError),
+        ('kind = "broken wire"', CallerError),
+        ('kind = "device lost"\nat = "1 s"', RigError),
+    ):
+        with mw.open_rig(rig_with(tmp_path, fault)) as rig, pytest.raises(error):
+            refuse_to_write(examine(rig))
+    with mw.open_rig("simulated", acquisition_noise_v=0.003) as rig:
+        found = examine(rig)
+    assert "shunt_noise_v" in found.findings.failed
+    refuse_to_write(found)

@@ -68,8 +68,7 @@ def doctor(
         )
     written: Path | None = None
     if write:
-        if not may_be_written(found):
-            raise CallerError(f"nothing is written: {', '.join(sorted(found.findings.failed))} must be mended first")
+        refuse_to_write(found)
         written = write_calibration(Path(rig), found.calibration)
     if json:
         emit_json(document(rig, found, written))
@@ -94,10 +93,15 @@ def since_start(on_row: Any) -> OnProbe:
     return on_sample
 
 
-def may_be_written(found: Examination) -> bool:
-    """Whether offsets mean something: the wiring holds, and only what a calibration mends may have failed."""
-    mended = {"wire_offset_v", "shunt_offset_v", "wire_resistance_ohm", "output_gain", "outside_resistance_ohm"}
-    return bool(found.calibration) and found.trouble is None and found.findings.failed <= mended
+def refuse_to_write(found: Examination) -> None:
+    """Raise CallerError where offsets mean nothing: the wiring does not hold in a way that no calibration mends."""
+    from musclewire.experiment.doctor.examine import STOPPING
+
+    blocking = sorted(found.findings.failed & (STOPPING - {"wire_resistance_ohm", "output_gain"}))
+    if found.trouble is not None:
+        raise found.trouble
+    if blocking or not found.calibration:
+        raise CallerError(f"nothing is written: {', '.join(blocking) or 'the readings'} must be mended first")
 
 
 def document(rig: str, found: Examination, written: Path | None) -> dict[str, Any]:

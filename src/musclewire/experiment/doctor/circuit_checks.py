@@ -86,7 +86,7 @@ def current_check(evidence: Evidence) -> Check:
     elif not ok and evidence.wire.moves:
         advice = (
             "the voltage arrives at the wire's terminals and no current flows: the wire is broken or a clamp is open, "
-            "or the shunt's channel is bridged or dead"
+            "or the shunt's channel is bridged, dead or drowned in noise"
         )
     elif not ok:
         advice = "neither channel follows the drive: see the output's gain"
