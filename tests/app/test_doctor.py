@@ -107,7 +107,7 @@ def test_nothing_is_written_while_the_wiring_is_wrong(tmp_path: Path) -> None:
     ):
         with mw.open_rig(rig_with(tmp_path, fault)) as rig, pytest.raises(error):
             refuse_to_write(examine(rig))
-    with mw.open_rig("simulated", acquisition_noise_v=0.003) as rig:
+    with mw.open_rig("simulated", acquisition_noise_v=0.0018) as rig:
         found = examine(rig)
     assert "shunt_noise_v" in found.findings.failed
     refuse_to_write(found)
