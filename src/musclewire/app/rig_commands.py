@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app.files import require_figure_file, require_model_file, require_recording_file, save_figure
+from musclewire.app.on_time import Cpu, RealTimePriority, keep_time
 from musclewire.app.options import Force, Json, OutputPath, RealTime, RigName, Seed, quantity_option
 from musclewire.app.output import emit_json, progress_bar, say, show, warn
 from musclewire.app.stopping import stop_if_asked, stops_between_samples
@@ -93,6 +94,8 @@ def characterize(
     cycles: Annotated[int, typer.Option("--cycles", help="Cycles; the last is the one analysed.", min=1)] = 2,
     seed: Seed = None,
     real_time: RealTime = False,
+    real_time_priority: RealTimePriority = False,
+    cpu: Cpu = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -104,6 +107,7 @@ def characterize(
     require_recording_file(output, force)
     with stops_between_samples(), open_rig(rig, seed=seed, real_time=real_time) as opened:
         volts = quantity_option(amplitude, "V", "--amplitude")
+        refused = keep_time(opened, real_time_priority, cpu)
         with progress_bar("Slow sine", cycles * period, quiet=json) as on_sample:
             recording = run_characterize(
                 opened,
@@ -118,7 +122,7 @@ def characterize(
         "recording": str(output),
         "samples": len(recording),
         **loop_json(recording),
-        "warnings": warn(force_warnings(recording)),
+        "warnings": [*refused, *warn(force_warnings(recording))],
     }
     if json:
         emit_json(answer)
@@ -240,6 +244,8 @@ def control(
     ] = False,
     seed: Seed = None,
     real_time: RealTime = False,
+    real_time_priority: RealTimePriority = False,
+    cpu: Cpu = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -260,6 +266,7 @@ def control(
     if output is not None:
         require_recording_file(output, force)
     with stops_between_samples(), open_rig(rig, seed=seed, real_time=real_time) as opened:
+        refused = keep_time(opened, real_time_priority, cpu)
         if recalibrate:
             with progress_bar("Anchoring R_min and R_max", 90.0, quiet=json) as anchoring:
                 loaded = anchor(opened, loaded, on_sample=anchoring).model
@@ -276,7 +283,7 @@ def control(
         "known_friction_n": None if load is None else load.friction_n,
         "ended": run.metadata["ended"],
         "samples": len(run),
-        "warnings": warn(force_warnings(run)),
+        "warnings": [*refused, *warn(force_warnings(run))],
     }
     if json:
         emit_json(answer)

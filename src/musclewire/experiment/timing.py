@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from musclewire.rigs.real_time import scheduling
 from musclewire.signals.recording import MetadataValue
 
 __all__ = ["LoopTiming", "timing_json"]
@@ -62,6 +63,7 @@ class LoopTiming:
         intervals = np.diff(np.array(self._samples_ns, dtype=np.float64)) / 1e3
         # A burst after a late sample catches up: only whole periods without a sample are misses.
         empty = np.rint(intervals / self._period_us) - 1.0
+        found["scheduling"] = scheduling()
         found["deadline_misses"] = int(empty[empty > 0.0].sum())
         found["drift_us"] = round(float(intervals.sum() - intervals.size * self._period_us), 1)
         return found | percentiles("jitter", np.abs(intervals - self._period_us)) | percentiles("latency", latencies)

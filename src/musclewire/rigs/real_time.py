@@ -8,7 +8,7 @@ import sys
 
 from musclewire.errors import CallerError
 
-__all__ = ["pin_to_cpu", "take_priority", "wake_on_time"]
+__all__ = ["pin_to_cpu", "scheduling", "take_priority", "wake_on_time"]
 
 # Above ordinary real-time work such as sound, below the kernel's own threads for interrupts, which stand at 50.
 PRIORITY = 40
@@ -66,3 +66,13 @@ def take_priority() -> list[str]:
             "/etc/security/limits.d/realtime.conf and log in again ('ulimit -l' shows it)"
         )
     return refused
+
+
+def scheduling() -> str:
+    """Return in words how the system schedules this process, for a recording's metadata."""
+    if sys.platform != "linux":
+        return "ordinary"
+    real_time = os.sched_getscheduler(0) in (os.SCHED_FIFO, os.SCHED_RR)
+    words = f"real-time priority {os.sched_getparam(0).sched_priority}" if real_time else "ordinary"
+    cores = sorted(os.sched_getaffinity(0))
+    return f"{words}, core {cores[0]}" if len(cores) == 1 else words

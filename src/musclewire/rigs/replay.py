@@ -24,8 +24,8 @@ from musclewire.signals.samples import RawSample
 __all__ = ["ReplayConfiguration", "ReplayRig"]
 
 # What a recording says of its own run and not of its rig: the run on the replay says it anew.
-OF_THE_RUN = {"experiment", "ended", "start_time", "software_version", "pace", "deadline_misses", "drift_us"}
-OF_THE_RUN_TOO = ("limit_", "compute_", "latency_", "jitter_", "replay_")
+OF_THE_RUN = {"experiment", "ended", "start_time", "software_version", "pace", "scheduling", "deadline_misses"}
+OF_THE_RUN_TOO = ("limit_", "drift_", "compute_", "latency_", "jitter_", "replay_")
 # A recording that does not tell its channels' ranges cannot show that one is at its end.
 UNKNOWN_RANGE_V = 1e6
 INSTRUMENTS = RawSample._fields[4:]
