@@ -252,16 +252,21 @@ def main() -> int:
             before = board.figures()
             wait(given.seconds)
             after = board.figures()
-            passed_s = after["clock_s"] - before["clock_s"]
-            ticks = after["ticks"] - before["ticks"]
-            print(
-                f"{ticks} ticks in {passed_s:.2f} s: {ticks / passed_s:.1f} Hz, {after['late'] - before['late']} late "
-                f"by more than a tick, {after['given_up'] - before['given_up']} given up"
-            )
+            print(rate_of(before, after))
     except MusclewireError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.exit_code
     return 0
+
+
+def rate_of(before: Mapping[str, Any], after: Mapping[str, Any]) -> str:
+    """Return in words how well a board has kept its ticks between two of its ``figures``."""
+    passed_s = after["clock_s"] - before["clock_s"]
+    ticks, late, lost, given_up = (after[key] - before[key] for key in ("ticks", "late", "overwritten", "given_up"))
+    return (
+        f"{ticks} ticks in {passed_s:.2f} s: {ticks / passed_s:.1f} Hz; {late} came late by more than a tick, "
+        f"{lost} conversions were overwritten before the firmware fetched them, {given_up} ticks were given up"
+    )
 
 
 def wait(seconds: float | None) -> None:
