@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app.files import require_figure_file, require_model_file, require_recording_file, save_figure
+from musclewire.app.on_board import OnBoard, loop_of
 from musclewire.app.on_time import Cpu, RealTimePriority, keep_time
 from musclewire.app.options import Force, Json, OutputPath, RealTime, RigName, Seed, quantity_option
 from musclewire.app.output import emit_json, progress_bar, say, show, warn
@@ -242,6 +243,7 @@ def control(
     recalibrate: Annotated[
         bool, typer.Option("--recalibrate", help="First sweep once and anchor R_min, R_max anew.")
     ] = False,
+    on_board: OnBoard = False,
     seed: Seed = None,
     real_time: RealTime = False,
     real_time_priority: RealTimePriority = False,
@@ -252,7 +254,6 @@ def control(
     """Closed loop: move the wire by its own resistance; MAE of each step."""
     from musclewire.controllers import FuzzyPidSettings
     from musclewire.experiment.closed_loop import APPROACH_S
-    from musclewire.experiment.closed_loop import control as run_control
     from musclewire.experiment.force_limit import force_warnings
     from musclewire.experiment.timing import timing_json
     from musclewire.experiment.training import recalibrate as anchor
@@ -265,6 +266,7 @@ def control(
     settings = FuzzyPidSettings(rule_base=rules)
     if output is not None:
         require_recording_file(output, force)
+    follow = loop_of(loaded, settings, load, recalibrate, on_board)
     with stops_between_samples(), open_rig(rig, seed=seed, real_time=real_time) as opened:
         refused = keep_time(opened, real_time_priority, cpu)
         if recalibrate:
@@ -273,9 +275,7 @@ def control(
         if target is None:
             target = staircase_for(loaded, load, opened.leg_length_m)
         with progress_bar("Closed loop", APPROACH_S + target.duration_s, quiet=json) as on_sample:
-            run = run_control(
-                opened, loaded, target, settings=settings, load=load, path=output, overwrite=force, on_sample=on_sample
-            )
+            run = follow(opened, loaded, target, path=output, overwrite=force, on_sample=on_sample)
     answer = {
         **metrics_json(run.metrics),
         **timing_json(run.metadata),
