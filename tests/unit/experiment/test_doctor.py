@@ -199,6 +199,7 @@ def test_a_fault_that_trips_the_protection_is_a_finding_beside_what_was_seen_bef
     found = examined(lost_at_sense)
     assert found.trouble is not None
     assert "no current through the wire" in str(found.trouble)
+    assert found.highest_v == 0.3
     assert not found.ok
     assert "wire_resistance_ohm" in {check.name for check in found.findings.checks}
 

@@ -123,14 +123,13 @@ def examine(
         if evidence is not None:
             findings += sense_findings(evidence, at_sense, subject)
         findings += trip_findings(probe.trouble)
-        if probe.levels:
-            timed = tuple(level for level in probe.levels if len(level.time_s) > 2)
-            findings += clock_findings(timed, rig.sample_period_s, rig.paced) if timed else Findings(())
+        timed = tuple(level for level in probe.levels if len(level.time_s) > 2)
+        if timed:
+            findings += clock_findings(timed, rig.sample_period_s, rig.paced)
     finally:
         rig.make_safe()
     found = calibrations(evidence, at_sense, meter_wire_v, meter_shunt_v) if evidence is not None else ()
-    highest_v = max((level.commanded_v for level in probe.levels), default=0.0)
-    return Examination(findings, found, subject.metadata, highest_v, probe.trouble)
+    return Examination(findings, found, subject.metadata, probe.highest_v, probe.trouble)
 
 
 def trip_findings(trouble: RigError | None) -> Findings:

@@ -56,6 +56,7 @@ class Probe:
         self._rig, self._clock, self._on_sample = rig, clock, on_sample
         self.levels: list[Level] = []
         self.trouble: RigError | None = None
+        self.highest_v = 0.0
 
     def hold(self, voltage_v: float, seconds: float) -> Level | None:
         """Hold a voltage and return what came back; None, and ``trouble`` says why, where the rig gave up.
@@ -64,6 +65,7 @@ class Probe:
         """
         if not 0.0 <= voltage_v <= self._rig.sense_voltage_v * (1.0 + 1e-9):
             raise CallerError(f"{voltage_v:g} V is above the sense voltage: the doctor heats nothing")
+        self.highest_v = max(self.highest_v, voltage_v)
         rows: list[tuple[float, ...]] = []
         settling = max(round(SETTLING_S / self._rig.sample_period_s), SETTLING_SAMPLES)
         try:
