@@ -128,9 +128,13 @@ def by_the_clock(name: str, rate_hz: int, lasting_s: float) -> dict[str, object]
 
 
 def switched_off(name: str, number: signal.Signals, rounds: int) -> dict[str, object]:
-    """Return how long after a signal to its heating host the card is at 0 V."""
-    found_s = []
-    for _ in range(rounds):
+    """Return how long after a signal to its heating host the card is at 0 V.
+
+    A host that a busy machine has made too late ends by itself; such a round is left out and counted.
+    """
+    found_s: list[float] = []
+    disturbed = 0
+    while len(found_s) < rounds and disturbed < 2 * rounds:
         with tempfile.TemporaryDirectory() as folder, DaqServer(card_of(changed(name, 20), paced=True)) as server:
             file = as_file(Path(folder), name, 20, server.address)
             host = subprocess.Popen([sys.executable, "-c", HOST, str(file)], stderr=subprocess.DEVNULL)
@@ -138,17 +142,19 @@ def switched_off(name: str, number: signal.Signals, rounds: int) -> dict[str, ob
             time.sleep(0.3)
             os.kill(host.pid, number)
             began = time.monotonic()
-            if server.card.outputs_v["ao0"] != 2.0:
-                raise RuntimeError("the host had stopped heating by itself: this machine is too busy to measure on")
-            wait_until(lambda: server.card.outputs_v["ao0"] == 0.0)
-            found_s.append(time.monotonic() - began)
+            if server.card.outputs_v["ao0"] == 2.0:
+                wait_until(lambda: server.card.outputs_v["ao0"] == 0.0)
+                found_s.append(time.monotonic() - began)
+            else:
+                disturbed += 1
             host.kill()
             host.wait()
     return {
         "rig": name,
-        "rounds": rounds,
-        "median_ms": round(1e3 * statistics.median(found_s), 1),
-        "longest_ms": round(1e3 * max(found_s), 1),
+        "rounds": len(found_s),
+        "disturbed": disturbed,
+        "median_ms": round(1e3 * statistics.median(found_s), 1) if found_s else None,
+        "longest_ms": round(1e3 * max(found_s), 1) if found_s else None,
     }
 
 
@@ -168,16 +174,17 @@ def main() -> int:
     quick = parser.parse_args().quick
     names = ("ni-pci-6229", "ni-usb-6001")
     result = {
+        "load": [round(load, 1) for load in os.getloadavg()],
         "closed_loop": [
-            closed_loop(name, rate_hz, 200 if quick else 2000) for name in names for rate_hz in (20, 100, 500)
+            closed_loop(name, rate_hz, 200 if quick else 1000) for name in names for rate_hz in (20, 100, 500)
         ],
         "by_the_clock": [
-            by_the_clock(name, rate_hz, 2.0 if quick else 20.0)
+            by_the_clock(name, rate_hz, 2.0 if quick else 10.0)
             for name in names
             for rate_hz in ((20, 100) if quick else (20, 100, 200))
         ],
-        "host_killed": [switched_off(name, signal.SIGKILL, 1 if quick else 10) for name in names],
-        "host_stalled": [switched_off(name, signal.SIGSTOP, 1 if quick else 10) for name in names],
+        "host_killed": [switched_off(name, signal.SIGKILL, 1 if quick else 5) for name in names],
+        "host_stalled": [switched_off(name, signal.SIGSTOP, 1 if quick else 5) for name in names],
     }
     print(json.dumps(result, indent=2))
     return 0

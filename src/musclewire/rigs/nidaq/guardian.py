@@ -242,11 +242,20 @@ def reply(line: socket.socket, what: bytes, number: float = 0.0, fault: Musclewi
     line.sendall(REPLY.pack(what, number, getattr(fault, "code", 0), len(text)) + text)
 
 
+def go_first() -> None:
+    """Run before every ordinary process where that is permitted: this one sleeps unless something must happen."""
+    # Linux only, and before gRPC starts its threads, which inherit it. Windows: by its parent (output.py).
+    if hasattr(os, "sched_setscheduler"):
+        with suppress(OSError):
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+
+
 def main() -> int:
     """Read the port, a word that only the parent knows and the orders from standard input, then serve."""
     # Ctrl-C goes to every process of a terminal; ending is the host's to decide.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    go_first()
     port, word = sys.stdin.readline().split()
     orders = GuardianOrders.from_text(sys.stdin.readline())
     line = socket.create_connection(("127.0.0.1", int(port)), timeout=5.0)

@@ -22,6 +22,8 @@ START_S = 30.0
 # Switching off may take a reset of the card; anything longer is a guardian that hangs.
 ANSWER_S = 3.0
 WORD_BYTES = 16
+# Windows: before ordinary programs, and out of reach of the console's Ctrl-C. Elsewhere these are not defined.
+WINDOWS_FLAGS = getattr(subprocess, "HIGH_PRIORITY_CLASS", 0) | getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 
 
 class HostStalledError(RigError):
@@ -54,6 +56,7 @@ class GuardedOutput:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
                 start_new_session=True,
+                creationflags=WINDOWS_FLAGS,
                 text=True,
                 env={"GRPC_VERBOSITY": "NONE", **os.environ},  # what gRPC logs of a lost line is said by the rig
             )
