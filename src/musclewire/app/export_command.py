@@ -14,6 +14,7 @@ from musclewire.errors import CallerError
 if TYPE_CHECKING:
     from musclewire.controllers import FuzzyPidSettings
     from musclewire.controllers.protection import ProtectionLimits
+    from musclewire.export.c import Library
     from musclewire.rigs.protocol import Metadata
 
 __all__ = ["add_export_commands"]
@@ -83,6 +84,7 @@ def export_c(
         "single_error_share": library.single_error_share,
         "limits": finite_numbers(limits._asdict()),
         "golden_rows": library.golden_rows,
+        "largest_difference": held_against_python(library, double),
         "figures": library_figures(output, double=double),
     }
     if json:
@@ -116,6 +118,34 @@ def limits_of_rig(rig: str) -> tuple[ProtectionLimits, Metadata]:
     )
 
 
+def held_against_python(library: Library, double: bool) -> float | None:
+    """Return how far the library, compiled here, is from Python over its golden vectors; None without a compiler.
+
+    A share of full scale; in double precision of the value. Raises NumericsError where that is more than promised.
+    """
+    import tempfile
+
+    from musclewire.errors import NumericsError
+    from musclewire.export.c.compilers import missing_tool
+    from musclewire.export.c.golden import golden_ticks
+    from musclewire.export.c.host import MOST_DIFFERENCE, HostLibrary, built, largest_differences
+
+    missing = missing_tool("gcc", "gcc libc6-dev")
+    if missing:
+        say(f"not compared with Python here: {missing}")
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        loaded = HostLibrary(built(library.folder, Path(folder), double=double), double=double)
+        found = largest_differences(loaded, library.reference, golden_ticks(library.reference), relative=double)
+    name, most = max(found.items(), key=lambda item: item[1])
+    if most > MOST_DIFFERENCE[double]:
+        raise NumericsError(
+            f"{library.folder}: {name} of the library is off from Python's by {most:.2g}, more than "
+            f"{MOST_DIFFERENCE[double]:g}: do not use it, and report it with the model"
+        )
+    return most
+
+
 def read_settings(path: Path | None, rules: str | None) -> FuzzyPidSettings:
     """Return the controller's settings from a TOML file, and the rule base that an option names instead.
 
@@ -141,13 +171,16 @@ def finite_numbers(numbers: dict[str, float]) -> dict[str, float | None]:
 def export_text(answer: dict[str, Any], rig: str) -> str:
     """Return what was written and what it costs, for people."""
     limits = answer["limits"]
+    difference = answer["largest_difference"]
+    compared = "" if difference is None else f"; compiled here it is off from Python by at most {difference:.2g}"
     lines = [
         f"{answer['folder']}: {answer['quantity']} from resistance, rule base {answer['rule_base']}, "
         f"{answer['precision']} precision",
         f"limits of rig {rig}: shunt {limits['shunt_resistance_ohm']:g} ohm, drive {limits['sense_voltage_v']:g} to "
         f"{limits['maximum_voltage_v']:g} V, resistance {limits['resistance_low_ohm']:.3g} to "
         f"{limits['resistance_high_ohm']:.3g} ohm",
-        f"single precision is off by at most {100.0 * answer['single_error_share']:.2g} % of the full scale",
+        f"single precision moves an estimate by at most {100.0 * answer['single_error_share']:.2g} % of the full scale"
+        f"{compared}",
         f"{len(answer['files'])} files, {answer['golden_rows']} golden vectors: "
         f"cmake -S {answer['folder']} -B build && cmake --build build && ctest --test-dir build",
         "",

@@ -51,7 +51,7 @@ FAULTS: dict[str, Callable[[Voltages], tuple[float, float]]] = {
     "infinite": lambda v: (v.wire_v, math.inf),
     "swapped": lambda v: (v.shunt_v, v.wire_v),
     "reversed": lambda v: (-v.wire_v, v.shunt_v),
-    "short": lambda v: (0.1 * v.wire_v, v.shunt_v),
+    "short": lambda v: (0.3 * v.wire_v, 0.7 * v.wire_v + v.shunt_v),
     "jump": lambda v: (1.5 * v.wire_v, v.shunt_v),
     "outside": lambda v: (4.0 * v.wire_v, v.shunt_v),
     "saturated": lambda v: (v.ranges_v[0], v.shunt_v),

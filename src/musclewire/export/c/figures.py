@@ -12,7 +12,7 @@ from typing import Any
 from musclewire.errors import NumericsError
 from musclewire.export.c.compilers import EMULATOR, EMULATOR_PACKAGES, FLAGS, TARGETS, Target, missing_tool
 
-__all__ = ["emulated", "library_figures", "linked"]
+__all__ = ["emulated", "library_figures", "linked", "target_figures"]
 
 LONGEST_RUN_S = 1200.0
 
@@ -27,11 +27,12 @@ def library_figures(folder: Path, *, double: bool = False) -> list[dict[str, Any
     for target in TARGETS:
         if double and target.compiler == "avr-gcc":
             continue
-        rows.append(_figures(folder, target))
+        rows.append(target_figures(folder, target))
     return rows
 
 
-def _figures(folder: Path, target: Target) -> dict[str, Any]:
+def target_figures(folder: Path, target: Target) -> dict[str, Any]:
+    """Return the row of one target."""
     row: dict[str, Any] = {
         "target": target.name,
         "flash_bytes": None,

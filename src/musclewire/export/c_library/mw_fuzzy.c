@@ -128,8 +128,11 @@ static mw_real joined(const mw_real *fired, uint8_t point)
     mw_real highest = 0;
     uint8_t label;
     for (label = 0; label < SETS; label++) {
-        const mw_real height = output_sets[label][point];
-        const mw_real cut = height < fired[label] ? height : fired[label];
+        mw_real height, cut;
+        if (fired[label] <= highest)
+            continue; /* nothing it is cut to can reach higher */
+        height = output_sets[label][point];
+        cut = height < fired[label] ? height : fired[label];
         if (cut > highest)
             highest = cut;
     }

@@ -1,0 +1,136 @@
+"""The exported C library: the same bits on every processor, as close to Python as promised, small and quick enough.
+
+    python benchmarks/exported_c.py [--quick]
+
+Exports the simulated wire's model (polynomials of order 6, rule base zhao-1993) and prints, each with its bar:
+
+- one hash over all outputs of 1,000,000 ticks, in single and double precision, on this machine and on emulated
+  Cortex-M3, M4F and M7 (--quick: 20,000 ticks);
+- the largest differences from Python over golden vectors and over a long random run;
+- flash, memory and the instructions of a whole tick, counted in QEMU;
+- the accuracy of the library's own exponential.
+
+Ends with 1 where a bar is not held, with 2 where a compiler or the emulator is missing (the apt line is printed).
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+import musclewire as mw
+from musclewire.controllers import DriveLimits, FuzzyPidSettings
+from musclewire.export.c import write_library
+from musclewire.export.c.compilers import EMULATOR, EMULATOR_PACKAGES, TARGETS, missing_tool
+from musclewire.export.c.exercise import exercise
+from musclewire.export.c.figures import emulated, library_figures, linked
+from musclewire.export.c.golden import golden_ticks
+from musclewire.export.c.host import MOST_DIFFERENCE, HostLibrary, built, host_hash, largest_differences
+from musclewire.export.c.library import Library
+from musclewire.export.c.reference import ReferenceTick
+
+FULL_SAMPLES, QUICK_SAMPLES = 1_000_000, 20_000
+FULL_RANDOM, QUICK_RANDOM = 200_000, 10_000
+MOST_INSTRUCTIONS, MOST_FLASH_BYTES = 2000, 8 * 1024
+EXPONENTIAL_ULPS = 2.0
+CORTEX_M = [target for target in TARGETS if target.machine]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="fewer ticks")
+    quick = parser.parse_args().quick
+    missing = [
+        line
+        for line in (
+            missing_tool("gcc", "gcc libc6-dev"),
+            missing_tool(EMULATOR, EMULATOR_PACKAGES),
+            *(missing_tool(target.compiler, target.packages) for target in TARGETS),
+        )
+        if line
+    ]
+    if missing:
+        print(*dict.fromkeys(missing), sep="\n", file=sys.stderr)
+        return 2
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        library, reference = exported(folder / "library")
+        held = [
+            *same_bits(library, folder, QUICK_SAMPLES if quick else FULL_SAMPLES),
+            *against_python(library, reference, folder, QUICK_RANDOM if quick else FULL_RANDOM),
+            *costs(library),
+            *exponential(library, folder),
+        ]
+    print(f"{sum(held)} of {len(held)} bars held")
+    return 0 if all(held) else 1
+
+
+def exported(folder: Path) -> tuple[Library, ReferenceTick]:
+    """Export the simulated wire's own model with the default controller; also return its reference."""
+    with mw.open_rig("simulated") as rig:
+        model = mw.fit(mw.characterize(rig))
+        limits = rig.protection_limits
+    drive = DriveLimits(limits.sense_voltage_v, limits.maximum_voltage_v)
+    settings = FuzzyPidSettings()
+    print(f"model of order {model.order}, rule base {settings.rule_base}")
+    return write_library(model, settings, drive, limits, folder), ReferenceTick(model, settings, drive, limits)
+
+
+def same_bits(library: Library, folder: Path, samples: int) -> Iterator[bool]:
+    """Print and compare the hash of every target."""
+    for precision in ("single", "double"):
+        definitions = ["MW_DOUBLE"] if precision == "double" else []
+        here = host_hash(library.folder, samples, double=bool(definitions))
+        print(f"{precision}: {here}, this machine")
+        for target in CORTEX_M:
+            program = linked(library.folder, target, "test/same_bits.c", folder, f"SAMPLES={samples}", *definitions)
+            there = emulated(program, target).strip()
+            print(f"{precision}: {there}, {target.name}{'' if there == here else ': DIFFERENT'}")
+            yield there == here
+
+
+def against_python(library: Library, reference: ReferenceTick, folder: Path, ticks: int) -> Iterator[bool]:
+    """Print and judge the largest differences from Python."""
+    for double, most in MOST_DIFFERENCE.items():
+        precision = "double" if double else "single"
+        loaded = HostLibrary(built(library.folder, folder, double=double), double=double)
+        for what, rows in (
+            ("golden vectors", iter(golden_ticks(reference))),
+            (f"{ticks} random ticks", exercise(reference, 7, ticks)),
+        ):
+            found = largest_differences(loaded, reference, rows, relative=double)
+            worst = max(found.values())
+            said = ", ".join(f"{name} {value:.1e}" for name, value in found.items() if value > 0.0) or "none"
+            print(f"{precision} against Python, {what}: at most {worst:.1e} (bar {most:g}); {said}")
+            yield worst <= most
+
+
+def costs(library: Library) -> Iterator[bool]:
+    """Print flash, memory and instructions; judge those of the Cortex-M4F."""
+    for row in library_figures(library.folder):
+        print(", ".join(f"{key} {value}" for key, value in row.items() if value not in (None, "")))
+        if row["target"] == "cortex-m4f":
+            yield row["tick_instructions_most"] <= MOST_INSTRUCTIONS
+            yield row["flash_bytes"] <= MOST_FLASH_BYTES
+
+
+def exponential(library: Library, folder: Path) -> Iterator[bool]:
+    """Print the error of the library's exponential in units of the last place, against NumPy's in wider numbers."""
+    for double in (False, True):
+        loaded = HostLibrary(built(library.folder, folder, double=double), double=double)
+        kind = np.float64 if double else np.float32
+        points = np.linspace(-4.0, 0.0, 40_001).astype(kind)
+        exact = np.exp(points.astype(np.longdouble))
+        ours = np.array([loaded.exponential(float(x)) for x in points], dtype=np.longdouble)
+        ulps = float(np.max(np.abs(ours - exact) / np.spacing(exact.astype(kind))))
+        print(f"exponential, {'double' if double else 'single'}: {ulps:.2f} units in the last place at most")
+        yield ulps <= EXPONENTIAL_ULPS
+
+
+if __name__ == "__main__":
+    sys.exit(main())

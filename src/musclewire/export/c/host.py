@@ -1,0 +1,264 @@
+"""An exported library on this machine: compiled by gcc, called from Python, held against Python's own tick."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import subprocess
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from musclewire.errors import NumericsError
+from musclewire.export.c.exercise import Tick
+from musclewire.export.c.reference import Outcome, ReferenceTick
+
+__all__ = ["MOST_DIFFERENCE", "HostLibrary", "built", "host_hash", "largest_differences"]
+
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
+# What is promised of C against Python, by whether it is double precision: relative there, else of full scale.
+MOST_DIFFERENCE = {True: 1e-6, False: 2e-4}
+# A value nearer to zero than this share of its full scale is compared to that instead of to itself.
+SMALL_SHARE = 1e-3
+# Python's shims around the structures of the library: plain numbers in, plain numbers out.
+SHIMS = """
+#include "musclewire.h"
+static void put(double *out, const mw_controller *c, mw_output o)
+{
+    out[0] = o.resistance_ohm; out[1] = o.estimate; out[2] = o.valid;
+    out[3] = c->kp; out[4] = c->ki; out[5] = c->kd;
+    out[6] = o.drive_voltage_v; out[7] = o.state; out[8] = o.event;
+}
+unsigned long shim_bytes(void) { return sizeof(mw_controller); }
+void shim_start(mw_controller *c) { mw_start(c); }
+void shim_sample(mw_controller *c, double wire, double shunt, double tick, double *out)
+{
+    put(out, c, mw_sample(c, (mw_real)wire, (mw_real)shunt, (mw_real)tick));
+}
+void shim_control(mw_controller *c, double target, double dt, double *out)
+{
+    put(out, c, mw_control(c, (mw_real)target, (mw_real)dt));
+}
+void shim_drive(mw_controller *c, double drive, double *out) { put(out, c, mw_drive(c, (mw_real)drive)); }
+void shim_event(mw_controller *c, unsigned char event, double missing)
+{
+    mw_protect_event(&c->protection, event, (mw_real)missing);
+}
+void shim_missing(mw_controller *c, unsigned char event, double missing)
+{
+    mw_protect_missing(&c->protection, event, (mw_real)missing);
+}
+void shim_trip(mw_controller *c, unsigned char event) { mw_protect_trip(&c->protection, event); }
+void shim_off(mw_controller *c) { mw_protect_off(&c->protection); }
+void shim_reading(mw_controller *c, double drive, double wire, double shunt, double dt)
+{
+    mw_protect_reading(&c->protection, (mw_real)drive, (mw_real)wire, (mw_real)shunt, (mw_real)dt);
+}
+void shim_command(mw_controller *c, double drive) { mw_protect_command(&c->protection, (mw_real)drive); }
+void shim_protection(const mw_controller *c, double *out)
+{
+    out[0] = c->protection.state; out[1] = c->protection.event;
+    out[2] = mw_protect_allowed(&c->protection); out[3] = c->protection.above_ambient_k;
+}
+double shim_exponential(double x) { return mw_exponential((mw_real)x); }
+void shim_infer(double error, double change, double *out)
+{
+    mw_ratios r = mw_infer((mw_real)error, (mw_real)change);
+    out[0] = r.kp; out[1] = r.ki; out[2] = r.kd;
+}
+double shim_resistance(double wire, double shunt) { return mw_resistance((mw_real)wire, (mw_real)shunt); }
+double shim_estimate(double resistance, unsigned char *valid)
+{
+    mw_estimation e = mw_estimate((mw_real)resistance);
+    *valid = e.valid;
+    return e.value;
+}
+"""
+
+
+def built(folder: Path, out: Path, *, double: bool, compiler: str = "gcc", flags: Iterable[str] = FLAGS) -> Path:
+    """Compile a library's sources as a shared object of this machine and return its path.
+
+    Raises NumericsError with the compiler's first complaint.
+    """
+    shims = out / "shims.c"
+    shims.write_text(SHIMS, encoding="utf-8")
+    shared = out / f"{folder.name}_{'double' if double else 'single'}.so"
+    precision = ["-DMW_DOUBLE"] if double else []
+    sources = [str(source) for source in sorted((folder / "src").glob("*.c"))]
+    _run(
+        [
+            compiler,
+            *flags,
+            *precision,
+            "-shared",
+            "-fPIC",
+            f"-I{folder / 'src'}",
+            *sources,
+            str(shims),
+            "-o",
+            str(shared),
+        ]
+    )
+    return shared
+
+
+def host_hash(folder: Path, samples: int, *, double: bool) -> str:
+    """Return what the library's ``same_bits`` prints on this machine."""
+    program = folder / f"same_bits_{'double' if double else 'single'}"
+    precision = ["-DMW_DOUBLE"] if double else []
+    sources = [str(source) for source in sorted((folder / "src").glob("*.c"))]
+    _run(
+        [
+            "gcc",
+            *FLAGS,
+            *precision,
+            f"-I{folder / 'src'}",
+            *sources,
+            str(folder / "test/same_bits.c"),
+            "-o",
+            str(program),
+        ]
+    )
+    return _run([str(program), str(samples)]).strip()
+
+
+class HostLibrary:
+    """A compiled library behind plain numbers; one wire's state."""
+
+    def __init__(self, shared: Path, *, double: bool) -> None:
+        """Load it and start."""
+        self.double = double
+        self._c: Any = ctypes.CDLL(str(shared))
+        for name in ("exponential", "resistance", "estimate"):
+            getattr(self._c, f"shim_{name}").restype = ctypes.c_double
+        self._c.shim_bytes.restype = ctypes.c_ulong
+        self._state = ctypes.create_string_buffer(self._c.shim_bytes())
+        self._out = (ctypes.c_double * 9)()
+        self.start()
+
+    def start(self) -> None:
+        """Cold start."""
+        self._c.shim_start(self._state)
+
+    def sample(self, wire_voltage_v: float, shunt_voltage_v: float, tick_s: float) -> Outcome:
+        """Take one sample."""
+        self._c.shim_sample(self._state, *_doubles(wire_voltage_v, shunt_voltage_v, tick_s), self._out)
+        return self._outcome()
+
+    def control(self, target: float, dt_s: float) -> Outcome:
+        """Run one control tick."""
+        self._c.shim_control(self._state, *_doubles(target, dt_s), self._out)
+        return self._outcome()
+
+    def drive(self, drive_voltage_v: float) -> Outcome:
+        """Command a drive, open loop."""
+        self._c.shim_drive(self._state, *_doubles(drive_voltage_v), self._out)
+        return self._outcome()
+
+    def reading(self, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float, dt_s: float) -> None:
+        """Give the protection one reading."""
+        self._c.shim_reading(self._state, *_doubles(drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_s))
+
+    def command(self, drive_voltage_v: float) -> None:
+        """Give the protection one command."""
+        self._c.shim_command(self._state, *_doubles(drive_voltage_v))
+
+    def missing(self, event: int, missing_s: float) -> None:
+        """Tell the protection what has been missing for how long."""
+        self._c.shim_missing(self._state, ctypes.c_ubyte(event), *_doubles(missing_s))
+
+    def event(self, event: int, missing_s: float) -> None:
+        """Let the protection do what its table says of an event."""
+        self._c.shim_event(self._state, ctypes.c_ubyte(event), *_doubles(missing_s))
+
+    def trip(self, event: int) -> None:
+        """Trip the protection."""
+        self._c.shim_trip(self._state, ctypes.c_ubyte(event))
+
+    def off(self) -> None:
+        """Switch off."""
+        self._c.shim_off(self._state)
+
+    def protection(self) -> tuple[int, int, float, float]:
+        """Return state, event, drive allowed [V] and temperature above the air's [K]."""
+        self._c.shim_protection(self._state, self._out)
+        return int(self._out[0]), int(self._out[1]), self._out[2], self._out[3]
+
+    def exponential(self, x: float) -> float:
+        """Return the library's e^x."""
+        return float(self._c.shim_exponential(*_doubles(x)))
+
+    def resistance(self, wire_voltage_v: float, shunt_voltage_v: float) -> float:
+        """Return Eq. 1; 0 for "no current"."""
+        return float(self._c.shim_resistance(*_doubles(wire_voltage_v, shunt_voltage_v)))
+
+    def estimate(self, resistance_ohm: float) -> tuple[float, bool]:
+        """Return the estimate and whether it is valid."""
+        valid = ctypes.c_ubyte()
+        value = self._c.shim_estimate(*_doubles(resistance_ohm), ctypes.byref(valid))
+        return float(value), bool(valid.value)
+
+    def infer(self, error_ratio: float, change_ratio: float) -> tuple[float, float, float]:
+        """Return the three gain ratios."""
+        self._c.shim_infer(*_doubles(error_ratio, change_ratio), self._out)
+        return self._out[0], self._out[1], self._out[2]
+
+    def tick(self, tick: Tick) -> Outcome:
+        """Take the inputs of a tick of an exercise."""
+        if tick.start:
+            self.start()
+        outcome = self.sample(tick.wire_voltage_v, tick.shunt_voltage_v, tick.tick_s)
+        return self.control(tick.target, tick.control_s) if tick.control_s else outcome
+
+    def _outcome(self) -> Outcome:
+        resistance, estimate, valid, kp, ki, kd, drive, state, event = self._out
+        return Outcome(resistance, estimate, bool(valid), kp, ki, kd, drive, int(state), int(event))
+
+
+def largest_differences(
+    library: HostLibrary, reference: ReferenceTick, ticks: Iterable[Tick], *, relative: bool
+) -> dict[str, float]:
+    """Return the largest difference between C and Python for each number of the outcome.
+
+    ``relative``: of Python's value (near zero, of a thousandth of full scale); otherwise of full scale. State, event
+    and validity differ by 0 or more than any bar allows.
+    """
+    scales = full_scales(reference)
+    most = dict.fromkeys(Outcome._fields, 0.0)
+    for tick in ticks:
+        ours = library.tick(tick)
+        for name, c, python in zip(Outcome._fields, ours, tick.outcome, strict=True):
+            scale = max(abs(python), SMALL_SHARE * scales[name]) if relative else scales[name]
+            difference = abs(float(c) - float(python)) / scale
+            most[name] = max(most[name], difference) if not math.isnan(difference) else math.inf
+    return most
+
+
+def full_scales(reference: ReferenceTick) -> dict[str, float]:
+    """Return the full scale of each number of the outcome."""
+    model, settings = reference.model, reference.settings
+    return {
+        "resistance_ohm": model.resistance_max_ohm,
+        "estimate": max(abs(model.quantity_max), abs(model.quantity_min)),
+        "valid": 1.0,
+        "kp": settings.kp_range[1] or 1.0,
+        "ki": settings.ki_range[1] or 1.0,
+        "kd": settings.kd_range[1] or 1.0,
+        "drive_voltage_v": reference.limits.maximum_voltage_v,
+        "state": 1.0,
+        "event": 1.0,
+    }
+
+
+def _doubles(*values: float) -> list[ctypes.c_double]:
+    return [ctypes.c_double(value) for value in values]
+
+
+def _run(command: list[str]) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        lines = (done.stderr or done.stdout).strip().splitlines() or ["nothing was printed"]
+        first = next((line for line in lines if "error" in line), lines[0])
+        raise NumericsError(f"{command[0]} ended with {done.returncode}: {first}")
+    return done.stdout

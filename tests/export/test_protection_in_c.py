@@ -1,0 +1,175 @@
+"""The protection in C is the table and the arithmetic of Python: driven with the same faults, in the same state."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from export_parts import Exported
+
+from musclewire.controllers.protection import (
+    Event,
+    ProtectionState,
+    State,
+    allowed_drive_v,
+    armed,
+    protect_command,
+    protect_missing,
+    protect_reading,
+    protection_table,
+    tripped_by,
+)
+from musclewire.export.c.constants import ACTIONS
+from musclewire.export.c.host import HostLibrary
+
+Loaded = Callable[[str, bool], HostLibrary]
+PERIODS_S = (0.01, 0.02, 0.05)
+
+
+def readings(limits: Any, random: np.random.Generator, drive_v: float, resistance_ohm: float) -> tuple[float, float]:
+    """Voltages of a drive, sound or wrong in a random way."""
+    current = drive_v / (resistance_ohm + limits.shunt_resistance_ohm)
+    wire, shunt = current * resistance_ohm, current * limits.shunt_resistance_ohm
+    wire, shunt = wire + random.normal(0, 1e-4), shunt + random.normal(0, 1e-4)
+    wrong = random.choice(12, p=[0.78, *[0.02] * 11])
+    return [
+        (wire, shunt),
+        (math.nan, shunt),
+        (wire, -math.inf),
+        (0.0, 0.0),
+        (wire, 0.0),
+        (shunt, wire),
+        (-wire, shunt),
+        (1.3 * wire, shunt),
+        (0.2 * wire, 0.8 * wire + shunt),
+        (limits.wire_range_v, shunt),
+        (wire, 8.0 * shunt),
+        (3.0 * wire + 1.0, shunt),
+    ][wrong]
+
+
+@pytest.mark.parametrize("double", [True, False], ids=["double", "single"])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_same_random_faults_give_the_same_states_events_and_drives(
+    exported: Callable[[str], Exported], loaded: Loaded, seed: int, double: bool
+) -> None:
+    limits = exported("fixed").limits
+    library, random = loaded("fixed", double), np.random.default_rng(seed)
+    python = start(library, limits)
+    resistance, wrong_for, wrong = 16.0, 0, (0.0, 0.0)
+    seen = set()
+    for _ in range(4000):
+        dt_s = float(random.choice(PERIODS_S))
+        drive_v = allowed_drive_v(python, limits)
+        if wrong_for == 0:
+            wrong, wrong_for = readings(limits, random, drive_v, resistance), int(random.integers(1, 12))
+        wrong_for -= 1
+        again = random.random() < 0.4
+        wire, shunt = wrong if again else readings(limits, random, drive_v, resistance)
+        wire, shunt, drive_v = (float(np.float32(value)) for value in (wire, shunt, drive_v))
+        python = protect_reading(python, limits, drive_v, wire, shunt, dt_s)
+        library.reading(drive_v, wire, shunt, dt_s)
+        python = other_things(library, python, limits, random)
+        seen.add(int(python.event))
+        agree(library, python, limits)
+        resistance = float(np.clip(resistance + random.normal(0, 0.1), 15.0, 17.6))
+        if python.state in (State.TRIPPED, State.OFF) and random.random() < 0.3:
+            python = start(library, limits)
+    assert len(seen) >= 10
+
+
+def start(library: HostLibrary, limits: Any) -> ProtectionState:
+    library.start()
+    return armed(limits)
+
+
+def other_things(
+    library: HostLibrary, python: ProtectionState, limits: Any, random: np.random.Generator
+) -> ProtectionState:
+    """Commands, sound and not; silences; trips and switching off: the same to both."""
+    what = random.random()
+    if what < 0.7:
+        drive_v = float(np.float32(random.uniform(0.3, 1.0) * limits.maximum_voltage_v))
+        library.command(drive_v)
+        return protect_command(python, limits, drive_v)
+    if what < 0.72:
+        drive_v = float(random.choice([math.nan, math.inf, -0.1, 1.01 * limits.maximum_voltage_v]))
+        library.command(drive_v)
+        return protect_command(python, limits, drive_v)
+    if what < 0.78:
+        missing_s = float(random.choice([0.02, 0.05, 0.09, 0.1, 0.15, 0.2, 0.249, 0.25, 0.4]))
+        library.missing(Event.COMMAND_MISSING, missing_s)
+        return protect_missing(python, Event.COMMAND_MISSING, missing_s)
+    if what < 0.782:
+        library.trip(Event.LINK_CORRUPTED)
+        return tripped_by(python, Event.LINK_CORRUPTED)
+    return python
+
+
+def agree(library: HostLibrary, python: ProtectionState, limits: Any) -> None:
+    state, event, drive_v, above_k = library.protection()
+    assert (State(state), Event(event)) == (python.state, python.event)
+    assert drive_v == pytest.approx(allowed_drive_v(python, limits), rel=2e-7)
+    assert above_k == pytest.approx(python.temperature_k - limits.ambient_temperature_k, rel=1e-4, abs=1e-3)
+
+
+@pytest.mark.parametrize("event", [event for event in Event if event is not Event.NONE])
+def test_an_event_seen_outside_does_what_the_table_says(loaded: Loaded, event: Event) -> None:
+    library = loaded("fixed", False)
+    library.start()
+    library.command(1.0)
+    library.event(event, 0.15)
+    expected = {"trip": State.TRIPPED, "degrade": State.SENSE, "report": State.RUN}
+    assert State(library.protection()[0]) is expected[protection_table().row(event).action]
+
+
+@pytest.mark.parametrize("double", [True, False], ids=["double", "single"])
+def test_a_silence_is_held_then_sensed_then_off_at_the_table_s_times_by_ticks_of_a_millisecond(
+    loaded: Loaded, double: bool
+) -> None:
+    library, table = loaded("fixed", double), protection_table()
+    library.start()
+    library.command(1.0)
+    states = []
+    for tick in range(1, 300):
+        library.missing(Event.COMMAND_MISSING, tick * 1e-3)
+        states.append(State(library.protection()[0]))
+    assert states.index(State.SENSE) + 1 == round(table.sense_after_s * 1e3)
+    assert states.index(State.TRIPPED) + 1 == round(table.trip_after_s * 1e3)
+
+
+def test_what_is_off_stays_off_until_it_is_started_again(loaded: Loaded) -> None:
+    library = loaded("fixed", False)
+    library.start()
+    library.off()
+    library.command(1.0)
+    library.reading(1.0, 0.9, 0.1, 0.05)
+    assert library.protection()[:3] == (State.OFF, Event.NONE, 0.0)
+    library.start()
+    assert State(library.protection()[0]) is State.SENSE
+
+
+def test_the_table_in_the_header_is_python_s(exported: Callable[[str], Exported]) -> None:
+    header = (exported("fixed").library.folder / "src/mw_constants.h").read_text("utf-8")
+    defined = dict(re.findall(r"#define MW_(\w+) \(?(-?\d+)\)?(?: /\*.*)?$", header, re.M))
+    for kind, items in (("STATE", State), ("EVENT", Event)):
+        assert {item.name: str(item.value) for item in items} == {
+            name.removeprefix(f"{kind}_"): number for name, number in defined.items() if name.startswith(f"{kind}_")
+        }
+    table = protection_table()
+    assert defined["SENSE_AFTER_US"] == str(round(1e6 * table.sense_after_s))
+    assert defined["TRIP_AFTER_US"] == str(round(1e6 * table.trip_after_s))
+    actions = [0, *(ACTIONS[table.row(event).action] for event in Event if event is not Event.NONE)]
+    assert array(header, "ACTIONS") == actions
+    lasting = [Event(number) for number in array(header, "LASTING_EVENTS")]
+    assert array(header, "LASTING_US") == [round(1e6 * table.row(event).lasts_s) for event in lasting]
+
+
+def array(header: str, name: str) -> list[int]:
+    found = re.search(rf"#define MW_{name} \{{(.*?)\}}", header, re.S)
+    assert found
+    return [int(number) for number in re.findall(r"\d+", found[1])]
