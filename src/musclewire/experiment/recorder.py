@@ -16,6 +16,7 @@ import numpy as np
 
 from musclewire.errors import MusclewireError, RecordingNotWrittenError
 from musclewire.signals.hdf5 import RecordingWriter
+from musclewire.signals.hdf5_process import WriterProcess
 from musclewire.signals.recording import MetadataValue, Recording
 
 __all__ = ["Recorder", "cause_of"]
@@ -60,9 +61,11 @@ class Recorder:
         *,
         overwrite: bool = False,
         block_rows: int = 20,
+        apart_period_s: float | None = None,
     ) -> None:
         """Start an empty recording; ``block_rows`` rows go to disk together.
 
+        With ``apart_period_s``, the sample period of a loop too fast to wait for a disk, another process writes.
         Raises CallerError where ``path`` exists and may not be replaced.
         """
         self._columns = tuple(columns)
@@ -73,7 +76,11 @@ class Recorder:
         }
         # Plain numbers in one block: a million rows make no objects for the garbage collector to walk through.
         self._values = array("d")
-        self._writer = None if path is None else RecordingWriter(path, columns, self._metadata, block_rows, overwrite)
+        self._writer: RecordingWriter | WriterProcess | None = None
+        if path is not None and apart_period_s is not None:
+            self._writer = WriterProcess(path, columns, self._metadata, block_rows, overwrite, apart_period_s)
+        elif path is not None:
+            self._writer = RecordingWriter(path, columns, self._metadata, block_rows, overwrite)
         self._ended = "running"
         self._lost: Path | None = None
 

@@ -27,6 +27,8 @@ OnSample = Callable[[Mapping[str, float]], None]
 Exchange = Callable[[float], RawSample]
 # Rows that may be lost to a power cut: about a second of a paced rig, a fraction of one where no clock paces.
 PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
+# A block takes some milliseconds to write, on a busy machine over ten: in shorter periods another process writes it.
+LEAST_PERIOD_FOR_DISK_S = 0.02
 REFERENCE_COLUMNS = RawSample._fields[4:]
 
 
@@ -104,8 +106,7 @@ def run_on_rig(
             first = exchange(drive)
             instruments = tuple(name for name in REFERENCE_COLUMNS if getattr(first, name) is not None)
         columns = [*RawSample._fields[:4], *instruments, *policy.columns]
-        rows = block_rows(rig)
-        with Recorder(columns, described, path, overwrite=overwrite, block_rows=rows) as recorder, few_collections():
+        with recorder_for(rig, columns, described, path, overwrite) as recorder, few_collections():
             try:
                 first = exchange(drive) if first is None else first
                 follow(policy, exchange, first, samples, rig.sample_period_s, recorder, timing, on_sample)
@@ -165,9 +166,13 @@ def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
     return exchange
 
 
-def block_rows(rig: Rig) -> int:
-    """Return how many rows go to disk together."""
-    return max(1, round(PACED_BLOCK_S / rig.sample_period_s)) if rig.paced else FREE_BLOCK_ROWS
+def recorder_for(
+    rig: Rig, columns: Sequence[str], metadata: Mapping[str, MetadataValue], path: str | Path | None, overwrite: bool
+) -> Recorder:
+    """Return a recorder that a rig's pace does not have to wait for."""
+    rows = max(1, round(PACED_BLOCK_S / rig.sample_period_s)) if rig.paced else FREE_BLOCK_ROWS
+    apart_s = rig.sample_period_s if rig.paced and rig.sample_period_s < LEAST_PERIOD_FOR_DISK_S else None
+    return Recorder(columns, metadata, path, overwrite=overwrite, block_rows=rows, apart_period_s=apart_s)
 
 
 def what_protects(rig: Rig) -> dict[str, MetadataValue]:

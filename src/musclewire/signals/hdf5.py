@@ -107,6 +107,11 @@ class RecordingWriter:
         finally:
             self._file.close()
 
+    def let_go(self) -> None:
+        """Write what is left and close the file without a reason: whoever reads it finds a run that was cut off."""
+        self._write_block()
+        self._file.close()
+
     def __enter__(self) -> RecordingWriter:
         """Return the writer itself."""
         return self

@@ -1,0 +1,186 @@
+"""A recording's file written by another process, for loops too fast to wait for a disk.
+
+A block of rows takes HDF5 longer to write than a period of 1 ms lasts, and a busy disk longer still. So rows go through
+a pipe to a process that writes them. It outlives a killed host and still writes what had been sent.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import struct
+import subprocess
+import sys
+from array import array
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import IO
+
+from musclewire.errors import CallerError, MusclewireError
+from musclewire.signals.hdf5 import RecordingWriter
+from musclewire.signals.metadata import MetadataValue, checked_metadata
+
+__all__ = ["WriterProcess"]
+
+# A message: what it is and how many bytes follow.
+HEAD = struct.Struct("<BI")
+START, ROWS, CLOSE = 1, 2, 3
+# Rows are sent together this often: a killed host loses no more, and the other process is not woken for each.
+SENT_EVERY_S = 0.1
+# Linux's largest pipe for ordinary users: at 1 kHz and 15 columns what a disk may stall for is eight seconds.
+PIPE_BYTES = 1 << 20
+READY = b"ready\n"
+LONGEST_CLOSING_S = 60.0
+
+
+class WriterProcess:
+    """Looks like a ``RecordingWriter`` to a recorder, and hands the work on."""
+
+    def __init__(
+        self,
+        path: str | Path,
+        columns: Sequence[str],
+        metadata: Mapping[str, MetadataValue],
+        block_rows: int,
+        overwrite: bool,
+        sample_period_s: float,
+    ) -> None:
+        """Start the process and wait until it has made the file. Raises CallerError as ``RecordingWriter`` does."""
+        self._path = Path(path)
+        self._rows_together = max(1, round(SENT_EVERY_S / sample_period_s))
+        self._row_values = len(columns)
+        self._values = array("d")
+        self._closed = False
+        # A session of its own: Ctrl-C is for the host, which then closes the file.
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "musclewire.signals.hdf5_process"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+        )
+        widen_pipe(self._input)
+        start = {
+            "path": str(self._path.absolute()),
+            "columns": list(columns),
+            "metadata": dict(checked_metadata(metadata)),
+            "block_rows": block_rows,
+            "overwrite": overwrite,
+        }
+        self._send(START, json.dumps(start).encode())
+        assert self._process.stdout is not None
+        if self._process.stdout.readline() != READY:
+            raise CallerError(self._complaint())
+
+    @property
+    def path(self) -> Path:
+        """The file being written."""
+        return self._path
+
+    @property
+    def _input(self) -> IO[bytes]:
+        assert self._process.stdin is not None
+        return self._process.stdin
+
+    def append_values(self, values: list[float]) -> None:
+        """Keep one row; every tenth of a second they are sent. Raises OSError where the process has given up."""
+        self._values.fromlist(values)
+        if len(self._values) >= self._rows_together * self._row_values:
+            self._send_rows()
+
+    def close(self, ended: str, metadata: Mapping[str, MetadataValue]) -> None:
+        """Send what is left, and wait until the file is closed. Raises OSError where that did not succeed."""
+        if self._closed:
+            return
+        self._closed = True
+        self._send_rows()
+        self._send(CLOSE, json.dumps({"ended": ended, "metadata": dict(checked_metadata(metadata))}).encode())
+        self._input.close()
+        if self._process.wait(LONGEST_CLOSING_S) != 0:
+            raise OSError(self._complaint())
+        self._let_go_of_pipes()
+
+    def _let_go_of_pipes(self) -> None:
+        for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
+            assert pipe is not None
+            # What could not be sent to a process that has ended is lost; the recorder has it.
+            with contextlib.suppress(OSError):
+                pipe.close()
+
+    def _send_rows(self) -> None:
+        if self._values:
+            values, self._values = self._values, array("d")
+            self._send(ROWS, values.tobytes())
+
+    def _send(self, kind: int, body: bytes) -> None:
+        try:
+            self._input.write(HEAD.pack(kind, len(body)) + body)
+            self._input.flush()
+        except BrokenPipeError:
+            raise OSError(self._complaint()) from None
+
+    def _complaint(self) -> str:
+        """Return the last line the process said before it ended."""
+        self._process.wait(LONGEST_CLOSING_S)
+        assert self._process.stderr is not None
+        said = self._process.stderr.read().decode("utf-8", "replace").strip().splitlines()
+        self._let_go_of_pipes()
+        return said[-1] if said else f"{self._path}: the process that writes it has ended"
+
+
+def widen_pipe(pipe: IO[bytes]) -> None:
+    """Let a pipe hold what comes while a disk stalls; elsewhere than on Linux it stays as it is."""
+    if sys.platform == "linux":
+        import fcntl
+
+        fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
+
+
+def message(source: IO[bytes]) -> tuple[int, bytes] | None:
+    """Return the next whole message; None where the host is gone."""
+    head = source.read(HEAD.size)
+    if len(head) < HEAD.size:
+        return None
+    kind, size = HEAD.unpack(head)
+    body = source.read(size)
+    return (kind, body) if len(body) == size else None
+
+
+def write_what_comes(source: IO[bytes]) -> None:
+    """Write a file from messages; where the host is gone without closing it, it stays marked as cut off."""
+    first = message(source)
+    if first is None:
+        return
+    start = json.loads(first[1])
+    columns = start["columns"]
+    writer = RecordingWriter(start["path"], columns, start["metadata"], start["block_rows"], start["overwrite"])
+    os.write(1, READY)
+    while (got := message(source)) is not None:
+        kind, body = got
+        if kind == CLOSE:
+            writer.close(**json.loads(body))
+            return
+        values = array("d")
+        values.frombytes(body)
+        for row in range(0, len(values), len(columns)):
+            writer.append_values(values[row : row + len(columns)].tolist())
+    writer.let_go()
+
+
+def main() -> int:
+    """Write, at ordinary priority on any core whatever the host has taken for itself."""
+    if sys.platform == "linux":
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        os.sched_setaffinity(0, range(os.cpu_count() or 1))
+    try:
+        write_what_comes(sys.stdin.buffer)
+    except (OSError, RuntimeError, MusclewireError) as problem:
+        print(str(problem).splitlines()[0], file=sys.stderr, flush=True)
+        # HDF5 may crash a process that lets go of a file it could not write: end without that.
+        os._exit(1)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,80 @@
+"""A recording's file written by another process: the same file, whatever happens to the host or to the disk."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from musclewire.errors import CallerError, RecordingNotWrittenError
+from musclewire.experiment.recorder import Recorder
+from musclewire.signals import read_recording
+from musclewire.signals.hdf5_process import WriterProcess
+
+COLUMNS = ["time_s", "drive_voltage_v", "wire_voltage_v"]
+KILLED_HOST = """
+import os, signal, sys
+from musclewire.signals.hdf5_process import WriterProcess
+writer = WriterProcess(sys.argv[1], ["time_s", "drive_voltage_v"], {}, 1000, False, 1e-3)
+for row in range(1000):
+    writer.append_values([row * 1e-3, 1.0])
+print(writer._process.pid, flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_the_file_is_what_the_recorder_has_in_memory(tmp_path: Path) -> None:
+    with Recorder(COLUMNS, {"wire": "paper-100um"}, tmp_path / "run.h5", apart_period_s=1e-3) as recorder:
+        for row in range(2345):
+            recorder.append({"time_s": row * 1e-3, "drive_voltage_v": 0.1 * row, "wire_voltage_v": 0.2})
+        recorder.describe({"deadline_misses": 3})
+    assert read_recording(tmp_path / "run.h5") == recorder.recording()
+    assert recorder.recording().metadata["deadline_misses"] == 3
+
+
+def test_a_file_that_exists_is_refused_as_by_the_writer_itself(tmp_path: Path) -> None:
+    (tmp_path / "run.h5").write_text("something else")
+    with pytest.raises(CallerError, match="exists"):
+        WriterProcess(tmp_path / "run.h5", COLUMNS, {}, 100, False, 1e-3)
+
+
+def test_a_killed_host_leaves_a_file_with_all_that_was_sent(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    host = subprocess.run([sys.executable, "-c", KILLED_HOST, path], capture_output=True, text=True, timeout=60)
+    assert host.returncode == -signal.SIGKILL
+    # The writer goes on for a moment; it is nobody's child any more, so it is waited for by a descriptor.
+    with contextlib.suppress(ProcessLookupError):
+        left = os.pidfd_open(int(host.stdout))
+        assert select.select([left], [], [], 30.0)[0]
+        os.close(left)
+    recording = read_recording(path)
+    assert len(recording) == 1000
+    assert recording.metadata["ended"] == "cut off"
+
+
+def test_a_writer_that_has_died_ends_the_run_with_the_samples_on_the_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "rescue"))
+    (tmp_path / "rescue").mkdir()
+    with pytest.raises(RecordingNotWrittenError, match=r"cannot write .*run\.h5") as caught:
+        record_until_it_fails(tmp_path / "run.h5")
+    assert len(caught.value.recording) >= 100  # type: ignore[attr-defined]
+    assert list((tmp_path / "rescue").glob("*.csv"))
+
+
+def record_until_it_fails(path: Path) -> None:
+    """Record with a writer that is killed at the start; a second later at most the recorder must know."""
+    with Recorder(COLUMNS, {}, path, apart_period_s=1e-3) as recorder:
+        writer = recorder._writer
+        assert isinstance(writer, WriterProcess)
+        writer._process.kill()
+        writer._process.wait()
+        for row in range(1000):
+            recorder.append(dict.fromkeys(COLUMNS, float(row)))
