@@ -30,7 +30,6 @@ __all__ = ["DaqServer", "main"]
 # Attributes by the numbers that nidaqmx sends for them.
 DEVICE_NAMES = 0x193B
 PRODUCT_TYPE = 0x0631
-DEVICE_INPUTS, DEVICE_OUTPUTS = 0x231E, 0x231F
 AVAILABLE, CHANNELS = 0x1223, 0x217B
 INPUT_BUFFER = 0x186C
 SAMPLE_CLOCK_RATE = 0x1344
@@ -81,13 +80,9 @@ class Service(services.NiDAQmxServicer):
     @answered
     def GetDeviceAttributeString(self, request: Any) -> Any:  # noqa: N802
         self._card.require(request.device_name)
-        model = self._card.model
-        known = {
-            PRODUCT_TYPE: model.product,
-            DEVICE_INPUTS: ", ".join(f"{self._card.name}/{channel}" for channel in model.inputs),
-            DEVICE_OUTPUTS: ", ".join(f"{self._card.name}/{channel}" for channel in model.outputs),
-        }
-        return messages.GetDeviceAttributeStringResponse(value=known[request.attribute_raw])
+        if request.attribute_raw != PRODUCT_TYPE:
+            raise CardError(-200452, f"Specified property is not supported: {request.attribute_raw:#x}")
+        return messages.GetDeviceAttributeStringResponse(value=self._card.model.product)
 
     @answered
     def ResetDevice(self, request: Any) -> Any:  # noqa: N802

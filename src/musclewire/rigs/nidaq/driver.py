@@ -76,15 +76,6 @@ class Card:
         with self.explaining():
             return str(self.handle().product_type)
 
-    def channels(self) -> tuple[set[str], set[str]]:
-        """Return the names of the card's inputs and outputs."""
-        with self.explaining():
-            handle = self.handle()
-            return (
-                {name.rpartition("/")[2] for name in handle.ai_physical_chans.channel_names},
-                {name.rpartition("/")[2] for name in handle.ao_physical_chans.channel_names},
-            )
-
     def reset(self) -> None:
         """Abort every task on the card, whoever owns it, and put its outputs where a reset puts them."""
         with self.explaining():

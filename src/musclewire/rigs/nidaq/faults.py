@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from musclewire.errors import RigError
@@ -22,6 +23,11 @@ MEANINGS: dict[int, tuple[str, str]] = {
         "another `terminal`, `range` or `output_timing`: a USB card has no hardware-timed single point",
     ),
     -200081: ("cannot read this fast", "a lower `reading_rate`, or fewer inputs"),
+    -200332: ("cannot read this fast", "a lower `reading_rate`, or fewer inputs"),
+    -200335: ("cannot read this fast", "a lower `reading_rate`, or fewer inputs"),
+    -200452: ("does not support a setting of the rig file", 'output_timing = "on-demand"'),
+    -200368: ("cannot start its output by its inputs' trigger", 'output_timing = "on-demand"'),
+    -89136: ("cannot start its output by its inputs' trigger", 'output_timing = "on-demand"'),
     -200284: ("gave no readings in time", "its sample clock stands still: look at the cable, and reset the device"),
     -200279: (
         "had readings overwritten before they were fetched: the host stalled",
@@ -31,6 +37,8 @@ MEANINGS: dict[int, tuple[str, str]] = {
     -200561: ("was asked for a voltage beyond its output range", "correct `range`, `gain` or `offset` of [output]"),
     -201003: ("cannot be reached: it is no longer in the system or has no power", "look at its cable and power"),
     -200324: ("cannot be reached: USB or bus lost it", "look at its cable and power"),
+    -200045: ("was removed from the system", "look at its cable and power"),
+    -50808: ("lost a transfer over USB", "look at its cable, and plug it into the machine itself"),
     -50405: ("stopped in the middle of a transfer", "look at its cable and power"),
     -88708: ("was reset by another program or has left the system", "open the rig again"),
     -88709: ("was reset by another program or has left the system", "open the rig again"),
@@ -69,6 +77,9 @@ def explained(error: Any, device: str) -> DaqFaultError:
     code = int(getattr(error, "error_code", 0))
     if code in MEANINGS:
         meaning, remedy = MEANINGS[code]
-        return DaqFaultError(f"{device} {meaning} (NI-DAQmx {code}): {remedy}", code)
+        # The driver names the property and the value that it did not like.
+        named = re.search(r"Property: *(\S+)", str(error))
+        which = f", {named[1]}" if named else ""
+        return DaqFaultError(f"{device} {meaning} (NI-DAQmx {code}{which}): {remedy}", code)
     first = str(error).strip().splitlines()[0].rstrip(". ") if str(error).strip() else kind
     return DaqFaultError(f"{device}: {first} (NI-DAQmx {code}): see this number in NI's documentation", code)

@@ -26,6 +26,11 @@ def test_each_meaning_is_one_line_with_the_number_and_what_to_do(code: int) -> N
     assert (fault.code, fault.exit_code) == (code, 3)
 
 
+def test_a_setting_that_the_card_refuses_is_named() -> None:
+    said = "Requested value is not supported.\n\nProperty: DAQmx_AI_TermCfg\nRequested Value: DAQmx_Val_NRSE"
+    assert "(NI-DAQmx -200077, DAQmx_AI_TermCfg)" in str(explained(DaqError(said, -200077), "Dev1"))
+
+
 def test_an_unknown_number_keeps_the_drivers_first_line() -> None:
     fault = explained(DaqError("Something rare happened.\n\nProperty: X", -200999), "Dev1")
     assert str(fault).startswith("Dev1: Something rare happened (NI-DAQmx -200999)")
