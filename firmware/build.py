@@ -32,7 +32,7 @@ FIRMWARE = Path(__file__).resolve().parent
 MODEL = FIRMWARE / "models" / "paper-100um.json"
 WIRE = FIRMWARE / "models" / "paper-100um.toml"
 EXPIRY_MS = 250
-WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wno-unknown-pragmas", "-Werror"]
+WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wno-unknown-pragmas", "-Wno-override-init", "-Werror"]
 COMMON = ["-std=gnu99", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections", *WARNINGS]
 M4F = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]
 UNO = ["-mmcu=atmega328p", "-DF_CPU=16000000UL"]

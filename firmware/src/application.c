@@ -239,7 +239,9 @@ static bool injected_reading(mw_application *application, mw_board_tick tick, mw
         }
     }
     if (application->injected == MW_INJECT_FROZEN_CONVERTER) {
+        const uint8_t ticks = reading->ticks; /* the values stand still, time does not */
         *reading = application->kept;
+        reading->ticks = ticks;
     } else if (application->injected == MW_INJECT_NAN) {
         reading->wire_voltage_v = NAN;
     } else {
@@ -248,6 +250,23 @@ static bool injected_reading(mw_application *application, mw_board_tick tick, mw
     return tick == MW_TICK_READING && application->injected != MW_INJECT_SILENT_CONVERTER;
 }
 #endif
+
+/* The node is one channel, wire and shunt together: where it stands still, its difference to the shunt still moves, so
+ * that the protection, which knows wire and shunt, would not see it. */
+static void watch_node(mw_application *application, const mw_board_reading *reading)
+{
+    const float step_v = MW_NODE_RANGE_V / (float)MW_CONVERTER_FULL_CODE;
+    const float node_v = reading->wire_voltage_v + reading->shunt_voltage_v;
+    if (!(fabsf(node_v - application->node_v) < 0.25f * step_v) || !mw_loop_armed(&application->loop)) {
+        application->node_v = node_v;
+        application->node_still_s = 0.0f;
+        return;
+    }
+    application->node_still_s += (float)reading->ticks * MW_TICK_S;
+    if (MW_READINGS_NOISY && application->node_still_s >= MW_FROZEN_NODE_S) {
+        mw_loop_trip(&application->loop, MW_EVENT_CHANNEL_FROZEN);
+    }
+}
 
 static void count(mw_application *application, const mw_board_reading *reading)
 {
@@ -286,6 +305,7 @@ void mw_application_tick(mw_application *application, mw_board_tick tick, const 
     }
     if (there) {
         mw_loop_reading(&application->loop, &reading);
+        watch_node(application, &reading);
         count(application, &reading);
     } else {
         mw_loop_missing(&application->loop);

@@ -13,6 +13,8 @@
 /* So many broken frames within this time are a storm. */
 #define MW_STORM_FRAMES 16u
 #define MW_STORM_S 0.2f
+/* A noisy converter that gives the very same number for so long is frozen; the protection table's time for a channel. */
+#define MW_FROZEN_NODE_S 0.3f
 
 typedef struct {
     float wire_voltage_v, shunt_voltage_v;
@@ -25,6 +27,7 @@ typedef struct {
     mw_standalone standalone;
     mw_sums sums;
     uint32_t tick;
+    float node_v, node_still_s; /* the node's last voltage, and for how long it has been that */
     uint32_t bad_frames;
     uint32_t storm_ticks[MW_STORM_FRAMES]; /* when each of the last bad frames came */
     uint16_t sequence;                     /* of the next frame to the host */
