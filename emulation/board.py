@@ -207,6 +207,16 @@ class EmulatedBoard:
         """Let the processor go on."""
         self._say({"do": "monitor", "text": "cont"})
 
+    def press(self, duration_s: float = 0.2) -> None:
+        """Press the button of a board that has one."""
+        self._say({"do": "button", "down": True})
+        time.sleep(duration_s)
+        self._say({"do": "button", "down": False})
+
+    def turn_knob(self, share: float) -> None:
+        """Turn the knob of a board that has one: 0 to 1."""
+        self._say({"do": "knob", "share": share})
+
     def release(self, ticks: int) -> None:
         """In lockstep: let some ticks pass without a command, and wait until they have."""
         self._say({"do": "release", "ticks": ticks})

@@ -35,6 +35,8 @@ __all__ = ["COLUMNS", "Plant"]
 # A row of the log; all are numbers of 8 bytes.
 COLUMNS = ("tick", "clock_s", "code", "powered", *Truth._fields)
 CONVERSION, CONVERTING, OUTPUT, OUTPUT_AT_START = 0xA5, 0x5A, 0x3C, 0x3D
+# Two more things that hang on the Arduino.
+BUTTON, KNOB = 0xB7, 0xB8
 OUTPUT_BYTES = 5
 AFTER_THE_HOST_S = 0.5
 CONVERTING_EVERY_S = 0.02
@@ -325,6 +327,8 @@ class Plant:
             "restart": self._restart,
             "monitor": self._monitor,
             "release": self._release,
+            "button": lambda down: self._to_pins(bytes([BUTTON, int(down)])),
+            "knob": lambda share: self._to_pins(bytes([KNOB, round(255 * share)])),
         }
         what = order.pop("do")
         try:

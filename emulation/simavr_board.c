@@ -3,7 +3,7 @@
  *     simavr_board FIRMWARE.elf HOST_PORT WIRE_PORT
  *
  * The bench keeps time: each conversion packet (see firmware/boards/mps2-an386/board.c) carries the voltages at A0 and
- * A1 and lets one tick of processor cycles pass; the answer is what the PWM on D9 puts out. Every 500 ticks a line on
+ * A1 and lets one tick of processor cycles pass; the answer is what the PWM on D9 puts out. Every 100 ticks a line on
  * standard error says how many cycles of a tick the processor was awake.
  */
 #include <arpa/inet.h>
@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include <simavr/avr_adc.h>
+#include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
@@ -27,18 +28,20 @@
 #define SUPPLY_MV 5000u
 #define NOISE_MV 3.0 /* rms at the converter's input, as board.toml says */
 #define CONVERSION 0xa5
+#define BUTTON 0xb7 /* and a byte: 1 is down */
+#define KNOB 0xb8   /* and a byte: 255 is the far end */
 #define OUTPUT 0x3c
 #define OUTPUT_AT_START 0x3d
 /* Data memory addresses of the ATmega328P */
 #define TCCR1A_AT 0x80
 #define COM1A1_BIT 0x80
 #define OCR1A_AT 0x88
-#define REPORT_TICKS 500u
+#define REPORT_TICKS 100u
 
 static avr_t *avr;
 static avr_irq_t *converter, *serial;
 static int host, wire;
-static double pin_mv[2];
+static double pin_mv[3];
 static int may_receive = 1;
 static unsigned char answered;
 
@@ -76,7 +79,7 @@ static void conversion_starts(struct avr_irq_t *irq, uint32_t value, void *param
         uint32_t value;
     } asked = {.value = value};
     const unsigned channel = asked.mux.src;
-    double mv = channel < 2 ? pin_mv[channel] + NOISE_MV * noise() : 0.0;
+    double mv = channel < 3 ? pin_mv[channel] + NOISE_MV * noise() : 0.0;
     mv = mv < 0.0 ? 0.0 : mv;
     avr_raise_irq(converter + ADC_IRQ_ADC0 + channel, (uint32_t)(mv + 0.5));
 }
@@ -102,6 +105,12 @@ static void sleep_at_once(avr_t *processor, avr_cycle_count_t cycles)
 {
     (void)processor;
     (void)cycles;
+}
+
+/* A button between D2 and ground: its pull-up holds the pin while it is up. */
+static void set_button(int down)
+{
+    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), 2), down ? 0 : 1);
 }
 
 static void put_output(unsigned char kind)
@@ -166,19 +175,27 @@ static void report(avr_cycle_count_t awake)
     }
 }
 
-/* Reads bytes of the bench until a conversion is whole; what is none is passed over. */
+static int take_from_bench(unsigned char *bytes, size_t count)
+{
+    return recv(wire, bytes, count, MSG_WAITALL) == (ssize_t)count;
+}
+
+/* Reads what the bench says until a conversion is whole. */
 static int next_conversion(void)
 {
     unsigned char packet[7];
-    size_t have = 0;
-    while (have < sizeof packet) {
-        const ssize_t got = recv(wire, packet + have, have ? sizeof packet - have : 1, 0);
-        if (got <= 0)
+    do {
+        if (!take_from_bench(packet, 1))
             return 0;
-        if (have == 0 && packet[0] != CONVERSION)
-            continue;
-        have += (size_t)got;
-    }
+        if ((packet[0] == BUTTON || packet[0] == KNOB) && take_from_bench(packet + 1, 1)) {
+            if (packet[0] == BUTTON)
+                set_button(packet[1]);
+            else
+                pin_mv[2] = packet[1] / 255.0 * SUPPLY_MV;
+        }
+    } while (packet[0] != CONVERSION);
+    if (!take_from_bench(packet + 1, sizeof packet - 1))
+        return 0;
     pin_mv[0] = (packet[1] + 256.0 * packet[2]) / 65535.0 * SUPPLY_MV;
     pin_mv[1] = (packet[3] + 256.0 * packet[4]) / 65535.0 * SUPPLY_MV;
     answered = packet[5];
@@ -204,8 +221,7 @@ static void build_processor(const char *file)
     avr_irq_register_notify(serial + UART_IRQ_OUTPUT, byte_to_host, NULL);
     avr_irq_register_notify(serial + UART_IRQ_OUT_XON, receiver_has_room, &yes);
     avr_irq_register_notify(serial + UART_IRQ_OUT_XOFF, receiver_has_room, &no);
-    /* The button is up: its pull-up holds the pin. */
-    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_DEF('i', 'o', 'g', 'D'), 2), 1);
+    set_button(0);
 }
 
 int main(int count, char **arguments)

@@ -128,9 +128,11 @@ void mw_loop_reading(mw_control_loop *loop, const mw_board_reading *reading)
         return;
     }
     const float passed_s = (float)reading->ticks * MW_TICK_S;
+    /* Ticks without a reading have been counted when they passed. */
+    const float uncounted_s = passed_s > loop->reading_age_s ? passed_s - loop->reading_age_s : 0.0f;
     loop->reading_age_s = 0.0f;
     mw_sample(&loop->core, (mw_real)reading->wire_voltage_v, (mw_real)reading->shunt_voltage_v, (mw_real)passed_s);
-    age_command(loop, passed_s);
+    age_command(loop, uncounted_s);
     if (mw_loop_armed(loop)) {
         follow(loop, reading->ticks);
     }
@@ -142,10 +144,9 @@ void mw_loop_missing(mw_control_loop *loop)
         return;
     }
     loop->reading_age_s += MW_TICK_S;
-    if (loop->reading_age_s <= MW_READING_GRACE_S) {
-        return;
+    if (loop->reading_age_s > MW_READING_GRACE_S) {
+        mw_protect_event(&loop->core.protection, MW_EVENT_SAMPLE_LATE, (mw_real)loop->reading_age_s);
     }
-    mw_protect_event(&loop->core.protection, MW_EVENT_SAMPLE_LATE, (mw_real)loop->reading_age_s);
     age_command(loop, MW_TICK_S); /* the host's silence goes on, whatever the converter does */
 }
 

@@ -7,6 +7,8 @@
 /* The staircase in shares of the stroke: up and down again, each step long enough for a wire in still air. */
 #define STEP_S 6.0f
 static const float staircase[] = {0.25f, 0.5f, 0.75f, 0.5f, 0.25f, 0.0f};
+/* Contacts bounce for some milliseconds. */
+#define BOUNCING_S 0.03f
 #define STEPS (sizeof staircase / sizeof staircase[0])
 
 static float share_of_stroke(const mw_standalone *standalone)
@@ -19,6 +21,23 @@ static float share_of_stroke(const mw_standalone *standalone)
     return staircase[step % STEPS];
 #endif
 }
+
+/* Whether the button has just been pressed. */
+static bool pressed(mw_standalone *standalone)
+{
+    const bool down = board_button();
+    if (down == standalone->pressed) {
+        standalone->other = 0;
+        return false;
+    }
+    standalone->other++;
+    if ((float)standalone->other * MW_TICK_S < BOUNCING_S) {
+        return false;
+    }
+    standalone->pressed = down;
+    standalone->other = 0;
+    return down;
+}
 #endif
 
 void mw_standalone_start(mw_standalone *standalone, uint8_t reset_cause)
@@ -27,6 +46,7 @@ void mw_standalone_start(mw_standalone *standalone, uint8_t reset_cause)
     standalone->allowed = reset_cause == MW_RESET_POWER_ON || reset_cause == MW_RESET_EXTERNAL;
     standalone->running = false;
     standalone->pressed = true; /* a button that is held down at the start is no press */
+    standalone->other = 0;
     standalone->tick = 0;
 }
 
@@ -38,9 +58,7 @@ void mw_standalone_stop(mw_standalone *standalone)
 void mw_standalone_tick(mw_standalone *standalone, mw_control_loop *loop)
 {
 #ifdef MW_STANDALONE
-    const bool down = board_button();
-    const bool press = down && !standalone->pressed;
-    standalone->pressed = down;
+    const bool press = pressed(standalone);
     if (press && standalone->running) {
         standalone->running = false;
         mw_loop_off(loop);
@@ -51,8 +69,8 @@ void mw_standalone_tick(mw_standalone *standalone, mw_control_loop *loop)
         standalone->tick = 0;
     }
     if (standalone->running && mw_loop_armed(loop)) {
-        const float span = MW_TARGET_HIGHEST - MW_TARGET_LOWEST;
-        (void)mw_loop_target(loop, MW_TARGET_LOWEST + span * share_of_stroke(standalone));
+        const float stroke = (float)(MW_QUANTITY_MAX - MW_QUANTITY_MIN);
+        (void)mw_loop_target(loop, (float)MW_QUANTITY_MIN + stroke * share_of_stroke(standalone));
         standalone->tick++;
     }
 #else

@@ -410,27 +410,40 @@ static void memory_of_a_clean_end_is_no_lost_power(void)
 static void press(void)
 {
     button = true;
-    live(5);
+    live(ticks_of(0.04f));
     button = false;
-    live(5);
+    live(ticks_of(0.04f));
 }
 
 static void alone_a_button_starts_and_stops_the_staircase(void)
 {
     fresh(MW_RESET_POWER_ON);
-    live(20);
+    live(ticks_of(0.05f));
     MUST(output_v == 0.0f);
     press();
+    MUST(fabsf(app.loop.target - 0.75f * (float)MW_QUANTITY_MIN - 0.25f * (float)MW_QUANTITY_MAX) < 1e-6f);
     live(ticks_of(2.0f)); /* no host, no expiry */
     MUST(mw_loop_state(&app.loop) == MW_STATE_RUN && output_v >= (float)MW_SENSE_VOLTAGE_V);
     press();
     MUST(output_v == 0.0f && mw_loop_state(&app.loop) == MW_STATE_OFF);
 }
 
+static void alone_a_bouncing_contact_is_one_press(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    live(ticks_of(0.05f));
+    for (int i = 0; i < 7; i++) {
+        button = !button;
+        live(ticks_of(0.003f));
+    }
+    live(ticks_of(0.1f));
+    MUST(mw_loop_state(&app.loop) == MW_STATE_RUN);
+}
+
 static void alone_nothing_starts_after_a_watchdog_reset(void)
 {
     fresh(MW_RESET_WATCHDOG);
-    live(20);
+    live(ticks_of(0.05f));
     press();
     live(100);
     MUST(output_v == 0.0f);
@@ -439,7 +452,7 @@ static void alone_nothing_starts_after_a_watchdog_reset(void)
 static void a_host_takes_over_and_its_silence_counts_again(void)
 {
     fresh(MW_RESET_POWER_ON);
-    live(20);
+    live(ticks_of(0.05f));
     press();
     drive(1.0f);
     MUST(output_v == 1.0f);
@@ -592,6 +605,7 @@ int main(int count, char **arguments)
     memory_of_a_clean_end_is_no_lost_power();
 #ifdef MW_STANDALONE
     alone_a_button_starts_and_stops_the_staircase();
+    alone_a_bouncing_contact_is_one_press();
     alone_nothing_starts_after_a_watchdog_reset();
     a_host_takes_over_and_its_silence_counts_again();
 #endif

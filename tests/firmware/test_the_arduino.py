@@ -85,3 +85,21 @@ def reached(host: Host, target: float) -> bool:
     """Whether the board's estimate has been near a target for 1.5 s."""
     last = [sample.estimate for sample in host.samples()[-30:]]
     return len(last) == 30 and bool(np.mean(last) == pytest.approx(target, abs=0.0015)) and float(np.std(last)) < 0.001
+
+
+def test_alone_it_follows_its_knob_from_press_to_press(tmp_path: Path, arduino_elf: Path) -> None:
+    assert arduino_elf.exists()  # the tools are there
+    alone = firmware_for("arduino-uno", tmp_path, ["--standalone"])
+    with EmulatedBoard(board="arduino-uno", elf=alone) as board:
+        board.turn_knob(0.3)  # of the stroke, 0.42 to 3.58 %
+        time.sleep(0.3)
+        assert board.log()["output_voltage_v"].max() == 0.0
+        board.press()
+        end_s = time.monotonic() + 60.0
+        while board.log()["strain"][-1] < 0.008:
+            assert time.monotonic() < end_s, "the wire did not contract"
+            time.sleep(0.2)
+        assert board.log()["output_voltage_v"][-1] > 1.0
+        board.press()
+        time.sleep(0.2)
+        assert board.log()["output_voltage_v"][-1] == 0.0
