@@ -4,7 +4,7 @@ After a change of the shipped parameters or of the physics, run it once and comm
 
 - README.md's pictures, from a run of the main job (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
-- docs/reference/parameters.md, protection.md and hardware_rig_files.md.
+- docs/reference/parameters.md, protection.md, faults.md and hardware_rig_files.md.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import faults_page
 import matplotlib as mpl
 import parameter_page
 import physics_numbers
@@ -29,6 +30,7 @@ HERE = Path(__file__).parent
 PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"
 PARAMETER_PAGE = HERE.parent / "reference" / "parameters.md"
 PROTECTION_PAGE = HERE.parent / "reference" / "protection.md"
+FAULTS_PAGE = HERE.parent / "reference" / "faults.md"
 RIG_KEYS_PAGE = HERE.parent / "reference" / "hardware_rig_files.md"
 BLOCK = re.compile(r"(<!-- written by docs/images/draw\.py: (\w+) -->\n).*?(<!-- end -->)", re.S)
 DPI = 110
@@ -65,6 +67,7 @@ def main() -> None:
     draw_physics_pictures(loops)
     PARAMETER_PAGE.write_text(parameter_page.page(), encoding="utf-8")
     PROTECTION_PAGE.write_text(protection_page.page(), encoding="utf-8")
+    FAULTS_PAGE.write_text(faults_page.page(), encoding="utf-8")
     RIG_KEYS_PAGE.write_text(rig_keys_page.page(), encoding="utf-8")
     page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_numbers.blocks(loops))
     PHYSICS_PAGE.write_text(page, encoding="utf-8")

@@ -26,7 +26,7 @@ static mw_application application;
 static mw_decoder listener;
 static float output_v, highest_v;
 static unsigned long frames_in, frames_out, ticks, runs, trips, silences, refusals;
-static unsigned ticks_since_command;
+static unsigned ticks_since_command, missed;
 static uint8_t last_state;
 static uint32_t chance_state;
 
@@ -145,6 +145,7 @@ static float nonsense(void)
 static mw_board_reading reading_now(void)
 {
     mw_board_reading reading;
+    reading.ticks = (uint8_t)(1u + missed); /* the converter counts on while its conversions are not fetched */
     const float wire_ohm = 14.0f + 1e-3f * (float)chance(100);
     const float current_a = output_v / (wire_ohm + (float)MW_SHUNT_RESISTANCE_OHM);
     reading.wire_voltage_v = current_a * wire_ohm + 1e-5f * (float)chance(16);
@@ -169,6 +170,7 @@ static void tick(void)
         return; /* no time has passed */
     }
     ticks_since_command++;
+    missed = kind == 1u ? missed + 1u : 0u;
     mw_application_tick(&application, kind == 1u ? MW_TICK_MISSING : MW_TICK_READING, &reading);
     judge();
 }

@@ -80,8 +80,13 @@ class SerialLine:
 
     def close(self) -> None:
         """Let go of the line; may be called twice; never raises."""
+        inner = getattr(self._port, "_socket", None)
         with contextlib.suppress(Exception):  # nothing is left to do about a port that cannot even be closed
             self._port.close()
+        # pyserial forgets a socket whose other end has gone without closing it.
+        with contextlib.suppress(Exception):
+            if inner is not None:
+                inner.close()
 
 
 def open_line(port: str, baud: int) -> SerialLine:

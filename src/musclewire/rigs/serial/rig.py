@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import struct
 import time
+from collections import deque
 from collections.abc import Callable, Iterable
 from math import isfinite
 
@@ -61,6 +62,7 @@ class SerialRig(GuardedRig):
         self._due_tick = NO_TICK
         self._tick, self._first_tick = NO_TICK, NO_TICK
         self._last: BoardSample | None = None
+        self._unread: deque[Message] = deque()
         self._identity = board.hello()
         self._check_agreement()
         ticks = configuration.sample_period / self._identity.tick_period_s
@@ -124,6 +126,11 @@ class SerialRig(GuardedRig):
     def drive_voltage_v(self) -> float:
         """Drive voltage that is out now, as the board's last sample says."""
         return self._drive_voltage_v
+
+    @property
+    def reference_columns(self) -> tuple[str, ...]:
+        """A board has no instruments."""
+        return ()
 
     @property
     def identity(self) -> Identity:
@@ -220,7 +227,10 @@ class SerialRig(GuardedRig):
         start_s = heard_s = asked_s = self._clock_s()
         found: list[BoardSample] = []
         while True:
-            for message in self._board.receive(repeat_s):
+            # What came behind the last period's end is read here, too: it may be why the board has tripped.
+            self._unread.extend(self._board.receive(0.0 if self._unread else repeat_s))
+            while self._unread:
+                message = self._unread.popleft()
                 heard_s = self._clock_s()
                 self._raise_what_it_reports(message, sequence)
                 if isinstance(message, BoardSample) and message.command_sequence == sequence:
@@ -261,7 +271,7 @@ class SerialRig(GuardedRig):
             self._trip_restarted(None)
         if isinstance(message, Acknowledgement) and message.sequence == sequence:
             if message.result == AcknowledgementResult.REFUSED:
-                self._trip_restarted(None)
+                self._trip_refused()
             elif message.result != AcknowledgementResult.DONE:
                 self.trip(Event.COMMAND_REFUSED, f"the board answered {message.result} to command {message.kind:#04x}")
 
@@ -271,6 +281,19 @@ class SerialRig(GuardedRig):
     def _trip_as_the_board(self, number: int) -> None:
         known = {event.value: event for event in Event if event is not Event.NONE}
         self.trip(known.get(number, Event.DEVICE_LOST), f"seen by the board {self._identity.board}")
+
+    def _trip_refused(self) -> None:
+        """Trip for a refused command: the reason is in what the board says next, or it has started anew."""
+        ends_s = self._clock_s() + self.sample_period_s
+        while self._clock_s() < ends_s:
+            self._unread.extend(self._board.receive(0.2 * self.sample_period_s))
+            while self._unread:
+                message = self._unread.popleft()
+                if isinstance(message, (BoardSample, BoardEvent)) and message.state == BoardState.TRIPPED:
+                    self._trip_as_the_board(message.event)
+                if isinstance(message, Identity):
+                    self._trip_restarted(message)
+        self._trip_restarted(None)
 
     def _trip_restarted(self, identity: Identity | None) -> None:
         """Trip with the reason for which a board is not armed any more; without an identity it is asked for one."""
@@ -287,9 +310,9 @@ class SerialRig(GuardedRig):
 
     def _arm(self) -> None:
         """Arm the board, on the first exchange and after a pause in which its heater has expired."""
-        self._refuse_other_trips(self._board.receive(0.0))
+        self._refuse_other_trips([*self._unread, *self._board.receive(0.0)])
+        self._unread.clear()
         self._command(MessageKind.ARM, b"")
-        self._board.receive(0.0)
         self._due_tick = NO_TICK
         self._armed = True
 
