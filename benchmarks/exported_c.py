@@ -26,7 +26,7 @@ import numpy as np
 import musclewire as mw
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.export.c import write_library
-from musclewire.export.c.compilers import EMULATOR, EMULATOR_PACKAGES, TARGETS, missing_tool
+from musclewire.export.c.compilers import TARGETS, missing_tool
 from musclewire.export.c.exercise import exercise
 from musclewire.export.c.figures import emulated, library_figures, linked
 from musclewire.export.c.golden import golden_ticks
@@ -38,7 +38,7 @@ FULL_SAMPLES, QUICK_SAMPLES = 1_000_000, 20_000
 FULL_RANDOM, QUICK_RANDOM = 200_000, 10_000
 MOST_INSTRUCTIONS, MOST_FLASH_BYTES = 2000, 8 * 1024
 EXPONENTIAL_ULPS = 2.0
-CORTEX_M = [target for target in TARGETS if target.machine]
+CORTEX_M = [target for target in TARGETS if target.emulator != "simavr"]
 
 
 def main() -> int:
@@ -49,8 +49,8 @@ def main() -> int:
         line
         for line in (
             missing_tool("gcc", "gcc libc6-dev"),
-            missing_tool(EMULATOR, EMULATOR_PACKAGES),
             *(missing_tool(target.compiler, target.packages) for target in TARGETS),
+            *(missing_tool(target.emulator, target.emulator_packages) for target in TARGETS),
         )
         if line
     ]
@@ -111,7 +111,7 @@ def against_python(library: Library, reference: ReferenceTick, folder: Path, tic
 
 
 def costs(library: Library) -> Iterator[bool]:
-    """Print flash, memory and instructions; judge those of the Cortex-M4F."""
+    """Print flash, memory, instructions or cycles; judge those of the Cortex-M4F."""
     for row in library_figures(library.folder):
         print(", ".join(f"{key} {value}" for key, value in row.items() if value not in (None, "")))
         if row["target"] == "cortex-m4f":

@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 from export_parts import RULE_BASES, Exported, limits_for, usual_model
 
-from musclewire.export.c.compilers import EMULATOR, EMULATOR_PACKAGES, TARGETS
+from musclewire.export.c.compilers import TARGETS
 from musclewire.export.c.figures import emulated, linked, target_figures
 from musclewire.export.c.host import host_hash
 from musclewire.sensing.model_file import save_model
 from tools import require_tool
 
 Libraries = Callable[[str], Exported]
-CORTEX_M = [target for target in TARGETS if target.machine]
+CORTEX_M = [target for target in TARGETS if target.emulator != "simavr"]
 SAMPLES = 5000
 ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
 UNO = ["-mmcu=atmega328p", "-DF_CPU=16000000L", "-DARDUINO=10819", "-DARDUINO_AVR_UNO", "-DARDUINO_ARCH_AVR", "-Os"]
@@ -89,7 +89,7 @@ def test_an_emulated_processor_gives_the_bits_of_this_machine(
     exported: Libraries, tmp_path: Path, target: object, double: bool
 ) -> None:
     require_tool(target.compiler, target.packages)  # type: ignore[attr-defined]
-    require_tool(EMULATOR, EMULATOR_PACKAGES)
+    require_tool(target.emulator, target.emulator_packages)  # type: ignore[attr-defined]
     folder = exported("zhao-1993").library.folder
     definitions = [f"SAMPLES={SAMPLES}", *(["MW_DOUBLE"] if double else [])]
     program = linked(folder, target, "test/same_bits.c", tmp_path, *definitions)  # type: ignore[arg-type]
@@ -101,12 +101,21 @@ def test_an_emulated_processor_gives_the_bits_of_this_machine(
 def test_a_whole_tick_is_within_2000_instructions_and_8_kib_on_a_cortex_m4f(exported: Libraries) -> None:
     target = next(target for target in TARGETS if target.name == "cortex-m4f")
     require_tool(target.compiler, target.packages)
-    require_tool(EMULATOR, EMULATOR_PACKAGES)
+    require_tool(target.emulator, target.emulator_packages)
     row = target_figures(exported("zhao-1993").library.folder, target)
     assert row["tick_instructions_most"] <= 2000
     assert row["flash_bytes"] <= 8192
     assert row["ram_bytes"] == 0
     assert row == target_figures(exported("zhao-1993").library.folder, target)
+
+
+def test_the_cycles_of_a_tick_on_an_uno_are_counted(exported: Libraries) -> None:
+    target = next(target for target in TARGETS if target.name == "atmega328p")
+    require_tool(target.compiler, target.packages)
+    require_tool(target.emulator, target.emulator_packages)
+    row = target_figures(exported("zhao-1993").library.folder, target)
+    assert 10_000 < row["tick_cycles_most"] < 80_000  # 5 ms of an Uno's 16 MHz
+    assert row["ram_bytes"] == 0
 
 
 def test_the_header_serves_cpp_too(exported: Libraries, tmp_path: Path) -> None:

@@ -12,18 +12,21 @@ from typing import NamedTuple
 __all__ = ["FLAGS", "TARGETS", "Target", "missing_tool"]
 
 # -ffp-contract=off is the one flag that results depend on.
-FLAGS = ("-std=c99", "-Os", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections")
+FLAGS = ("-Os", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections")
+QEMU = ("qemu-system-arm", "qemu-system-arm")
 ARM_PACKAGES = "gcc-arm-none-eabi libnewlib-arm-none-eabi"
 
 
 class Target(NamedTuple):
-    """A processor: how to compile for it, and the machine that QEMU has with it ("" for none)."""
+    """A processor: how to compile for it, and the machine that an emulator has with it."""
 
     name: str
     compiler: str
     packages: str
     core: tuple[str, ...]
     machine: str
+    emulator: str
+    emulator_packages: str
 
     @property
     def size_program(self) -> str:
@@ -32,24 +35,41 @@ class Target(NamedTuple):
 
 
 TARGETS = (
-    Target("cortex-m3", "arm-none-eabi-gcc", ARM_PACKAGES, ("-mcpu=cortex-m3", "-mthumb"), "mps2-an385"),
+    Target(
+        "cortex-m3",
+        "arm-none-eabi-gcc",
+        ARM_PACKAGES,
+        ("-std=c99", "-mcpu=cortex-m3", "-mthumb"),
+        "mps2-an385",
+        *QEMU,
+    ),
     Target(
         "cortex-m4f",
         "arm-none-eabi-gcc",
         ARM_PACKAGES,
-        ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"),
+        ("-std=c99", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"),
         "mps2-an386",
+        *QEMU,
     ),
     Target(
         "cortex-m7",
         "arm-none-eabi-gcc",
         ARM_PACKAGES,
-        ("-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv5-d16"),
+        ("-std=c99", "-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv5-d16"),
         "mps2-an500",
+        *QEMU,
     ),
-    Target("atmega328p", "avr-gcc", "gcc-avr avr-libc", ("-mmcu=atmega328p",), ""),
+    # GNU's C, because only there tables can stay in program memory.
+    Target(
+        "atmega328p",
+        "avr-gcc",
+        "gcc-avr avr-libc",
+        ("-std=gnu99", "-mmcu=atmega328p"),
+        "atmega328p",
+        "simavr",
+        "simavr",
+    ),
 )
-EMULATOR, EMULATOR_PACKAGES = "qemu-system-arm", "qemu-system-arm"
 
 
 def missing_tool(program: str, packages: str) -> str:

@@ -26,6 +26,7 @@ TEST_FILES = (
     "cortex_m/start.c",
     "cortex_m/mps2.ld",
     "cortex_m/tick_cost.c",
+    "avr/tick_cost.c",
 )
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
