@@ -74,29 +74,32 @@ class EmulatedBoard:
         settings: Mapping[str, float | str] | None = None,
     ) -> None:
         """Build the firmware if need be, start the bench and the emulator, wait until the board has started."""
-        self._folder = tempfile.TemporaryDirectory(prefix="musclewire-board-")
-        folder = Path(self._folder.name)
-        chosen = elf or firmware_for(board, folder, ["--fault-injection"] if fault_injection else [])
         if board == "arduino-uno" and pace == "lockstep":
             raise CallerError(
                 "the Arduino's emulator runs by the clock only: its bench keeps its time; use pace='clock'"
             )
-        chosen = prepared(board, chosen, folder)
-        description = tomllib.loads((FIRMWARE / "boards" / board / "board.toml").read_text(encoding="utf-8"))
+        self._folder = tempfile.TemporaryDirectory(prefix="musclewire-board-")
+        folder = Path(self._folder.name)
+        built = elf or firmware_for(board, folder, ["--fault-injection"] if fault_injection else [])
         self._log, self._messages = folder / "log.bin", folder / "emulator.txt"
-        begin = {
-            "board": description,
-            "machine": board,
-            "wire": wire,
-            "seed": seed,
-            "settings": dict(settings or {}),
-            "faults": [dict(fault) for fault in faults],
-            "pace": pace,
-            "sample_period_s": sample_period_s,
-            "elf": str(chosen),
-            "log": str(self._log),
-            "messages": str(self._messages),
-        }
+        self._start(
+            {
+                "board": tomllib.loads((FIRMWARE / "boards" / board / "board.toml").read_text(encoding="utf-8")),
+                "machine": board,
+                "wire": wire,
+                "seed": seed,
+                "settings": dict(settings or {}),
+                "faults": [dict(fault) for fault in faults],
+                "pace": pace,
+                "sample_period_s": sample_period_s,
+                "elf": str(prepared(board, built, folder)),
+                "log": str(self._log),
+                "messages": str(self._messages),
+            }
+        )
+
+    def _start(self, begin: Mapping[str, Any]) -> None:
+        """Start the bench, which starts the emulator, and wait until the board has started."""
         self._lock = threading.Lock()
         self._plant = subprocess.Popen(
             [sys.executable, "-m", "emulation.plant"],

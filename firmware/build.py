@@ -86,8 +86,8 @@ def ranges_v(description: dict[str, Any]) -> tuple[float, float]:
     return full / description["divider_share"], full / description["shunt_gain"]
 
 
-def board_constants(board: str, description: dict[str, Any], model: SensingModel, wire: MountedWire) -> str:
-    """Return the text of board_constants.h. Raises CallerError where board and wire do not fit together."""
+def require_fit(board: str, description: dict[str, Any], wire: MountedWire) -> None:
+    """Raise CallerError where board and wire do not fit together."""
     if description["shunt_resistance_ohm"] != wire.shunt:
         raise CallerError(
             f"board {board} has a shunt of {description['shunt_resistance_ohm']:g} ohm and the wire file says "
@@ -98,6 +98,11 @@ def board_constants(board: str, description: dict[str, Any], model: SensingModel
             f"board {board} puts out {description['output_range_v']:g} V at most and the wire file allows "
             f"{wire.maximum_voltage:g} V: lower maximum_voltage"
         )
+
+
+def board_constants(board: str, description: dict[str, Any], model: SensingModel, wire: MountedWire) -> str:
+    """Return the text of board_constants.h. Raises CallerError where board and wire do not fit together."""
+    require_fit(board, description, wire)
     node_v, shunt_v = ranges_v(description)
     full_code = (2 ** description["converter_bits"] - 1) * description.get("readings_per_tick", 1)
     span = model.quantity_max - model.quantity_min
