@@ -75,6 +75,10 @@ def table(rows: list[dict[str, Any]]) -> str:
         events = " or ".join(f"`{event}`" for event in row["event"]) or "survived"
         within = f"{row['within_s']:g} s" if row["event"] else "-"
         code = row.get("exit", "3") if row["event"] else "0"
-        events = {"`-`": "expiry on the board", "`version`": "refused on opening"}.get(events, events)
+        events = {
+            "`-`": "expiry on the board",
+            "`version`": "refused on opening",
+            "`cannot write`": "its own message",
+        }.get(events, events)
         lines.append(f"| {row['name']} | {events} | {within} | {row['acts']} | {code} | {row['run']} |")
     return "\n".join(lines)

@@ -58,7 +58,7 @@ class SerialRig(GuardedRig):
         """
         self._configuration, self._board, self._clock_s = configuration, board, clock_s
         self._drive_voltage_v = 0.0
-        self._armed = False
+        self._armed = self._paused = False
         self._due_tick = NO_TICK
         self._tick, self._first_tick = NO_TICK, NO_TICK
         self._last: BoardSample | None = None
@@ -75,6 +75,8 @@ class SerialRig(GuardedRig):
                 readings_noisy=configuration.readings_noisy,
             )
         )
+        # A trip that is latched from an earlier session is over: whoever opens the rig has looked.
+        self._command(MessageKind.OFF, b"")
         self._command(MessageKind.STREAM, struct.pack("<H", self._ticks // self._frames))
 
     def _check_agreement(self) -> None:
@@ -310,7 +312,8 @@ class SerialRig(GuardedRig):
 
     def _arm(self) -> None:
         """Arm the board, on the first exchange and after a pause in which its heater has expired."""
-        self._refuse_other_trips([*self._unread, *self._board.receive(0.0)])
+        if self._paused:
+            self._refuse_other_trips([*self._unread, *self._board.receive(0.0)])
         self._unread.clear()
         self._command(MessageKind.ARM, b"")
         self._due_tick = NO_TICK
@@ -339,7 +342,7 @@ class SerialRig(GuardedRig):
             if self._armed:
                 self._board.send_drive(self.sense_voltage_v)
         # Nothing is commanded from here on, so that the heater expires; the next exchange arms again.
-        self._armed = False
+        self._armed, self._paused = False, True
         self._drive_voltage_v = self.sense_voltage_v
 
     def _switch_off(self) -> None:

@@ -136,6 +136,33 @@ def test_a_pause_lets_the_heater_expire_and_the_next_exchange_arms_again() -> No
         assert rig.exchange(1.0).drive_voltage_v == pytest.approx(1.0)
 
 
+def test_a_trip_of_an_earlier_session_does_not_keep_a_new_one_from_running() -> None:
+    board = BoardInMemory(state=4, event=Event.LINK_CORRUPTED.value, stream_every=10)
+    with rig_on(board) as rig:
+        board.run(10)
+        assert rig.exchange(1.0).drive_voltage_v == pytest.approx(1.0)
+
+
+def test_what_the_board_sees_in_a_pause_ends_the_next_exchange() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    rig.make_safe()
+    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, Event.WIRE_SHORT.value, 0.0))
+    assert trip_of(rig) is Event.WIRE_SHORT
+
+
+def test_a_trip_told_behind_the_end_of_a_period_is_the_cause_of_the_refused_command() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.state, board.event = 4, Event.OVER_POWER.value
+    assert board.waiting == b""
+    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, Event.OVER_POWER.value, 0.0))
+    rig._unread.extend(rig._board.receive(0.0))
+    assert trip_of(rig) is Event.OVER_POWER
+
+
 def test_a_host_that_stalls_in_a_run_is_told_that_its_heater_has_expired() -> None:
     board = BoardInMemory()
     rig = rig_on(board)
