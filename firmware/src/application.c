@@ -244,7 +244,7 @@ static bool injected_reading(mw_application *application, mw_board_tick tick, mw
         reading->ticks = ticks;
     } else if (application->injected == MW_INJECT_NAN) {
         reading->wire_voltage_v = NAN;
-    } else {
+    } else if (tick == MW_TICK_READING) {
         application->kept = *reading;
     }
     return tick == MW_TICK_READING && application->injected != MW_INJECT_SILENT_CONVERTER;
