@@ -17,7 +17,9 @@ from emulation.daq_server import DaqServer
 from tests.contract.nidaq_rigs import at_seam, wiring_of
 
 from musclewire.controllers.protection import Event
+from musclewire.errors import RigError
 from musclewire.rigs.guarded import ProtectionTripError
+from musclewire.rigs.nidaq.output import GuardedOutput
 from musclewire.rigs.nidaq.rig import NiDaqRig
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="not run: signals as POSIX has them")
@@ -89,6 +91,11 @@ def exchange_often(rig: NiDaqRig) -> None:
         rig.exchange(DRIVE_V)
 
 
+def leave(rig: NiDaqRig) -> None:
+    with rig:
+        pass
+
+
 def rig_file(folder: Path, name: str, address: str) -> Path:
     """Return a user's rig file: the one that comes along, with the address."""
     import musclewire.parameters
@@ -129,6 +136,41 @@ def test_a_stalled_host_leads_to_the_sense_voltage_and_then_off(bench: Bench, na
 def test_a_host_that_is_interrupted_switches_off_by_itself(bench: Bench) -> None:
     bench.host.send_signal(signal.SIGINT)
     assert bench.seconds_until(lambda volts: volts == 0.0, 0.5) < 0.5
+
+
+def test_a_host_that_closes_after_its_guardian_was_killed_switches_off_by_itself(name: str) -> None:
+    with at_seam(name, paced=True) as rig:
+        rig.exchange(DRIVE_V)
+        rig._output._process.kill()
+        rig._output._process.wait()
+        assert rig.server.card.outputs_v["ao0"] == DRIVE_V  # a card holds its last voltage
+    assert rig.server.card.outputs_v["ao0"] == 0.0
+
+
+def test_a_card_that_cannot_be_reached_at_the_end_is_an_error_and_not_called_off(name: str) -> None:
+    rig = at_seam(name, paced=True)
+    rig.exchange(rig.sense_voltage_v)
+    rig.server.close()
+    with pytest.raises(RigError, match="did not answer at the end: 0 V was ordered and nothing confirms it"):
+        leave(rig)
+
+
+def test_an_answer_left_unread_by_ctrl_c_is_not_taken_for_that_of_the_next_command(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(_output: GuardedOutput) -> float:
+        raise KeyboardInterrupt
+
+    with at_seam(name) as rig:
+        rig.exchange(rig.sense_voltage_v)
+        with monkeypatch.context() as patched:
+            patched.setattr(GuardedOutput, "_answer", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                rig._output.put_now(DRIVE_V)
+        rig._output.put_now(rig.sense_voltage_v)
+        assert rig._output._answers_due == 0
+        assert rig._output._received == b""
+        assert rig.server.card.outputs_v["ao0"] == pytest.approx(rig.sense_voltage_v)
 
 
 def test_a_killed_guardian_is_noticed_and_the_host_switches_off(name: str) -> None:

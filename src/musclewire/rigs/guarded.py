@@ -18,6 +18,7 @@ from musclewire.controllers.protection import (
     protect_missing,
     protect_reading,
     protection_table,
+    rested,
     tripped_by,
 )
 from musclewire.errors import RigError
@@ -25,6 +26,11 @@ from musclewire.rigs.protocol import Metadata
 from musclewire.signals.samples import RawSample
 
 __all__ = ["GuardedRig", "ProtectionTripError"]
+
+# Of a device that does not answer nobody can say more.
+NOT_CONFIRMED = (
+    "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian goes on trying"
+)
 
 
 class ProtectionTripError(RigError):
@@ -58,6 +64,8 @@ class GuardedRig(ABC):
     _block_shunt_v: float
     _last_time_s: float | None
     _off_for_good: bool
+    # A kind of rig says False in ``_switch_off`` where its device has not confirmed that 0 V is out.
+    _off_confirmed = True
 
     def protect_with(self, limits: ProtectionLimits) -> None:
         """Arm the protection with the limits of wire and circuit; a kind of rig calls this when it has been opened.
@@ -147,7 +155,7 @@ class GuardedRig(ABC):
 
         While readings are missing the protection holds the drive or lowers it; the sample's ``drive_voltage_v`` says
         what was out. Raises RigError, with the drive switched off, for a voltage outside 0 to the maximum and for every
-        event of the protection table that trips.
+        event of the protection table that trips. Whatever else is raised leaves the rig at its sense voltage.
         """
         if self._off_for_good:
             raise RigError("this rig is closed or has failed and stays off: open it again")
@@ -155,16 +163,18 @@ class GuardedRig(ABC):
         if self._guard.state is State.TRIPPED:
             self.close()
             raise ProtectionTripError(
-                f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; the drive is off",
+                f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; {self._off_in_words()}",
                 Event.COMMAND_REFUSED,
             )
         allowed_v = allowed_drive_v(self._guard, self._guard_limits)
         self.drive_at_ns = perf_counter_ns()
         try:
             sample = self._exchange(allowed_v)
-        except BaseException as error:
-            if isinstance(error, RigError):
-                self.close()  # whatever a device reports as its fault ends off, not at the sense voltage
+        except RigError:
+            self.close()  # whatever a device reports as its fault ends off, not at the sense voltage
+            raise
+        except BaseException:
+            self.make_safe()  # Ctrl-C, or a mistake in a kind of rig: nobody may be there to ask for less
             raise
         self.sample_at_ns = perf_counter_ns()
         self._judge(sample)
@@ -233,12 +243,22 @@ class GuardedRig(ABC):
         self.close()
         row = protection_table().row(event)
         where = f" ({details})" if details else ""
-        raise ProtectionTripError(f"{row.name}: {row.cause}{where}; the drive is off; {row.remedy}", event)
+        off = "0 V was ordered" if event is Event.OUTPUT_STUCK else self._off_in_words()
+        raise ProtectionTripError(f"{row.name}: {row.cause}{where}; {off}; {row.remedy}", event)
+
+    def _off_in_words(self) -> str:
+        return "the drive is off" if self._off_confirmed else NOT_CONFIRMED
 
     def make_safe(self) -> None:
         """Go to the sense voltage at once; a rig that is off for good stays off; never raises."""
         if not self._off_for_good:
             self._put_safe()
+            self._forget_readings()
+
+    def _forget_readings(self) -> None:
+        """Begin anew after a pause, or after the wire was changed: the next reading is compared with none before."""
+        self._guard = rested(self._guard, self._guard_limits)
+        self._start_block()
 
     def close(self) -> None:
         """Switch the drive off and let go of the hardware; may be done twice."""
@@ -254,5 +274,8 @@ class GuardedRig(ABC):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Switch the drive off."""
+        """Switch the drive off. Raises RigError where all went well and the device does not confirm the end."""
+        was_on = not self._off_for_good
         self.close()
+        if kind is None and was_on and not self._off_confirmed:
+            raise RigError(f"the device did not answer at the end: {NOT_CONFIRMED}: check its cable and power")

@@ -227,6 +227,7 @@ class SimulatedRig(GuardedRig):
         wires.age_like(self._wires)
         self._around, self._bench, self._tendon_slack_m = around, around.values(), tendon_slack_m
         self._mechanism, self._wires = mechanism, wires
+        self._forget_readings()
 
     def _check_pretension(self, pretension_n: float) -> None:
         allowed = self._wire_values["maximum_force_n"]
@@ -319,5 +320,6 @@ class SimulatedRig(GuardedRig):
         self._rest()
 
     def _switch_off(self) -> None:
-        """Switch the drive off."""
+        """Switch the drive off; a device that the rig file lets be lost confirms nothing."""
+        self._off_confirmed = not self._faults.device_lost(self._wires.state.time_s)
         self._drive_voltage_v = 0.0

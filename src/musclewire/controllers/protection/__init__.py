@@ -8,6 +8,7 @@ from musclewire.controllers.protection.protect import (
     protect_command,
     protect_missing,
     protect_reading,
+    rested,
     tripped_by,
 )
 from musclewire.controllers.protection.table import Event, ProtectionTable, State, protection_table
@@ -24,5 +25,6 @@ __all__ = [
     "protect_missing",
     "protect_reading",
     "protection_table",
+    "rested",
     "tripped_by",
 ]

@@ -19,6 +19,7 @@ __all__ = [
     "protect_command",
     "protect_missing",
     "protect_reading",
+    "rested",
     "tripped_by",
 ]
 
@@ -91,6 +92,20 @@ def tripped_by(state: ProtectionState, event: Event) -> ProtectionState:
     if state.state is State.TRIPPED:
         return state
     return state._replace(state=State.TRIPPED, event=event, drive_voltage_v=0.0)
+
+
+def rested(state: ProtectionState, limits: ProtectionLimits) -> ProtectionState:
+    """Return the state after a pause at the sense voltage or less, in which no reading was taken.
+
+    What was held before the pause is not put out again after it, and a wire that has cooled meanwhile has not jumped.
+    What was missing stays missing until a reading is back; the temperature is kept, which errs on the hot side.
+    """
+    if state.state in (State.TRIPPED, State.OFF):
+        return state
+    drive_v = min(state.drive_voltage_v, limits.sense_voltage_v)
+    return state._replace(
+        state=State.SENSE, drive_voltage_v=drive_v, settled_ohm=0.0, wire_repeats=0.0, shunt_repeats=0.0
+    )
 
 
 def protect_command(state: ProtectionState, limits: ProtectionLimits, drive_voltage_v: float) -> ProtectionState:

@@ -21,7 +21,7 @@ import time
 from contextlib import suppress
 from typing import NamedTuple
 
-from musclewire.errors import MusclewireError
+from musclewire.errors import MusclewireError, RigError
 from musclewire.rigs.nidaq.channels import Scale
 from musclewire.rigs.nidaq.driver import OutputLine, OutputSettings
 from musclewire.rigs.nidaq.faults import DaqFaultError
@@ -127,22 +127,23 @@ class Guardian:
             self._output.close()
             raise
 
-    def run(self) -> None:
-        """Serve the host until it says goodbye or is gone; the output is at 0 V afterwards."""
-        goodbye = False
+    def run(self) -> bool:
+        """Serve the host until it says goodbye or is gone; return whether the card then took 0 V."""
+        goodbye = off = False
         try:
-            with suppress(OSError):  # a host that dies in the middle of a message is gone, too
+            with suppress(OSError, SystemExit):  # a host that dies in the middle of a message is gone; SIGTERM
                 goodbye = self._serve()
         finally:
             # Whatever brought this process here, nothing may keep it from switching off.
             signal.signal(signal.SIGTERM, signal.SIG_IGN)
-            self._off(PERSIST_S if goodbye else PERSIST_ALONE_S)
+            off = self._off(PERSIST_S if goodbye else PERSIST_ALONE_S)
             if not goodbye:
                 self._output.release_card()
             self._output.close()
             if goodbye:
                 with suppress(OSError):
                     self._reply(DONE)
+        return off
 
     def _serve(self) -> bool:
         """Follow the host; return whether it said goodbye, False where it is gone."""
@@ -215,21 +216,21 @@ class Guardian:
         except DaqFaultError:
             self._off(PERSIST_S)
 
-    def _off(self, persist_s: float) -> None:
-        """Put out 0 V, by a reset of the card where a write fails; give up after a while."""
+    def _off(self, persist_s: float) -> bool:
+        """Put out 0 V, by a reset of the card where a write fails; give up after a while. Return whether it is out."""
         until = time.monotonic() + persist_s
         while True:
             try:
                 self._output.put_now(self._scale.voltage_v(0.0))
-                return
+                return True
             except DaqFaultError:
                 pass
             try:
                 self._output.take_over(self._scale.voltage_v(0.0))
-                return
+                return True
             except DaqFaultError:
                 if time.monotonic() > until:
-                    return
+                    return False
                 time.sleep(LOOK_S)
 
     def _reply(self, what: bytes, number: float = 0.0, fault: MusclewireError | None = None) -> None:
@@ -268,8 +269,8 @@ def main() -> int:
         except MusclewireError as fault:
             reply(line, FAILED, 0.0, fault)
             return fault.exit_code
-        guardian.run()
-    return 0
+        # By this the host knows whether the card took 0 V.
+        return 0 if guardian.run() else RigError.exit_code
 
 
 if __name__ == "__main__":

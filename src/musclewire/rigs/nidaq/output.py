@@ -36,7 +36,7 @@ class HostStalledError(RigError):
 
 
 class GuardianLostError(RigError):
-    """The process that owns the output is gone or hangs; the host has switched off as far as it could."""
+    """The process that owns the output is gone or hangs; the host has tried to switch off by itself."""
 
 
 class GuardedOutput:
@@ -46,6 +46,9 @@ class GuardedOutput:
         """Start the guardian, and wait until it has put out 0 V."""
         self._orders = orders
         self._closed = False
+        self._off_confirmed = False
+        self._received = b""
+        self._answers_due = 0
         word = secrets.token_hex(WORD_BYTES // 2)
         with socket.create_server(("127.0.0.1", 0)) as server:
             server.settimeout(START_S)
@@ -70,6 +73,7 @@ class GuardedOutput:
                 self._process.wait()
                 raise GuardianLostError("the process that owns the card's output did not start") from None
         try:
+            self._answers_due = 1
             self.clock_hz = self._answer() or None
             self._line.settimeout(ANSWER_S)
         except RigError:
@@ -96,33 +100,38 @@ class GuardedOutput:
             self._lost()
 
     def _ask(self, what: bytes, drive_v: float) -> None:
+        self._answers_due += 1
         try:
             self._line.sendall(COMMAND.pack(what, drive_v))
         except OSError:
             self._lost()
-        self._answer()
+        # Ctrl-C may have left the answer to an earlier command unread: it is not this one's.
+        while self._answers_due > 0:
+            self._answer()
 
     def _answer(self) -> float:
         """Return the number of the guardian's answer. Raises what it says has gone wrong."""
         try:
-            what, number, code, length = REPLY.unpack(self._receive(REPLY.size))
-            text = self._receive(length).decode() if length else ""
+            what, number, code, length = REPLY.unpack(self._waiting(REPLY.size)[: REPLY.size])
+            text = self._waiting(REPLY.size + length)[REPLY.size : REPLY.size + length].decode()
         except (OSError, EOFError):
             self._lost()
+        self._received = self._received[REPLY.size + length :]
+        self._answers_due -= 1
         if what == b"T":
             raise HostStalledError(number)
         if what == b"E":
             raise DaqFaultError(text, code)
         return float(number)
 
-    def _receive(self, count: int) -> bytes:
-        data = b""
-        while len(data) < count:
-            more = self._line.recv(count - len(data))
+    def _waiting(self, count: int) -> bytes:
+        """Return what has been received and not been answered for yet, when it is so many bytes or more."""
+        while len(self._received) < count:
+            more = self._line.recv(count - len(self._received))
             if not more:
                 raise EOFError
-            data += more
-        return data
+            self._received += more
+        return self._received
 
     def _lost(self) -> NoReturn:
         """Switch off without the guardian, which is gone or hangs, and raise GuardianLostError."""
@@ -141,6 +150,7 @@ class GuardedOutput:
             raise GuardianLostError(f"the process that owned the card's output has ended, and {fault}") from None
         finally:
             output.close()
+        self._off_confirmed = True
         raise GuardianLostError("the process that owned the card's output has ended; this one has switched off")
 
     def _let_go(self) -> None:
@@ -151,18 +161,22 @@ class GuardedOutput:
             self._process.kill()
         self._process.wait()
 
-    def close(self) -> None:
-        """Put out 0 V and end the guardian; may be done twice; never raises."""
+    def close(self) -> bool:
+        """Put out 0 V and end the guardian; return whether the card took it. May be done twice; never raises."""
         if self._closed:
-            return
+            return self._off_confirmed
         self._closed = True
         try:
             self._line.sendall(COMMAND.pack(END, 0.0))
-            self._process.wait(timeout=START_S)  # it ends only after it has put out 0 V
+            # It ends only after it has put out 0 V, or has tried for long enough; its exit code says which.
+            self._off_confirmed = self._process.wait(timeout=START_S) == 0
         except (OSError, subprocess.TimeoutExpired):
+            pass
+        if not self._off_confirmed:
             with suppress(RigError):
                 self._lost()
         self._line.close()
+        return self._off_confirmed
 
 
 def accepted(server: socket.socket, word: str) -> socket.socket:

@@ -243,7 +243,7 @@ class NiDaqRig(GuardedRig):
 
     def _switch_off(self) -> None:
         """End the guardian, which puts out 0 V, and let go of the card."""
-        self._output.close()
+        self._off_confirmed = self._output.close()
         self._drive_voltage_v = 0.0
         with suppress(RigError):
             self._inputs.close()
