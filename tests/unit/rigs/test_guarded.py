@@ -1,0 +1,95 @@
+"""What stands between every rig and its output: pauses, interruptions, and what is said of a device that is gone."""
+
+from __future__ import annotations
+
+import pytest
+
+from musclewire.controllers.protection import Event, State
+from musclewire.errors import RigError
+from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.rigs.guarded import NOT_CONFIRMED, GuardedRig, ProtectionTripError
+from musclewire.signals.samples import RawSample
+
+
+def faulty(**fault: object) -> RigConfiguration:
+    return RigConfiguration.model_validate({"fault": [fault]})
+
+
+def hold(rig: GuardedRig, voltage_v: float, samples: int) -> None:
+    for _ in range(samples):
+        rig.exchange(voltage_v)
+
+
+def use_at_the_sense_voltage(configuration: RigConfiguration, samples: int) -> None:
+    with open_rig(configuration) as rig:
+        hold(rig, rig.sense_voltage_v, samples)
+
+
+def test_a_wire_that_was_cooled_between_two_runs_has_not_jumped() -> None:
+    with open_rig("simulated") as rig:
+        for _ in range(60):
+            hot = rig.exchange(rig.drive_amplitude_v)
+        rig.set_pretension(1.0)
+        cold = rig.exchange(rig.sense_voltage_v)
+        ratio = cold.wire_voltage_v / cold.shunt_voltage_v / (hot.wire_voltage_v / hot.shunt_voltage_v)
+        assert ratio > 1.0 + rig.protection_limits.jump_share
+        assert rig.protection.state is State.RUN
+
+
+def test_what_was_held_before_a_rig_was_made_safe_is_not_put_out_again_after_it() -> None:
+    with open_rig(faulty(kind="reading not finite", at=1.0, lasts=0.08)) as rig:
+        while rig.protection.state is not State.HOLD:
+            rig.exchange(rig.drive_amplitude_v)
+        rig.make_safe()
+        assert rig.exchange(0.0).drive_voltage_v == pytest.approx(rig.sense_voltage_v, abs=1e-3)
+        hold(rig, 0.0, 2)
+        assert rig.exchange(0.0).drive_voltage_v == 0.0
+
+
+def test_what_is_missing_goes_on_counting_through_a_pause() -> None:
+    with open_rig(faulty(kind="reading not finite", at=1.0)) as rig:
+        while rig.protection.state is not State.HOLD:
+            rig.exchange(rig.drive_amplitude_v)
+        for _ in range(3):
+            rig.make_safe()
+            rig.exchange(rig.drive_amplitude_v)
+        rig.make_safe()
+        with pytest.raises(ProtectionTripError, match="reading_not_finite"):
+            rig.exchange(rig.drive_amplitude_v)
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, ZeroDivisionError])
+def test_whatever_breaks_into_an_exchange_leaves_the_sense_voltage(
+    raised: type[BaseException], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with open_rig("simulated") as rig:
+        rig.exchange(rig.drive_amplitude_v)
+        take = rig._exchange
+
+        def broken(drive_voltage_v: float) -> RawSample:
+            take(drive_voltage_v)
+            raise raised
+
+        monkeypatch.setattr(rig, "_exchange", broken)
+        with pytest.raises(raised):
+            rig.exchange(rig.drive_amplitude_v)
+        assert rig.drive_voltage_v == rig.sense_voltage_v
+
+
+def test_nobody_says_that_a_lost_device_is_off() -> None:
+    with pytest.raises(ProtectionTripError) as caught:
+        use_at_the_sense_voltage(faulty(kind="device lost", at=0.5), 20)
+    assert caught.value.event is Event.DEVICE_LOST
+    assert NOT_CONFIRMED in str(caught.value)
+    assert "the drive is off" not in str(caught.value)
+
+
+def test_a_run_that_ends_on_a_device_that_is_gone_says_so() -> None:
+    with pytest.raises(RigError, match="did not answer at the end: 0 V was ordered and nothing confirms it"):
+        use_at_the_sense_voltage(faulty(kind="device lost", at=0.09), 2)
+
+
+def test_an_output_that_is_stuck_is_not_called_off() -> None:
+    with pytest.raises(ProtectionTripError) as caught:
+        use_at_the_sense_voltage(faulty(kind="output stuck", at=0.5), 20)
+    assert "0 V was ordered; CUT THE POWER" in str(caught.value)
