@@ -96,6 +96,7 @@ CALLS = {
     "calibrate": ["short.h5", "--effort", "quick", "-o", "wire.toml"],
     "fit": ["loop.h5"],
     "estimate": ["model.json", "loop.h5"],
+    "protection": ["simulated"],
     "rules": [],
     "export c": ["model.json", "-o", "library"],
     "cite": [],
