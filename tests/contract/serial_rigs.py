@@ -32,7 +32,9 @@ class RigOnBoard(SerialRig):
     """A rig that brings its emulated board along."""
 
     def __init__(self, configuration: SerialConfiguration, board: EmulatedBoard) -> None:
-        super().__init__(configuration, Board(open_line(configuration.port, configuration.baud)))
+        super().__init__(
+            configuration, Board(open_line(configuration.port, configuration.baud, configuration.patience))
+        )
         self.emulated = board
         weakref.finalize(self, board.close)
 

@@ -47,7 +47,7 @@ class SerialConfiguration(MountedWire, HardwareConfiguration):
         from musclewire.rigs.serial.line import open_line
         from musclewire.rigs.serial.rig import SerialRig
 
-        board = Board(open_line(self.port, self.baud))
+        board = Board(open_line(self.port, self.baud, self.patience))
         try:
             return SerialRig(self, board)
         except BaseException:

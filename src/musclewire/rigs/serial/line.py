@@ -12,7 +12,7 @@ __all__ = ["Line", "LineLostError", "open_line"]
 
 # More than a second of samples at any rate: what waits longer than this has been abandoned.
 READ_BYTES = 65536
-WRITE_TIMEOUT_S = 0.1
+PATIENCE_S = 0.25
 
 
 class LineLostError(RigError):
@@ -53,7 +53,7 @@ class SerialLine:
         return self._name
 
     def write(self, data: bytes) -> None:
-        """Send bytes. Raises LineLostError, also for a line that takes none for a tenth of a second."""
+        """Send bytes. Raises LineLostError, also for a line that takes none in time."""
         try:
             self._port.write(data)
         except (OSError, TypeError, AttributeError) as error:
@@ -89,17 +89,17 @@ class SerialLine:
                 inner.close()
 
 
-def open_line(port: str, baud: int) -> SerialLine:
+def open_line(port: str, baud: int, patience_s: float = PATIENCE_S) -> SerialLine:
     """Open a port: ``/dev/ttyACM0``, ``COM3``, or a URL of pyserial's such as ``socket://127.0.0.1:4000``.
 
-    Raises MissingExtraError without pyserial, RigError where the port is not there, busy, or may not be used.
+    A line that takes no bytes for ``patience_s`` counts as lost. Raises MissingExtraError without pyserial, RigError where the port is not there, busy, or may not be used.
     """
     try:
         import serial
     except ImportError:
         raise MissingExtraError("a board on a serial line", "serial") from None
     try:
-        opened = serial.serial_for_url(port, baudrate=baud, timeout=0.0, write_timeout=WRITE_TIMEOUT_S)
+        opened = serial.serial_for_url(port, baudrate=baud, timeout=0.0, write_timeout=patience_s)
     except (serial.SerialException, OSError, ValueError) as error:
         reason = " ".join(str(error).split())
         raise RigError(
