@@ -92,7 +92,8 @@ class SerialLine:
 def open_line(port: str, baud: int, patience_s: float = PATIENCE_S) -> SerialLine:
     """Open a port: ``/dev/ttyACM0``, ``COM3``, or a URL of pyserial's such as ``socket://127.0.0.1:4000``.
 
-    A line that takes no bytes for ``patience_s`` counts as lost. Raises MissingExtraError without pyserial, RigError where the port is not there, busy, or may not be used.
+    A line that takes no bytes for ``patience_s`` counts as lost. Raises MissingExtraError without pyserial, RigError
+    where the port is not there, busy, or may not be used.
     """
     try:
         import serial
