@@ -81,12 +81,12 @@ def read_rig_file(path: str | Path) -> RigConfiguration | HardwareConfiguration:
     """Return a rig file, checked. Raises CallerError naming the file, the key and the nearest right key."""
     file = Path(path)
     data = read_toml(file, "rig file", "; use the word 'simulated' for the simulated rig")
-    kind = data.get("kind", SIMULATED)
+    kind = str(data.get("kind", SIMULATED))
     if kind in HARDWARE_KINDS:
         return validated(hardware_model(kind), data, f"rig file {file}").beside(file.parent)
     if kind != SIMULATED:
         known = [SIMULATED, *HARDWARE_KINDS]
-        raise CallerError(f"rig file {file}: there is no kind of rig '{kind}'{nearest_hint(str(kind), known)}")
+        raise CallerError(f"rig file {file}: there is no kind of rig '{kind}'{nearest_hint(kind, known)}")
     return beside(validated(RigConfiguration, data, f"rig file {file}"), file.parent)
 
 
@@ -203,7 +203,8 @@ def open_rig(
     """Open a rig: ``"simulated"`` for the paper's bench, another name, or the path of a TOML rig file.
 
     ``wire`` and ``bench`` name others than the rig's; ``wire`` may be a wire file, as ``musclewire calibrate`` writes
-    it. ``settings`` change numbers of both by name, in SI or as text with a unit, as in ``open_rig("simulated",
+    it. ``real_time`` paces a simulated rig by the computer's clock; hardware has a clock of its own, and a replay none.
+    ``settings`` change numbers of both by name, in SI or as text with a unit, as in ``open_rig("simulated",
     pretension_n=1.7)``. A rig file of real hardware opens that; its numbers stand in its file, so wire, bench, seed and
     settings are refused for it. Raises CallerError for unknown names, impossible numbers, and settings that the rig's
     own load leaves without effect; RigError where hardware cannot be opened.
@@ -215,7 +216,11 @@ def open_rig(
     for name, value in changed.items():
         if value is not None:
             raise CallerError(f"{where}: '{name}' changes a simulated rig; on a real one, change the rig file")
-    return configuration.open()
+    opened = configuration.open()
+    if real_time and not opened.paced:
+        opened.close()
+        raise CallerError(f"{where} has no clock: leave --real-time (real_time) away")
+    return opened
 
 
 def open_simulated(

@@ -29,7 +29,8 @@ __all__ = ["GuardedRig", "ProtectionTripError"]
 
 # Of a device that does not answer nobody can say more.
 NOT_CONFIRMED = (
-    "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian goes on trying"
+    "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian has tried to switch "
+    "off; cut the supply to be sure"
 )
 
 
@@ -278,4 +279,4 @@ class GuardedRig(ABC):
         was_on = not self._off_for_good
         self.close()
         if kind is None and was_on and not self._off_confirmed:
-            raise RigError(f"the device did not answer at the end: {NOT_CONFIRMED}: check its cable and power")
+            raise RigError(f"the device did not answer at the end: {NOT_CONFIRMED}")

@@ -21,6 +21,8 @@ Ohms = Annotated[float, measured_in("ohm"), Field(gt=0.0, allow_inf_nan=False)]
 Newtons = Annotated[float, measured_in("N"), Field(ge=0.0, allow_inf_nan=False)]
 Seconds = Annotated[float, measured_in("s"), Field(gt=0.0, le=1.0)]
 Kelvins = Annotated[float, measured_in("K"), Field(gt=0.0, allow_inf_nan=False)]
+# Air that a bench stands in. A bare 22 is taken for kelvins, and so cold an air would let the wire grow too hot.
+AirKelvins = Annotated[float, measured_in("K"), Field(ge=223.15, le=373.15)]
 Amperes = Annotated[float, measured_in("A"), Field(gt=0.0, allow_inf_nan=False)]
 Watts = Annotated[float, measured_in("W"), Field(gt=0.0, allow_inf_nan=False)]
 
@@ -85,7 +87,7 @@ class MountedWire(BaseModel):
     maximum_voltage: Volts
     drive_amplitude: Volts
     pretension: Newtons | None = None
-    ambient_temperature: Kelvins = 295.15
+    ambient_temperature: AirKelvins = 295.15
     sample_period: Seconds = 0.05
     limits: LimitsTable = LimitsTable()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -235,3 +236,17 @@ def test_whatever_a_rig_file_holds_it_is_read_or_refused_in_plain_words(data: di
         message = str(error)
     assert "\n" not in message
     assert "Input should" not in message
+
+
+SHIPPED_BOARD = Path(str(files("musclewire.parameters"))) / "data" / "rigs" / "serial-board.toml"
+
+
+def test_air_in_degrees_without_a_unit_is_refused_because_it_would_let_the_wire_grow_too_hot(rig_file) -> None:
+    board = SHIPPED_BOARD.read_text("utf-8")
+    with pytest.raises(CallerError, match=r"ambient_temperature: must be 223.15 K or more, not 22"):
+        read_rig_file(rig_file("ambient_temperature = 22\n" + board))
+    assert read_rig_file(rig_file('ambient_temperature = "22 degC"\n' + board)).ambient_temperature == 295.15
+
+
+def test_a_kind_that_is_no_word_is_a_callers_error(rig_file) -> None:
+    assert "there is no kind of rig" in refusal(rig_file('kind = ["serial"]\n'))

@@ -182,3 +182,10 @@ def test_a_recording_without_what_a_replay_needs_is_refused(driven: Recording, r
 def test_a_typo_in_the_rig_file_suggests_the_nearest_key(driven: Recording, replay: Replay) -> None:
     with pytest.raises(CallerError, match="on_difference"):
         replay(driven, 'on_diference = "report"')
+
+
+def test_a_replay_cannot_be_paced(driven: Recording, replay: Replay) -> None:
+    rig = replay(driven)
+    assert isinstance(rig, ReplayRig)
+    with pytest.raises(CallerError, match="has no clock: leave --real-time"):
+        mw.open_rig(rig._configuration, real_time=True)
