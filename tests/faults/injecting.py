@@ -235,6 +235,8 @@ def command_run(board: EmulatedBoard, row: FaultRow, folder: Path) -> Outcome:
     while rows_on_disk(path) < 2 * SOUND_SAMPLES and process.poll() is None and time.monotonic() < deadline_s:
         time.sleep(0.02)
     outcome.since = time.monotonic()
+    # A run that has ended by itself was not injected; a full disk is there from the beginning.
+    outcome.injected = process.poll() is None or row.inject == "full disk"
     break_now(board, process, row)
     _, outcome.said = process.communicate(timeout=60.0)
     if row.inject == "full disk":
