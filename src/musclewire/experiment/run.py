@@ -101,7 +101,8 @@ def run_on_rig(
     first: RawSample | None = None
     try:
         drive = policy.first_drive_voltage_v()
-        instruments = rig.reference_columns if isinstance(rig, GuardedRig) else None
+        # Asked by name: also a rig behind another one, whose drive must not wait for a file to be made, tells them.
+        instruments = getattr(rig, "reference_columns", None)
         if instruments is None:  # then the first sample tells
             first = exchange(drive)
             instruments = tuple(name for name in REFERENCE_COLUMNS if getattr(first, name) is not None)
@@ -177,7 +178,8 @@ def recorder_for(
 
 def what_protects(rig: Rig) -> dict[str, MetadataValue]:
     """Return the limits a rig is protected by; a replay of the recording is held to the same."""
-    limits = rig.protection_limits._asdict() if isinstance(rig, GuardedRig) else {}
+    protection = getattr(rig, "protection_limits", None)
+    limits = {} if protection is None else protection._asdict()
     return {"drive_amplitude_v": rig.drive_amplitude_v, **{f"limit_{name}": value for name, value in limits.items()}}
 
 

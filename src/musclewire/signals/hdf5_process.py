@@ -54,7 +54,8 @@ class WriterProcess:
         self._closed = False
         # A session of its own: Ctrl-C is for the host, which then closes the file.
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "musclewire.signals.hdf5_process"],
+            # -P: no file in the folder where the user works takes the place of a module.
+            [sys.executable, "-P", "-m", "musclewire.signals.hdf5_process"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -97,7 +98,11 @@ class WriterProcess:
         self._send_rows()
         self._send(CLOSE, json.dumps({"ended": ended, "metadata": dict(checked_metadata(metadata))}).encode())
         self._input.close()
-        if self._process.wait(LONGEST_CLOSING_S) != 0:
+        try:
+            code = self._process.wait(LONGEST_CLOSING_S)
+        except subprocess.TimeoutExpired:
+            raise OSError(f"{self._path}: the disk takes nothing for {LONGEST_CLOSING_S:g} s") from None
+        if code != 0:
             raise OSError(self._complaint())
         self._let_go_of_pipes()
 

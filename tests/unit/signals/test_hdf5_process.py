@@ -78,3 +78,32 @@ def record_until_it_fails(path: Path) -> None:
         writer._process.wait()
         for row in range(1000):
             recorder.append(dict.fromkeys(COLUMNS, float(row)))
+
+
+def test_a_file_of_the_users_folder_takes_the_place_of_no_module(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "h5py.py").write_text("raise SystemExit('not this one')")
+    monkeypatch.chdir(tmp_path)
+    with Recorder(COLUMNS, {}, tmp_path / "run.h5", apart_period_s=1e-3) as recorder:
+        for row in (1.0, 2.0):
+            recorder.append(dict.fromkeys(COLUMNS, row))
+    assert len(read_recording(tmp_path / "run.h5")) == 2
+
+
+def test_a_disk_that_takes_nothing_is_an_error_with_the_samples(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("musclewire.signals.hdf5_process.LONGEST_CLOSING_S", 0.2)
+    recorder = Recorder(COLUMNS, {}, tmp_path / "run.h5", apart_period_s=1e-3)
+    recorder.append(dict.fromkeys(COLUMNS, 1.0))
+    writer = recorder._writer
+    assert isinstance(writer, WriterProcess)
+    writer._process.send_signal(signal.SIGSTOP)
+    try:
+        with pytest.raises(RecordingNotWrittenError, match="the disk takes nothing") as caught, recorder:
+            pass
+        assert len(caught.value.recording) == 1  # type: ignore[attr-defined]
+    finally:
+        writer._process.kill()
+        writer._process.wait()
