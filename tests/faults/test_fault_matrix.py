@@ -1,7 +1,7 @@
 """Every row of the fault matrix: injected into the real thing, ended in its stated time, recorded with its cause.
 
 Judged by the bench's own log of what was at the wire. A busy machine can end a run that nothing was done to, by late
-samples: such a run proves nothing either way and is tried again, three times in all; then the test fails.
+samples: such a run proves nothing either way and is tried again, five times in all; then the test fails.
 """
 
 from __future__ import annotations
