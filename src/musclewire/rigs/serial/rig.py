@@ -58,7 +58,7 @@ class SerialRig(GuardedRig):
         """
         self._configuration, self._board, self._clock_s = configuration, board, clock_s
         self._drive_voltage_v = 0.0
-        self._armed = self._paused = False
+        self._armed = self._paused = self._let_go = False
         self._due_tick = NO_TICK
         self._tick, self._first_tick = NO_TICK, NO_TICK
         self._last: BoardSample | None = None
@@ -192,6 +192,9 @@ class SerialRig(GuardedRig):
             sample = self._period(lambda sequence: self._board.send_target(target, sequence))
         except RigError:
             self.close()
+            raise
+        except BaseException:
+            self.make_safe()  # as in exchange
             raise
         # The protection judges what the board put out as if the host had commanded it.
         self._guard = protect_command(
@@ -346,8 +349,17 @@ class SerialRig(GuardedRig):
         self._drive_voltage_v = self.sense_voltage_v
 
     def _switch_off(self) -> None:
-        with contextlib.suppress(RigError):
-            self._board.command(MessageKind.OFF, b"", REPEAT_SHARE * self._configuration.patience, ATTEMPTS)
+        if not self._let_go:
+            self._off_confirmed = self._answers_off()
         self._board.close()
-        self._armed = False
+        self._armed, self._let_go = False, True
         self._drive_voltage_v = 0.0
+
+    def _answers_off(self) -> bool:
+        """Order 0 V and return whether the board says that it is out."""
+        patience_s = REPEAT_SHARE * self._configuration.patience
+        try:
+            answer = self._board.command(MessageKind.OFF, b"", patience_s, ATTEMPTS)
+        except RigError:
+            return False
+        return answer is not None and answer.result == AcknowledgementResult.DONE

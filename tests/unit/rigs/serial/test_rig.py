@@ -88,6 +88,45 @@ def test_an_unplugged_line_is_a_lost_device() -> None:
     assert trip_of(rig) is Event.DEVICE_LOST
 
 
+@pytest.mark.parametrize("how", ["deaf", "unplugged"])
+def test_nobody_says_that_a_board_which_does_not_answer_is_off(how: str) -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    setattr(board, how, True)
+    with pytest.raises(RigError, match="a board's drive expires by itself"):
+        rig.exchange(1.0)
+    rig.close()
+
+
+def test_ctrl_c_while_the_board_follows_a_target_asks_it_for_the_sense_voltage(monkeypatch: pytest.MonkeyPatch) -> None:
+    board = BoardInMemory()
+
+    def interrupted(_timeout_s: float) -> bytes:
+        raise KeyboardInterrupt
+
+    with rig_on(board) as rig:
+        rig.exchange_target(0.02)
+        with monkeypatch.context() as patched:
+            patched.setattr(board, "read", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                rig.exchange_target(0.03)
+        assert board.commands[-1][0] == MessageKind.DRIVE
+        assert struct.unpack("<f", board.commands[-1][1])[0] == pytest.approx(rig.sense_voltage_v)
+
+
+def test_a_board_that_is_gone_when_a_run_ends_is_an_error() -> None:
+    board = BoardInMemory()
+
+    def run() -> None:
+        with rig_on(board) as rig:
+            rig.exchange(1.0)
+            board.unplugged = True
+
+    with pytest.raises(RigError, match="did not answer at the end"):
+        run()
+
+
 @pytest.mark.parametrize("event", [Event.WIRE_OPEN, Event.OVER_CURRENT, Event.LINK_CORRUPTED])
 def test_what_trips_on_the_board_is_raised_with_its_cause(event: Event) -> None:
     board = BoardInMemory()
