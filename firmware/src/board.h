@@ -11,7 +11,8 @@
 typedef struct {
     float wire_voltage_v;
     float shunt_voltage_v;
-    uint8_t ticks; /* since the last reading: 1, more where conversions were overwritten before they were fetched */
+    uint8_t ticks; /* since the last reading: 1, more where conversions were missing, or overwritten before they were
+                      fetched */
 } mw_board_reading;
 
 typedef enum {

@@ -18,8 +18,12 @@ void mw_loop_start(mw_control_loop *loop)
 
 void mw_loop_arm(mw_control_loop *loop)
 {
+    mw_protection *protection = &loop->core.protection;
+    const mw_real above_k = protection->above_ambient_k;
     mw_loop_start(loop);
-    mw_protect_arm(&loop->core.protection);
+    mw_protect_arm(protection);
+    /* A wire that has just been switched off for its heat is not cold because someone arms again. */
+    protection->above_ambient_k = above_k > 0 ? above_k : 0;
     loop->command_v = (float)MW_SENSE_VOLTAGE_V;
 }
 
@@ -40,6 +44,21 @@ void mw_loop_trip(mw_control_loop *loop, uint8_t event)
     }
 }
 
+/* With 0 V out the wire loses heat as the protection has it: m c dT/dt = -G (T - T_ambient), backward Euler. */
+static void cool(mw_control_loop *loop, float passed_s)
+{
+    const mw_real rate = MW_HEAT_LOSS_W_PER_K / MW_HEAT_CAPACITY_J_PER_K * (mw_real)passed_s;
+    loop->core.protection.above_ambient_k /= 1 + rate;
+}
+
+/* The on-board loop begins anew from what is out, with no reading of before. */
+static void take_over(mw_control_loop *loop)
+{
+    loop->core.started = 0;
+    loop->core.wire_sum_v = loop->core.shunt_sum_v = 0;
+    loop->core.samples = 0;
+}
+
 bool mw_loop_armed(const mw_control_loop *loop)
 {
     const uint8_t state = loop->core.protection.state;
@@ -54,7 +73,7 @@ void mw_loop_renew(mw_control_loop *loop)
         protection->state = MW_STATE_RUN;
         protection->event = MW_EVENT_NONE;
         protection->missing_us = 0;
-        loop->core.started = 0; /* the loop takes over from what is out */
+        take_over(loop);
     }
 }
 
@@ -76,7 +95,7 @@ bool mw_loop_target(mw_control_loop *loop, float target)
     }
     mw_loop_renew(loop);
     if (!loop->closed_loop) {
-        loop->core.started = 0;
+        take_over(loop);
         loop->ticks_to_control = MW_CONTROL_TICKS;
     }
     loop->closed_loop = true;
@@ -92,17 +111,18 @@ static void follow(mw_control_loop *loop, uint8_t ticks)
         mw_protect_command(protection, (mw_real)loop->command_v);
         return;
     }
+    const bool follows =
+        protection->state == MW_STATE_RUN || (protection->state == MW_STATE_SENSE && protection->event == MW_EVENT_NONE);
+    if (!follows) {
+        take_over(loop); /* what the loop last asked for is not what is out, and what was read is no reading */
+    }
     if (loop->ticks_to_control > ticks) {
         loop->ticks_to_control = (uint16_t)(loop->ticks_to_control - ticks);
         return;
     }
     loop->ticks_to_control = MW_CONTROL_TICKS;
-    const bool follows =
-        protection->state == MW_STATE_RUN || (protection->state == MW_STATE_SENSE && protection->event == MW_EVENT_NONE);
     if (follows) {
         mw_control(&loop->core, (mw_real)loop->target, (mw_real)(MW_CONTROL_TICKS * MW_TICK_S));
-    } else {
-        loop->core.started = 0; /* what the loop last asked for is not what is out */
     }
 }
 
@@ -124,10 +144,11 @@ static void age_command(mw_control_loop *loop, float passed_s)
 
 void mw_loop_reading(mw_control_loop *loop, const mw_board_reading *reading)
 {
+    const float passed_s = (float)reading->ticks * MW_TICK_S;
     if (!mw_loop_armed(loop)) {
+        cool(loop, passed_s);
         return;
     }
-    const float passed_s = (float)reading->ticks * MW_TICK_S;
     /* Ticks without a reading have been counted when they passed. */
     const float uncounted_s = passed_s > loop->reading_age_s ? passed_s - loop->reading_age_s : 0.0f;
     loop->reading_age_s = 0.0f;

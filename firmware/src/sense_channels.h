@@ -18,4 +18,8 @@ typedef struct {
 /* A channel at the end of its range is passed on as that end, not as a difference: the protection must see it. */
 mw_board_reading mw_sense_channels(const mw_channels *channels, uint32_t node_code, uint32_t shunt_code);
 
+/* Ticks a reading stands for, as board.h wants them: its own, and those before it that were missing. A board that makes
+ * its ticks by a timer calls it once a tick; `missed` is kept for it. */
+uint8_t mw_ticks_passed(uint8_t *missed, mw_board_tick tick);
+
 #endif

@@ -70,7 +70,9 @@ void mw_standalone_tick(mw_standalone *standalone, mw_control_loop *loop)
     }
     if (standalone->running && mw_loop_armed(loop)) {
         const float stroke = (float)(MW_QUANTITY_MAX - MW_QUANTITY_MIN);
-        (void)mw_loop_target(loop, (float)MW_QUANTITY_MIN + stroke * share_of_stroke(standalone));
+        const float target = (float)MW_QUANTITY_MIN + stroke * share_of_stroke(standalone);
+        /* The knob's far end is the range's, not a rounding beyond it, which would trip. */
+        (void)mw_loop_target(loop, target < (float)MW_TARGET_HIGHEST ? target : (float)MW_TARGET_HIGHEST);
         standalone->tick++;
     }
 #else

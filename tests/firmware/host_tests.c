@@ -307,6 +307,75 @@ static void a_silent_converter_is_off_after_a_quarter_of_a_second(void)
     MUST(mw_loop_event(&app.loop) == MW_EVENT_SAMPLE_LATE);
 }
 
+static void ticks_without_a_reading_do_not_stretch_the_silence_of_the_host(void)
+{
+    uint8_t missed = 0;
+    int passed = 0;
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    drive(2.0f);
+    while (output_v > 0.0f && passed < ticks_of(1.0f)) { /* three of four conversions fail */
+        mw_board_reading reading = {0.9f * output_v, 0.05f * output_v, 1u};
+        const mw_board_tick tick = ++passed % 4 == 0 ? MW_TICK_READING : MW_TICK_MISSING;
+        reading.ticks = mw_ticks_passed(&missed, tick);
+        mw_application_tick(&app, tick, &reading);
+    }
+    MUST(passed >= ticks_of(0.25f) && passed <= ticks_of(0.26f));
+    MUST(mw_loop_event(&app.loop) == MW_EVENT_COMMAND_MISSING);
+    MUST(app.tick >= (uint32_t)passed - 4u); /* nor does the board's clock lose them */
+}
+
+static void ticks_that_were_missing_are_the_next_readings(void)
+{
+    uint8_t missed = 0;
+    MUST(mw_ticks_passed(&missed, MW_TICK_READING) == 1u);
+    MUST(mw_ticks_passed(&missed, MW_TICK_MISSING) == 1u && mw_ticks_passed(&missed, MW_TICK_MISSING) == 1u);
+    MUST(mw_ticks_passed(&missed, MW_TICK_READING) == 3u && mw_ticks_passed(&missed, MW_TICK_READING) == 1u);
+    for (int i = 0; i < 1000; i++)
+        MUST(mw_ticks_passed(&missed, MW_TICK_MISSING) == 1u);
+    MUST(mw_ticks_passed(&missed, MW_TICK_READING) == 255u); /* no wrap to a reading without time */
+}
+
+static void arming_again_does_not_make_a_hot_wire_cold(void)
+{
+    const mw_real *above_k = &app.loop.core.protection.above_ambient_k;
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    for (int i = 0; i < 40; i++) {
+        drive((float)MW_MAXIMUM_VOLTAGE_V);
+        live(ticks_of(0.05f));
+    }
+    const mw_real hot_k = *above_k;
+    MUST(hot_k > 50);
+    say(MW_ARM, "", 0);
+    MUST(*above_k == hot_k && output_v == (float)MW_SENSE_VOLTAGE_V);
+    mw_loop_trip(&app.loop, MW_EVENT_OVER_TEMPERATURE);
+    say(MW_ARM, "", 0);
+    MUST(*above_k == hot_k);
+    say(MW_OFF, "", 0);
+    live(ticks_of(5.0f)); /* what is off cools */
+    MUST(*above_k < 1 && *above_k >= 0);
+}
+
+static void the_loop_on_the_board_begins_with_readings_of_its_own_time(void)
+{
+    uint8_t payload[4];
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    drive(1.0f);
+    live(ticks_of(0.05f));
+    MUST(app.loop.core.samples > 0);
+    mw_put_f32(payload, (float)MW_QUANTITY_MIN);
+    say(MW_TARGET, payload, 4);
+    MUST(app.loop.core.samples == 0 && app.loop.core.wire_sum_v == 0 && mw_loop_armed(&app.loop));
+    live(ticks_of(0.03f));
+    for (int i = 0; i < ticks_of(0.015f); i++) { /* for a moment nothing at all is read */
+        const mw_board_reading none = {0.0f, 0.0f, 1u};
+        mw_application_tick(&app, MW_TICK_READING, &none);
+    }
+    MUST(mw_loop_state(&app.loop) == MW_STATE_HOLD && app.loop.core.samples == 0);
+}
+
 static void sixteen_bad_frames_within_a_fifth_of_a_second_are_a_storm(void)
 {
     const uint8_t garbage[] = {5, 5, 5, 0};
@@ -597,6 +666,10 @@ int main(int count, char **arguments)
     a_keep_renews_and_a_late_drive_ends_the_silence();
     asking_who_it_is_or_a_refused_command_does_not_renew();
     a_silent_converter_is_off_after_a_quarter_of_a_second();
+    ticks_without_a_reading_do_not_stretch_the_silence_of_the_host();
+    ticks_that_were_missing_are_the_next_readings();
+    arming_again_does_not_make_a_hot_wire_cold();
+    the_loop_on_the_board_begins_with_readings_of_its_own_time();
     sixteen_bad_frames_within_a_fifth_of_a_second_are_a_storm();
     samples_are_means_and_come_every_so_many_ticks();
     a_target_closes_the_loop_on_the_board();

@@ -35,7 +35,7 @@ static volatile uint8_t from_host[FROM_HOST], to_host[TO_HOST];
 
 static volatile uint16_t node_sum, shunt_sum;
 static volatile uint8_t readings, milliseconds, knob_code;
-static uint8_t cause;
+static uint8_t cause, missed;
 
 static const mw_channels channels = {MW_CONVERTER_FULL_CODE, MW_NODE_RANGE_V, MW_SHUNT_RANGE_V};
 
@@ -187,9 +187,11 @@ static bool next_tick(mw_board_tick *tick, mw_board_reading *reading)
     sei();
     /* One reading more or less is the beat of two clocks; the sums are scaled to ten. */
     *tick = count + 2u >= READINGS ? MW_TICK_READING : MW_TICK_MISSING;
+    const uint8_t ticks = mw_ticks_passed(&missed, *tick);
     if (*tick == MW_TICK_READING) {
         const uint32_t scale = count;
         *reading = mw_sense_channels(&channels, (uint32_t)node * READINGS / scale, (uint32_t)shunt * READINGS / scale);
+        reading->ticks = ticks;
     }
     return true;
 }

@@ -34,7 +34,7 @@ static uint32_t note __attribute__((section(".noinit")));
 #define RING 1024u
 typedef struct {
     volatile uint16_t in, out;
-    uint8_t bytes[RING];
+    volatile uint8_t bytes[RING]; /* a byte is stored before the index that says so */
 } ring;
 
 static ring from_host, from_bench, to_host;

@@ -1,7 +1,8 @@
 /* STM32F411 on its internal oscillator, by registers.
  *
- * SysTick at 8 kHz converts both channels; eight of them make a tick of 1 ms. Timer 3 makes the PWM. The independent
- * watchdog runs on an oscillator of its own: it resets although the processor's clock may have stopped.
+ * SysTick at 8 kHz converts both channels; eight of them make a tick of 1 ms. It waits for the converter longer than a
+ * byte takes on the line, so the line's interrupt may interrupt it, and is never masked for long. Timer 3 makes the PWM.
+ * The independent watchdog runs on an oscillator of its own: it resets although the processor's clock may have stopped.
  */
 #include "board.h"
 
@@ -23,13 +24,13 @@ static uint32_t note __attribute__((section(".noinit")));
 #define RING 512u
 typedef struct {
     volatile uint16_t in, out;
-    uint8_t bytes[RING];
+    volatile uint8_t bytes[RING]; /* a byte is stored before the index that says so */
 } ring;
 
 static ring from_host, to_host;
 static volatile uint32_t node_sum, shunt_sum;
-static volatile uint8_t readings, slices;
-static uint8_t cause;
+static volatile uint16_t readings, slices;
+static uint8_t cause, missed;
 
 static const mw_channels channels = {MW_CONVERTER_FULL_CODE, MW_NODE_RANGE_V, MW_SHUNT_RANGE_V};
 
@@ -60,6 +61,7 @@ static bool take(ring *of, uint8_t *byte)
 void board_output_off_at_reset(void)
 {
     RCC_AHB1_ENABLE |= 1u;
+    (void)RCC_AHB1_ENABLE; /* the clock comes two cycles later (ST ES0287): a read waits for it */
     PINS_SET = 1u << (16 + 6);
     PINS_MODE = (PINS_MODE & ~(3u << 12)) | 1u << 12; /* PA6 an output, low */
 }
@@ -109,8 +111,12 @@ static void send_waiting(void)
 
 void line_handler(void)
 {
-    if (LINE_STATUS & LINE_RECEIVED) {
-        keep(&from_host, (uint8_t)LINE_DATA);
+    const uint32_t status = LINE_STATUS;
+    if (status & (LINE_RECEIVED | LINE_OVERRUN)) {
+        const uint8_t byte = (uint8_t)LINE_DATA; /* clears both: an overrun left standing would interrupt for ever */
+        if (status & LINE_RECEIVED) {
+            keep(&from_host, byte);
+        }
     }
     if (LINE_CONTROL & LINE_SENDING) {
         send_waiting();
@@ -162,6 +168,7 @@ void board_start(void)
     CONVERTER_CONTROL = CONVERTER_ON;
     LINE_DIVIDER = CLOCK_HZ / 1000000u;
     LINE_CONTROL = LINE_ON;
+    SYSTEM_PRIORITIES_12_TO_15 = 0xf0000000u; /* SysTick's the lowest, the line's stays the highest */
     INTERRUPTS_32_TO_63 = 1u << (38 - 32);
     SYSTICK_RELOAD = CLOCK_HZ / 1000u / READINGS - 1u;
     SYSTICK_VALUE = 0u;
@@ -190,13 +197,15 @@ static bool next_tick(mw_board_tick *tick, mw_board_reading *reading)
         return false;
     }
     const uint32_t node = node_sum, shunt = shunt_sum, count = readings;
-    slices = (uint8_t)(slices - READINGS);
+    slices = (uint16_t)(slices - READINGS);
     node_sum = shunt_sum = 0u;
     readings = 0u;
     __asm volatile("cpsie i");
     *tick = 2u * count >= READINGS ? MW_TICK_READING : MW_TICK_MISSING;
+    const uint8_t ticks = mw_ticks_passed(&missed, *tick);
     if (*tick == MW_TICK_READING) {
         *reading = mw_sense_channels(&channels, node * READINGS / count, shunt * READINGS / count);
+        reading->ticks = ticks;
     }
     return true;
 }
@@ -224,10 +233,10 @@ bool board_put(const uint8_t *bytes, uint8_t length)
     if (waiting(&to_host) + length >= RING) {
         return false;
     }
-    __asm volatile("cpsid i");
     for (uint8_t i = 0; i < length; i++) {
         keep(&to_host, bytes[i]);
     }
+    __asm volatile("cpsid i"); /* from here on only: a frame takes longer to copy than bytes take to come */
     LINE_CONTROL |= LINE_SENDING;
     send_waiting();
     __asm volatile("cpsie i");

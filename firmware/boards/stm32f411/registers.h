@@ -41,6 +41,7 @@
 #define LINE_DATA REGISTER(0x40004404u)
 #define LINE_DIVIDER REGISTER(0x40004408u)
 #define LINE_CONTROL REGISTER(0x4000440cu)
+#define LINE_OVERRUN (1u << 3)
 #define LINE_RECEIVED (1u << 5)
 #define LINE_MAY_SEND (1u << 7)
 #define LINE_ON ((1u << 13) | (1u << 5) | (1u << 3) | (1u << 2)) /* with the receiver's interrupt */
@@ -54,6 +55,7 @@
 #define SYSTICK_RELOAD REGISTER(0xe000e014u)
 #define SYSTICK_VALUE REGISTER(0xe000e018u)
 #define INTERRUPTS_32_TO_63 REGISTER(0xe000e104u)
+#define SYSTEM_PRIORITIES_12_TO_15 REGISTER(0xe000ed20u)
 #define COPROCESSOR_ACCESS REGISTER(0xe000ed88u)
 
 #define CLOCK_HZ 16000000u
