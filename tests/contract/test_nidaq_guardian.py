@@ -192,3 +192,25 @@ def test_a_forgotten_rig_is_switched_off() -> None:
     assert card.outputs_v["ao0"] == DRIVE_V
     del rig
     assert card.outputs_v["ao0"] == 0.0
+
+
+def test_a_server_that_is_cut_off_is_a_lost_device_and_does_not_hang_the_program(name: str) -> None:
+    """A stopped server answers as a cut network does: not at all."""
+    command = [sys.executable, "-m", "emulation.daq_server", "--card", name]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            rig = NiDaqRig(wiring_of(name).model_copy(update={"grpc": address_of(server)}))
+            rig.exchange(rig.sense_voltage_v)
+            server.send_signal(signal.SIGSTOP)
+            began = time.monotonic()
+            with pytest.raises(ProtectionTripError, match="nothing confirms it") as caught:
+                rig.exchange(rig.sense_voltage_v)
+            assert caught.value.event is Event.DEVICE_LOST
+            assert time.monotonic() - began < 15.0
+        finally:
+            server.kill()
+
+
+def address_of(server: subprocess.Popen[str]) -> str:
+    assert server.stdout is not None
+    return next(line for line in server.stdout if line.startswith("grpc")).split('"')[1]

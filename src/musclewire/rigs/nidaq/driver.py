@@ -18,6 +18,8 @@ __all__ = ["Card", "InputStream", "OutputLine", "OutputSettings", "nidaqmx_packa
 EXTRA = "nidaq"
 # Longer than any sample, shorter than a user's patience.
 TIMEOUT_S = 2.0
+# A machine that is cut off answers nothing, and gRPC by itself waits for it without end.
+CALL_S, CALL_AGAIN_S = 2.5, 0.3
 
 
 def nidaqmx_package() -> ModuleType:
@@ -51,7 +53,8 @@ class Card:
         except ImportError:
             raise MissingExtraError("a card behind gRPC", EXTRA) from None
         self._channel = grpc.insecure_channel(grpc_address)
-        self._options = self.package.GrpcSessionOptions(self._channel, "")
+        limited = grpc.intercept_channel(self._channel, deadline_for_calls())
+        self._options = self.package.GrpcSessionOptions(limited, "")
 
     @contextmanager
     def explaining(self) -> Iterator[None]:
@@ -85,6 +88,30 @@ class Card:
         """Let go of the line to the server."""
         if self._channel is not None:
             self._channel.close()
+
+
+def deadline_for_calls() -> Any:
+    """Return an interceptor of gRPC's that ends calls without an answer, and sooner while there was none before."""
+    import grpc
+
+    class Details(NamedTuple):
+        method: str
+        timeout: float | None
+        metadata: Any
+        credentials: Any
+        wait_for_ready: bool | None
+        compression: Any
+
+    class Deadline(grpc.UnaryUnaryClientInterceptor):  # type: ignore[misc]  # gRPC brings no types
+        longest_s = CALL_S
+
+        def intercept_unary_unary(self, continuation: Any, details: Any, request: Any) -> Any:
+            kept = (details.metadata, details.credentials, details.wait_for_ready, details.compression)
+            call = continuation(Details(details.method, self.longest_s, *kept), request)
+            self.longest_s = CALL_AGAIN_S if call.code() is grpc.StatusCode.DEADLINE_EXCEEDED else CALL_S
+            return call
+
+    return Deadline()
 
 
 class InputStream:

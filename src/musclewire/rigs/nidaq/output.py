@@ -172,7 +172,8 @@ class GuardedOutput:
             self._off_confirmed = self._process.wait(timeout=START_S) == 0
         except (OSError, subprocess.TimeoutExpired):
             pass
-        if not self._off_confirmed:
+        # One that has tried and failed says so by its exit code; any other end may have left the voltage out.
+        if self._process.poll() not in (0, RigError.exit_code):
             with suppress(RigError):
                 self._lost()
         self._line.close()
