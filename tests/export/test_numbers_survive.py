@@ -19,11 +19,13 @@ from hypothesis import strategies as st
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.errors import CallerError
 from musclewire.export.c import write_library
+from musclewire.export.c.header import _comment
 from musclewire.export.c.numbers import check_single, literal
 from musclewire.export.c.precision import single_estimates
 from musclewire.sensing.model_file import load_model, save_model
 from tools import require_tool
 
+ROOT = Path(__file__).resolve().parents[2]
 NUMBER = re.compile(r"MW_R\((-?[\d.]+(?:e[+-]?\d+)?)\)")
 # A double exactly half-way between two singles, whose shortest text lies to one side of it.
 HALF_WAY = 1.0 + 2.0**-24
@@ -199,3 +201,16 @@ def test_a_comment_cannot_end_early(tmp_path: Path) -> None:
     first = (one.library.folder / "src/mw_constants.h").read_text("utf-8").split("#ifndef", 1)[0]
     assert first.count("*/") == 1
     assert "\\" not in first
+
+
+def test_every_file_says_whose_it_is_and_the_licence_stands_beside_it(exported: Callable[[str], Exported]) -> None:
+    library = exported("fixed").library
+    for name in library.files:
+        if name.endswith((".c", ".h", ".ino", ".ld", "CMakeLists.txt")):
+            first = (library.folder / name).read_text("utf-8").splitlines()[0]
+            assert "musclewire developers. SPDX-License-Identifier: BSD-3-Clause" in first, name
+    assert (library.folder / "LICENSE").read_text("utf-8") == (ROOT / "LICENSE").read_text("utf-8")
+
+
+def test_a_comment_in_a_model_s_source_cannot_open_or_end_one_in_the_header() -> None:
+    assert _comment("a /* b */ c /*/ d\\\n e") == "a / * b * / c / * / d/ e"

@@ -173,3 +173,18 @@ def array(header: str, name: str) -> list[int]:
     found = re.search(rf"#define MW_{name} \{{(.*?)\}}", header, re.S)
     assert found
     return [int(number) for number in re.findall(r"\d+", found[1])]
+
+
+@pytest.mark.parametrize("double", [True, False], ids=["double", "single"])
+@pytest.mark.parametrize("tick_s", [0.0, -0.001, math.nan, math.inf])
+def test_a_sample_that_no_time_stands_behind_trips_instead_of_blinding_the_protection(
+    exported: Callable[[str], Exported], loaded: Loaded, tick_s: float, double: bool
+) -> None:
+    library, python = loaded("fixed", double), exported("fixed").library.reference
+    library.start()
+    python.start()
+    for one in (library, python):
+        assert State(one.sample(0.28, 0.017, 0.01).state) is not State.TRIPPED
+        outcome = one.sample(0.28, 0.017, tick_s)
+        assert (State(outcome.state), Event(outcome.event)) == (State.TRIPPED, Event.CLOCK_BACKWARDS)
+        assert outcome.drive_voltage_v == 0.0

@@ -10,7 +10,8 @@ from musclewire.export.c.numbers import literal, rows
 
 __all__ = ["constants_header", "model_checksum"]
 
-START = """/* Written by musclewire {version} (musclewire export c): numbers of one wire, its controller, its limits.
+START = """/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
+/* Written by musclewire {version} (musclewire export c): numbers of one wire, its controller, its limits.
  * Model: {model}
  * Rule base: {rules}
  * Write it anew instead of editing it: the golden vectors beside it belong to these very numbers. */
@@ -88,4 +89,4 @@ def _number(constant: Constant, value: float) -> str:
 
 def _comment(text: str) -> str:
     """Return a text that can stand in a C comment on one line."""
-    return " ".join(text.replace("*/", "* /").replace("\\", "/").split())
+    return " ".join(text.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").split())

@@ -52,6 +52,7 @@ def project_files(name: str, quantity: str) -> dict[str, str]:
 
     root = files("musclewire.export") / "c_project"
     places = {
+        "LICENSE": "LICENSE",
         "README.md": "README.md",
         "CMakeLists.txt": "CMakeLists.txt",
         "library.properties": "library.properties",

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from musclewire.controllers import DriveLimits, FuzzyPid, FuzzyPidSettings, RuleBase
 from musclewire.controllers.fuzzy_pid import ControllerState
 from musclewire.controllers.protection import (
+    Event,
     ProtectionLimits,
     ProtectionState,
     allowed_drive_v,
@@ -20,6 +21,7 @@ from musclewire.controllers.protection import (
     protect_command,
     protect_reading,
     protection_table,
+    tripped_by,
 )
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.resistance import wire_resistance
@@ -98,6 +100,9 @@ class ReferenceTick:
 
     def sample(self, wire_voltage_v: float, shunt_voltage_v: float, tick_s: float) -> Outcome:
         """Take one sample: sum it up, and let the protection judge a full block of them."""
+        if not (tick_s > 0.0 and math.isfinite(tick_s)):
+            self.protection = tripped_by(self.protection, Event.CLOCK_BACKWARDS)
+            return self.outcome()
         for sums in (self._mean, self._block):
             sums.drive_v += self.drive_voltage_v
             sums.wire_v += wire_voltage_v

@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* musclewire: position a shape-memory-alloy wire by its own electrical resistance, without a sensor.
  *
  * One tick: two voltages -> resistance (Eq. 1) -> estimate (Eqs. 3 to 5) -> fuzzy-tuned PID (Eq. 6) -> limits
@@ -105,7 +106,8 @@ typedef struct {
 /* Cold start: sense voltage, nothing known of the wire, protection armed. */
 void mw_start(mw_controller *controller);
 
-/* One converter tick of tick_s: sum up for the mean and run the protection. A trip shows in the output. */
+/* One converter tick of tick_s: sum up for the mean and run the protection. A trip shows in the output. A tick_s that is
+ * no number above 0 trips: the protection lives on it. */
 mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real tick_s);
 
 /* One control tick of dt_s, of the mean of the samples since the last: estimate, fuzzy PID, limits. The first one after

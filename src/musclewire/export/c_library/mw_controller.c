@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* The whole tick: means of the samples, estimate, fuzzy PID, and the protection below them. */
 #include "musclewire.h"
 
@@ -29,6 +30,11 @@ static void forget_samples(mw_controller *controller)
 mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real tick_s)
 {
     mw_block *block = &controller->block;
+    /* Without a time that passes no block would ever be full, and nothing be judged. Written so that a NaN trips. */
+    if (!(tick_s > 0 && tick_s <= MW_LARGEST)) {
+        mw_protect_trip(&controller->protection, MW_EVENT_CLOCK_BACKWARDS);
+        return output_of(controller);
+    }
     if (controller->samples == UINT16_MAX)
         forget_samples(controller); /* nobody has asked for their mean for so long */
     controller->wire_sum_v += wire_voltage_v;

@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* e^x for -4 <= x <= 0. libm's differ from one another in the last digit, so this one is made of the four
  * operations alone: x = r - k ln 2 with k = 0..6, a Taylor polynomial of r, |r| <= 0.35, and a power of two. */
 #include "musclewire.h"

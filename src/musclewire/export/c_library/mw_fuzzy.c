@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* From the error and its change to the three gain ratios of Eq. 6. Only the inference that the rule base uses is
  * compiled. */
 #include "musclewire.h"

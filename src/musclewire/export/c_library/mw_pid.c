@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* The fuzzy-tuned PID in velocity form. The law and its reasons stand in musclewire's controllers/fuzzy_pid.py;
  * the order of operations here is that of controllers/kernels.py, operation by operation. */
 #include "musclewire.h"

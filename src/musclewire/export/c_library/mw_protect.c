@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* The protection's arithmetic. The steps and their order are those of musclewire's controllers/protection/protect.py. */
 #include "mw_protect.h"
 

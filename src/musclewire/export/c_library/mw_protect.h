@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* The protection: one table of states, events and times (mw_constants.h), and the functions that follow it.
  *
  * It has no clock and no output: the caller says how long a reading stands for, and asks mw_protect_allowed before

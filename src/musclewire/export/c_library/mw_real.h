@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* The number type of this library, and what a compiler must keep to so that every target gives the same bits.
  *
  * mw_real is float; with -DMW_DOUBLE it is double. Every operation is rounded once, to mw_real: no fused

@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Resistance from two voltages, and the quantity it stands for. */
 #include "musclewire.h"
 

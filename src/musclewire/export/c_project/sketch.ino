@@ -1,8 +1,11 @@
+// Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE)
 // @NAME@ on an Arduino: a wire that holds a @QUANTITY@ by its own resistance. Written by musclewire export c.
 //
 // Circuit: supply -> MOSFET or buffer (pin 9 through a low-pass filter and an amplifier, see below) -> wire -> shunt -> ground.
 // Measure the five numbers below on your own board before the wire is connected. Send a target over the serial monitor,
-// in SI (0.012 for 1.2 % strain); anything else, a longer silence than EXPIRY_MS included, switches off.
+// in SI (0.012 for 1.2 % strain); anything else switches off until the board is reset: no number, a target above the
+// model's range, which the wire would be heated for without end, or a longer silence than EXPIRY_MS.
+// Only AVR boards get their watchdog here: on any other start yours, or a loop that hangs leaves the wire hot.
 #include <musclewire.h>
 #if defined(__AVR__)
 #include <avr/wdt.h>
@@ -48,8 +51,8 @@ static void read_line() {
     characters = 0;
     char *end;
     double asked = strtod(line, &end);
-    // What is not a number, or no end of a line, is an emergency stop.
-    if (got != '\n' || end == line || (*end != 0 && *end != '\r')) {
+    // What is not a number, too much, or no end of a line, is an emergency stop.
+    if (got != '\n' || end == line || (*end != 0 && *end != '\r') || !(asked <= MW_QUANTITY_MAX)) {
       mw_protect_trip(&controller.protection, MW_EVENT_STOPPED);
       continue;
     }

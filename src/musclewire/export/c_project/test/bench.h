@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* A bench made of integers: what drives the library in same_bits.c and tick_cost.c, the same on every target.
  *
  * The resistance walks between the ends of the model's range, the target likewise. All choices are made by xorshift32 (Marsaglia 2003, shifts 13, 17, 5), from

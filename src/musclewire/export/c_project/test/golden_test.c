@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Holds the library against the golden vectors, what Python computed from the same inputs.
  *
  * golden_test golden_vectors.csv     0: agrees, 1: does not, 2: no vectors to read

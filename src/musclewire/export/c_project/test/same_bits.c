@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Prints one number that stands for every bit of many ticks: the same on every target, or the target computes otherwise.
  *
  * same_bits [SAMPLES]    prints samples, trips, and FNV-1a (64 bits) over all outputs and gains.

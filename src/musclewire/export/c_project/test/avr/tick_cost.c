@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Cycles of one whole tick on an ATmega328P, counted by its own timer 1 at an eighth of the clock, printed on its serial
  * line. simavr is exact in cycles, so a board says the same. */
 #include <avr/interrupt.h>

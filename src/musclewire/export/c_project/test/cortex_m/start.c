@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Vector table and reset of an Arm MPS2 board as QEMU emulates it: the floating point unit on, then newlib's _start. */
 #include <stdint.h>
 

@@ -1,3 +1,4 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Instructions of one whole tick on an emulated Cortex-M: QEMU with -icount shift=0 lets one instruction take 1 ns, and
  * SysTick counts at 25 MHz, so one count is 40 instructions. Instructions are not cycles. */
 #include <stdio.h>
