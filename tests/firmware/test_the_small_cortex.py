@@ -19,6 +19,8 @@ from tests.tools import require_tool
 from musclewire.rigs.serial.frames import Frame, FrameParser, encode_frame
 
 ARM, IDENTITY, EVENT, TRIPPED, SAMPLE_LATE = 2, 0x81, 0x83, 4, 19
+# Priorities in a Cortex-M4 (Arm DDI 0403): of exceptions 12 to 15, SysTick the last; of interrupts 36 to 39.
+SYSTEM_PRIORITIES, LINE_PRIORITIES = 0xE000ED20, 0xE000E424
 
 
 @pytest.fixture(scope="module")
@@ -67,3 +69,28 @@ def test_every_board_can_be_built_to_run_alone(board: str, tmp_path: Path) -> No
     require_tool("avr-gcc", "gcc-avr avr-libc")
     built = firmware_for(board, tmp_path, ["--standalone"])
     assert struct.unpack_from("<4s", built.read_bytes()) == (b"\x7fELF",)
+
+
+def test_the_lines_interrupt_may_interrupt_the_conversions(elf: Path) -> None:
+    """SysTick waits for two conversions, longer than a byte takes at 1 MBd: at equal priority bytes would be lost."""
+    quiet = ["-display", "none", "-net", "none", "-serial", "null", "-serial", "null", "-monitor", "stdio"]
+    command = ["qemu-system-arm", "-M", "netduinoplus2", *quiet, "-kernel", str(elf)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as machine:
+        try:
+            end_s, systick = time.monotonic() + 10.0, 0
+            while systick == 0 and time.monotonic() < end_s:  # until the firmware has come so far
+                systick = word(machine, SYSTEM_PRIORITIES) >> 24
+            line = word(machine, LINE_PRIORITIES) >> 16 & 0xFF
+        finally:
+            machine.kill()
+    assert line < systick
+
+
+def word(machine: subprocess.Popen[str], address: int) -> int:
+    """What the running board's memory holds at an address, asked of the emulator's monitor."""
+    assert machine.stdin
+    assert machine.stdout
+    machine.stdin.write(f"x /1wx {address:#x}\n")
+    machine.stdin.flush()
+    answer = next(text for text in machine.stdout if text.startswith(f"{address:08x}: "))
+    return int(answer.split()[1], 16)
