@@ -61,7 +61,9 @@ def page() -> str:
 
 def keys_section(model: type[BaseModel], text: str) -> str:
     """Return one table of keys, without those that every real rig has."""
-    shared = set() if model is MountedWire else set(MountedWire.model_fields)
+    shared = (
+        set() if model is MountedWire else set(MountedWire.model_fields) - set(vars(model).get("__annotations__", {}))
+    )
     said = meanings(model)
     rows = [
         f"| `{name}` | {unit_in(field)} | {default_of(field)} | {said.get(name) or type_in_words(field)} |"

@@ -13,13 +13,15 @@ from musclewire.rigs.limits import Circuit, limits_of
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.quantities import measured_in
 
-__all__ = ["LimitsTable", "MountedWire"]
+__all__ = ["LimitsTable", "LivePeriod", "MountedWire"]
 
 Volts = Annotated[float, measured_in("V"), Field(gt=0.0, allow_inf_nan=False)]
 Metres = Annotated[float, measured_in("m"), Field(gt=0.0, allow_inf_nan=False)]
 Ohms = Annotated[float, measured_in("ohm"), Field(gt=0.0, allow_inf_nan=False)]
 Newtons = Annotated[float, measured_in("N"), Field(ge=0.0, allow_inf_nan=False)]
 Seconds = Annotated[float, measured_in("s"), Field(gt=0.0, le=1.0)]
+# A fault shows in the next samples: with longer periods a frozen channel would not be off within half a second.
+LivePeriod = Annotated[float, measured_in("s"), Field(gt=0.0, le=0.05 + 1e-9)]
 Kelvins = Annotated[float, measured_in("K"), Field(gt=0.0, allow_inf_nan=False)]
 # Air that a bench stands in. A bare 22 is taken for kelvins, and so cold an air would let the wire grow too hot.
 AirKelvins = Annotated[float, measured_in("K"), Field(ge=223.15, le=373.15)]

@@ -174,6 +174,12 @@ def test_what_is_missing_is_held_then_sensed_then_off_and_held_again_when_it_was
     assert back.event is Event.NONE
 
 
+def test_what_was_missing_for_no_time_at_all_is_also_recovered_from() -> None:
+    held = protect_missing(run(), Event.SAMPLE_LATE, 0.0)
+    assert held.state is State.HOLD
+    assert protect_reading(held, LIMITS, 2.0, *reading(16.0), 0.05).state is State.RUN
+
+
 def test_while_something_is_missing_commands_are_not_followed() -> None:
     held = protect_reading(run(), LIMITS, 2.0, 2.0, 0.0, 0.05)
     asked = protect_command(held, LIMITS, 3.0)

@@ -190,7 +190,7 @@ def missing_event(
 
 def recovered(state: ProtectionState) -> ProtectionState:
     """Return the state after a reading: what was missing is back."""
-    if state.missing_s == 0.0:
+    if state.missing_s == 0.0 and state.event is Event.NONE:
         return state
     following = State.RUN if state.state in (State.HOLD, State.SENSE) else state.state
     return state._replace(state=following, event=Event.NONE, missing_s=0.0)

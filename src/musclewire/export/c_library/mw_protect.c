@@ -124,7 +124,7 @@ static uint8_t missing_event(mw_real drive_voltage_v, mw_real wire_voltage_v, mw
 
 static void recover(mw_protection *protection)
 {
-    if (protection->missing_us == 0)
+    if (protection->missing_us == 0 && protection->event == MW_EVENT_NONE)
         return;
     if (protection->state == MW_STATE_HOLD || protection->state == MW_STATE_SENSE)
         protection->state = MW_STATE_RUN;

@@ -24,7 +24,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 
 from musclewire.errors import CallerError
 from musclewire.rigs.hardware import HardwareConfiguration
-from musclewire.rigs.mounted import MountedWire
+from musclewire.rigs.mounted import LivePeriod, MountedWire
 from musclewire.rigs.nidaq.channels import Layout, Scale, layout_of
 from musclewire.rigs.quantities import measured_in
 
@@ -164,6 +164,7 @@ class NiDaqConfiguration(HardwareConfiguration, MountedWire):
     """A rig file of an NI card; the wire's keys are those of every real rig (``MountedWire``).
 
     Attributes:
+        sample_period: time between samples, at most 50 ms: every fault is to end off within half a second.
         device: the card's name in NI MAX.
         grpc: address of an NI gRPC device server, where the card is in another machine.
         output_timing: ``hardware``: the drive changes at the card's clock edges (hardware-timed single point);
@@ -176,6 +177,7 @@ class NiDaqConfiguration(HardwareConfiguration, MountedWire):
     """
 
     kind: Literal["nidaq"]
+    sample_period: LivePeriod = 0.05
     device: Annotated[str, Field(min_length=1)]
     grpc: str | None = None
     output_timing: Literal["hardware", "on-demand"] = "on-demand"

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.hardware import HardwareConfiguration
-from musclewire.rigs.mounted import MountedWire
+from musclewire.rigs.mounted import LivePeriod, MountedWire
 from musclewire.rigs.quantities import measured_in
 
 __all__ = ["SerialConfiguration"]
@@ -21,6 +21,7 @@ class SerialConfiguration(MountedWire, HardwareConfiguration):
     """A rig file with ``kind = "serial"``: the wire that is mounted, and the board that drives it.
 
     Attributes:
+        sample_period: time between samples, at most 50 ms: every fault is to end off within half a second.
         port: ``/dev/ttyACM0``, ``COM3``, or a URL of pyserial's such as ``socket://127.0.0.1:4000``.
         baud: speed of the line in bits per second; a board on USB takes any.
         patience: how long a sample may be overdue before the board counts as lost.
@@ -30,6 +31,7 @@ class SerialConfiguration(MountedWire, HardwareConfiguration):
     """
 
     kind: Literal["serial"]
+    sample_period: LivePeriod = 0.05
     port: str = Field(min_length=1)
     baud: int = Field(default=115200, ge=1200, le=12_000_000)
     patience: Seconds = 0.25
