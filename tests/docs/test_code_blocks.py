@@ -67,7 +67,7 @@ def test_the_readme_starts_with_the_two_commands() -> None:
     _, first = next(block for block in blocks(ROOT / "README.md") if block[0] == "sh")
     install, test = first.strip().splitlines()
     assert install == 'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/musclewire demo'
-    assert test == ".venv/bin/python -m pytest"
+    assert test == ".venv/bin/python -m pytest -n auto --dist worksteal"
 
 
 def test_the_readmes_python_example_is_short() -> None:
