@@ -33,6 +33,12 @@ Amplitude = Annotated[str | None, typer.Option("--amplitude", help="Amplitude of
 STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
 # Below this share of sensed samples a closed loop was not closed.
 LEAST_VALID_SHARE = 0.8
+# What a recording without displacement is good for, which on a board is every recording.
+NO_INSTRUMENT = (
+    "this rig measures no movement, so there is no gap to tell: the recording has voltages and resistance; for a fit "
+    "add a column displacement_m measured beside it (a caliper, a ruler, a video), or control with a model fitted "
+    "elsewhere to the same wire and length, as on the simulated rig"
+)
 Period = Annotated[float, typer.Option("--period", help="Period of the slow sine in seconds.", min=1.0, max=86400.0)]
 
 
@@ -129,16 +135,22 @@ def characterize(
         emit_json(answer)
     else:
         show(f"{len(recording)} samples in {output}")
-        show(answer.get("problem") or loop_text(answer))
+        show(answer.get("problem") or answer.get("note") or loop_text(answer))
     if "problem" in answer:
         raise typer.Exit(1)
 
 
 def loop_json(recording: Recording) -> dict[str, Any]:
-    """Return what the last loop of a recording shows, or under ``problem`` why it shows none."""
+    """Return what the last loop of a recording shows, or under ``problem`` why it shows none.
+
+    Without an instrument for the movement there is nothing to show, which is no problem: ``note`` says how to go on.
+    """
     from musclewire.identify.loop_gaps import loop_gaps
+    from musclewire.identify.recordings import reference_quantity
 
     keys = ("strain_gap_pct", "displacement_gap_pct", "force_gap_pct", "stroke_pct")
+    if reference_quantity(recording, "strain") is None and "displacement_m" not in recording:
+        return {**dict.fromkeys(keys), "note": NO_INSTRUMENT}
     try:
         gaps = loop_gaps(recording)
     except RecordingError as error:
