@@ -22,8 +22,8 @@ Written by `python docs/images/draw.py physics` from the schemas that check the 
 Do not edit it by hand. Rig files of the simulated rig are on the page on [files](files.md).
 
 A user with a wire on a bench changes one word: where a command says `simulated`, it says the rig file's name. Numbers
-are SI, or text with a unit (`"14 cm"`). An unknown key is an error that names the nearest. Three files come along to be
-copied: `ni-pci-6229`, `ni-usb-6001` and `serial-board`, under `src/musclewire/parameters/data/rigs`.
+are SI, or text with a unit (`"14 cm"`). An unknown key is an error that names the nearest. Four files come along to be
+copied: `ni-pci-6229`, `ni-usb-6001`, `serial-board` and `arduino-uno`, under `src/musclewire/parameters/data/rigs`.
 """
 SECTIONS = {
     "The wire and its circuit": (MountedWire, "Every real rig has these keys, at the top of the file."),
@@ -64,7 +64,8 @@ def keys_section(model: type[BaseModel], text: str) -> str:
     shared = (
         set() if model is MountedWire else set(MountedWire.model_fields) - set(vars(model).get("__annotations__", {}))
     )
-    said = meanings(model)
+    # A replay may leave out what a rig must say, but its keys mean the same.
+    said = {**meanings(MountedWire), **meanings(model)}
     rows = [
         f"| `{name}` | {unit_in(field)} | {default_of(field)} | {said.get(name) or type_in_words(field)} |"
         for name, field in model.model_fields.items()

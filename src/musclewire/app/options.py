@@ -30,7 +30,12 @@ EXAMPLES = {
     "--set": "NAME=VALUE, as pretension_n='1.9 N'",
 }
 RigName = Annotated[
-    str, typer.Argument(metavar="RIG", help="'simulated', 'finger', 'gripper', or the path of a TOML rig file.")
+    str,
+    typer.Argument(
+        metavar="RIG",
+        help="'simulated', 'finger', 'gripper', or the path of a TOML rig file. To be copied: 'arduino-uno', "
+        "'serial-board', 'ni-pci-6229', 'ni-usb-6001'.",
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of everything random in a simulated rig.")]

@@ -1,0 +1,53 @@
+"""The Arduino's rig file says what its firmware is built with: one board, described twice, once."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from musclewire.rigs.configuration import rig_configuration
+from musclewire.rigs.serial.configuration import SerialConfiguration
+
+FOLDER = Path(__file__).parents[3] / "firmware" / "boards" / "arduino-uno"
+CLOCK_HZ = 16e6
+
+
+@pytest.fixture
+def board() -> dict[str, float | bool]:
+    return tomllib.loads((FOLDER / "board.toml").read_text("utf-8"))
+
+
+@pytest.fixture
+def rig() -> SerialConfiguration:
+    configuration, _ = rig_configuration("arduino-uno")
+    assert isinstance(configuration, SerialConfiguration)
+    return configuration
+
+
+def test_its_channels_and_shunt_are_the_boards(rig: SerialConfiguration, board: dict[str, float | bool]) -> None:
+    assert rig.wire_range == pytest.approx(board["converter_range_v"] / board["divider_share"])
+    assert rig.shunt_range == pytest.approx(board["converter_range_v"] / board["shunt_gain"])
+    assert rig.shunt == board["shunt_resistance_ohm"]
+    assert rig.readings_noisy is board["readings_noisy"]
+
+
+def test_it_asks_for_no_more_than_the_board_puts_out(rig: SerialConfiguration, board: dict[str, float | bool]) -> None:
+    assert rig.maximum_voltage <= board["output_range_v"]
+
+
+def test_its_sample_period_is_the_boards_control_period(
+    rig: SerialConfiguration, board: dict[str, float | bool]
+) -> None:
+    assert rig.sample_period == board["control_period_s"]
+    assert (rig.sample_period / board["tick_period_s"]) % 1 == pytest.approx(0.0)
+
+
+def test_its_baud_rate_is_what_the_firmware_divides_the_clock_to(rig: SerialConfiguration) -> None:
+    source = (FOLDER / "board.c").read_text("utf-8")
+    found = re.search(r"#define BAUD_DIVIDER (\d+)u", source)
+    assert found is not None
+    doubled = "U2X0" in source
+    assert rig.baud == CLOCK_HZ / ((8 if doubled else 16) * (int(found[1]) + 1))
