@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from io import StringIO
 from typing import TYPE_CHECKING, Any
 
 from musclewire.app.stopping import stop_if_asked
@@ -104,7 +105,9 @@ class Bar:
         self._total_s = total_s
         self._last_s: float | None = None
         self._before_s = 0.0
-        self._progress: Progress | None = None
+        # Built before the first sample: importing and drawing for the first time takes a good part of a second on a
+        # busy machine, and a board whose next command is so late lets its heater go.
+        self._progress = progress_for(task, total_s)
 
     def advance(self, row: Mapping[str, float]) -> None:
         """Move the bar to a sample's time; a signal that waited for the sample stops the run here."""
@@ -118,24 +121,33 @@ class Bar:
             self._progress.update(self._progress.task_ids[0], completed=self._before_s + self._last_s)
 
     def _open(self) -> None:
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-        shown = console()
-        if not shown.is_terminal:
+        if self._progress is None:
             say(self._task)
-            return
-        self._progress = Progress(
-            TextColumn("{task.description:<34}"),
-            BarColumn(bar_width=32),
-            TextColumn("{task.completed:>6.0f}/{task.total:.0f} s of wire time"),
-            TimeElapsedColumn(),
-            console=shown,
-            refresh_per_second=8,
-        )
-        self._progress.add_task(self._task, total=self._total_s)
-        self._progress.start()
+        else:
+            self._progress.start()
 
     def stop(self) -> None:
         """Leave the bar as it stands."""
         if self._progress is not None:
             self._progress.stop()
+
+
+def progress_for(task: str, total_s: float) -> Progress | None:
+    """Return a bar that has been drawn once into nothing, so that its first sample need not wait; None on a pipe."""
+    shown = console()
+    if not shown.is_terminal:
+        return None
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    progress = Progress(
+        TextColumn("{task.description:<34}"),
+        BarColumn(bar_width=32),
+        TextColumn("{task.completed:>6.0f}/{task.total:.0f} s of wire time"),
+        TimeElapsedColumn(),
+        console=shown,
+        refresh_per_second=8,
+    )
+    progress.add_task(task, total=total_s)
+    Console(file=StringIO(), force_terminal=True).print(progress.get_renderable())
+    return progress

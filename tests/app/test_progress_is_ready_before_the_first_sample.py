@@ -1,0 +1,37 @@
+"""What draws a progress bar is loaded before the first sample: a board does not wait for the host to import it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+SCRIPT = """
+import sys
+from io import StringIO
+from rich.console import Console
+from musclewire.app import output
+
+shown = StringIO()
+output.console = lambda: Console(file=shown, force_terminal={terminal}, width=80)
+with output.progress_bar("Closed loop", 10.0) as on_sample:
+    assert not shown.getvalue()
+    before = set(sys.modules)
+    on_sample({{"time_s": 0.05}})
+    on_sample({{"time_s": 0.10}})
+    imported = sorted(set(sys.modules) - before)
+print(imported)
+"""
+
+
+def imported_by_the_first_samples(terminal: bool) -> str:
+    script = SCRIPT.format(terminal=terminal)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def test_the_first_samples_import_nothing_on_a_terminal() -> None:
+    assert imported_by_the_first_samples(terminal=True) == "[]"
+
+
+def test_the_first_samples_import_nothing_on_a_pipe() -> None:
+    assert imported_by_the_first_samples(terminal=False) == "[]"
