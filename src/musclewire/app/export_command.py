@@ -52,6 +52,7 @@ def export_c(
     ] = None,
     double: Annotated[bool, typer.Option("--double", help="Double precision by choice of the library.")] = False,
     name: Annotated[str, typer.Option("--name", help="Name of the library, a C identifier.")] = "musclewire_wire",
+    force: Annotated[bool, typer.Option("--force", help="Replace files of another library in the folder.")] = False,
     json: Json = False,
 ) -> None:
     """Model, controller, limits and protection as a self-contained C99 library, with what it costs on a board."""
@@ -73,6 +74,7 @@ def export_c(
         output,
         name,
         double=double,
+        overwrite=force,
     )
     answer = {
         "folder": str(output),

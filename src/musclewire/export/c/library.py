@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
@@ -92,15 +93,19 @@ def write_library(
     *,
     double: bool = False,
     rule_base: RuleBase | None = None,
+    overwrite: bool = True,
 ) -> Library:
     """Write the library into a folder, which is made if need be; files of the same names are replaced.
+
+    Without ``overwrite`` a file there with another content is left alone, and nothing is written at all.
 
     ``double`` makes double precision the library's choice; without it all is checked to survive single precision.
     Everything is checked before anything is written.
 
     Raises:
         CallerError: a number that overflows, underflows or loses its digits in single precision (named); drive limits
-            other than the protection's; a name that is no C identifier; a folder that cannot be written.
+            other than the protection's; a name that is no C identifier; a folder that cannot be written, or holds
+            other files of these names without ``overwrite``.
     """
     if not NAME.fullmatch(name):
         raise CallerError(f"the library's name {name!r} must be a C identifier of at most 31 letters, digits and _")
@@ -121,10 +126,33 @@ def write_library(
     texts["src/mw_constants.h"] = header
     texts |= project_files(name, model.quantity)
     texts["test/golden_vectors.csv"] = vectors = golden_vectors(reference)
+    if not overwrite:
+        refuse_replacing(Path(folder), texts)
     _write(Path(folder), texts)
     return Library(
         Path(folder), tuple(texts), constants, single_error_share(model, constants), vectors.count("\n") - 1, reference
     )
+
+
+def refuse_replacing(folder: Path, texts: Mapping[str, str]) -> None:
+    """Raise CallerError where a file is there already and says something else: another wire's numbers, or own work."""
+    others = [name for name, text in texts.items() if differs(folder / name, text)]
+    if others:
+        more = f" and {len(others) - 1} more" if len(others) > 1 else ""
+        raise CallerError(
+            f"{folder} holds another {others[0]}{more}: choose another folder, or allow replacing (--force, "
+            "overwrite=True)"
+        )
+
+
+def differs(path: Path, text: str) -> bool:
+    """Tell whether something else than this text stands where it is to be written."""
+    try:
+        return path.read_bytes().decode("utf-8").replace("\r\n", "\n") != text
+    except FileNotFoundError:
+        return False
+    except (OSError, UnicodeDecodeError):
+        return path.is_file()  # for all else the writing says what is wrong
 
 
 def _write(folder: Path, texts: dict[str, str]) -> None:
