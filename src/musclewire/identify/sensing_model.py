@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,8 +58,9 @@ def fit(
     if friction_n is not None:
         notes["guide_friction_n"] = friction_n
     measured = required_quantity(recording, quantity)
+    cut_short = not_done(recording)
     try:
-        return fit_loop(
+        model = fit_loop(
             reading.resistance_ohm,
             measured,
             reading.valid,
@@ -70,7 +71,15 @@ def fit(
             source=source,
         )
     except RecordingError as error:
-        raise without_loop(error, recording) from None
+        why = without_loop(error, recording)
+        raise (RecordingError(f"{why} ({cut_short})") if cut_short else why) from None
+    return replace(model, warnings=(*model.warnings, cut_short)) if cut_short else model
+
+
+def not_done(recording: Recording) -> str:
+    """Return in words that the run of a recording did not reach its end, "" where it did or nothing is said of it."""
+    ended = str(recording.metadata.get("ended") or "done")
+    return "" if ended == "done" else f"this recording was not finished, its run ended with '{ended}'"
 
 
 def fit_table(recording: Recording, order: int | str, notes: dict[str, str | float], source: str) -> SensingModel:

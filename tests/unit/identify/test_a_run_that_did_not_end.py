@@ -1,0 +1,34 @@
+"""A model of a recording that was cut short says so, and so does the refusal where nothing can be fitted."""
+
+from __future__ import annotations
+
+import pytest
+
+import musclewire as mw
+from musclewire.errors import RecordingError
+from musclewire.signals.recording import Recording
+
+
+@pytest.fixture(scope="module")
+def loop() -> Recording:
+    with mw.open_rig("simulated", seed=4) as rig:
+        return mw.characterize(rig, period_s=30.0)
+
+
+def cut_short(loop: Recording, rows: int) -> Recording:
+    columns = {name: loop[name][:rows] for name in loop.names}
+    return Recording(columns, {**loop.metadata, "ended": "RigError: command_missing"})
+
+
+def test_a_model_of_it_warns(loop: Recording) -> None:
+    model = mw.fit(cut_short(loop, len(loop)))
+    assert "this recording was not finished, its run ended with 'RigError: command_missing'" in model.warnings
+
+
+def test_a_refusal_of_it_says_so(loop: Recording) -> None:
+    with pytest.raises(RecordingError, match="not finished, its run ended with 'RigError: command_missing'"):
+        mw.fit(cut_short(loop, 60))
+
+
+def test_a_finished_recording_says_nothing(loop: Recording) -> None:
+    assert not [text for text in mw.fit(loop).warnings if "not finished" in text]
