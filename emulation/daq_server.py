@@ -255,7 +255,13 @@ def main(arguments: list[str] | None = None) -> int:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: over.set())
     card = card_of(chosen.card, chosen.wire, paced=chosen.pace == "clock", errors=errors)
-    with DaqServer(card, chosen.port) as server:
+    try:
+        opened = DaqServer(card, chosen.port)
+    except OSError as error:
+        card.close()
+        print(f"error: {error}: end what holds it, or take another with --port", file=sys.stderr)
+        return 3
+    with opened as server:
         print(f"an emulated {server.card.model.product} as {server.card.name}, with the rig {chosen.wire} behind it")
         print("a rig file of kind nidaq reaches it by the line")
         print(f'grpc = "{server.address}"', flush=True)

@@ -36,6 +36,8 @@ IN_WORDS = {
     "too_long": "must have at most {max_length} entries",
     "dict_type": "must be a table, [{key}] in TOML",
 }
+# What each table of a list is called, by the key that says which it is; otherwise it is called as the list.
+NAMES_OF_TABLES = {"part": "part"}
 TABLE_EXPECTED = ("model_type", "model_attributes_type")
 
 
@@ -84,14 +86,20 @@ def in_words(problem: Mapping[str, Any], model: type[BaseModel]) -> str | None:
     if problem["type"] in TABLE_EXPECTED:
         return f"must be a table{keys_hint(field)}, not {shown(problem['input'])}"
     if problem["type"] == "list_type":
-        tables = field is not None and "part" in key_names(field)
-        return f"must be a list: write [[{key}]], with two brackets, before each part" if tables else "must be a list"
+        return f"must be a list{brackets_hint(key, field)}"
     words = IN_WORDS.get(problem["type"])
     if words is None:
         return None
     unit = unit_of(field)
     said = words.format(key=key, u=f" {unit}" if unit else "", **problem.get("ctx", {}))
     return f"{said}, not {shown(problem['input'])}"
+
+
+def brackets_hint(key: str, field: FieldInfo | None) -> str:
+    """Return how a list of tables is written in TOML, "" for a list of anything else."""
+    names = key_names(field) if field else []
+    each = next((each for name, each in NAMES_OF_TABLES.items() if name in names), "")
+    return f": write [[{key}]], with two brackets, before each {each or key}" if names else ""
 
 
 def shown(value: Any) -> str:

@@ -105,6 +105,10 @@ def test_an_unknown_setting_is_answered_with_the_nearest() -> None:
         ("wire = 3", "wire: must be text in quotes, not 3"),
         ("settings = 3", "settings: must be a table, [settings] in TOML, not 3"),
         ('[load]\npart = "finger"', "load: must be a list: write [[load]], with two brackets, before each part"),
+        (
+            '[fault]\nkind = "short circuit"',
+            "fault: must be a list: write [[fault]], with two brackets, before each fault",
+        ),
         ("load = []", "load is empty: give a [[load]] part, or leave load out for the bench's spring"),
         ("surroundings = 3", "surroundings: must be a table with the keys ambient_swing, ambient_period, draught"),
         ('[surroundings]\nambient_swing = "40 K"', "surroundings.ambient_swing: must be 20 K or less, not '40 K'"),
