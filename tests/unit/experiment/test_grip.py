@@ -99,6 +99,8 @@ def test_nothing_that_decides_reads_the_instruments(knowledge: GripperKnowledge)
     class Blind:
         """The rig without its instruments."""
 
+        reference_columns = ()
+
         def __init__(self, rig: object) -> None:
             self._rig = rig
 
