@@ -115,4 +115,8 @@ def protection_findings(limits: ProtectionLimits | None) -> Findings:
         f"{limits.resistance_low_ohm:.3g} to {limits.resistance_high_ohm:.3g} ohm, "
         f"{limits.maximum_temperature_k - 273.15:.0f} C estimated, at most {limits.maximum_voltage_v:.3g} V"
     )
-    return Findings((Check("protection", True, said, "", "set the supply's own current limit to no more than this"),))
+    advice = (
+        "these tell faults, not what the wire may carry: set the supply's own current limit by musclewire simulate "
+        "(one and a half times the one-second current, or at most the one for long where nobody watches)"
+    )
+    return Findings((Check("protection", True, said, "", advice),))

@@ -1,8 +1,10 @@
 // Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE)
 // @NAME@ on an Arduino: a wire that holds a @QUANTITY@ by its own resistance. Written by musclewire export c.
 //
-// Circuit: supply -> MOSFET or buffer (pin 9 through a low-pass filter and an amplifier, see below) -> wire -> shunt -> ground.
-// Measure the five numbers below on your own board before the wire is connected. Send a target over the serial monitor,
+// Circuit: the board's circuit of musclewire's wiring guide (pin 9 through two low-pass filters of 160 Hz and a buffer of gain
+// 1 -> wire -> shunt -> ground; A0 at the wire's top without divider, A1 behind an amplifier of gain 20). The filters need
+// fast PWM: an Uno or Nano gets 15.6 kHz here; on another board raise its PWM yourself, 490 Hz would heat in pulses.
+// Measure the three numbers of volts per count on your own board before the wire is connected. Send a target over the serial monitor,
 // in SI (0.012 for 1.2 % strain); anything else switches off until the board is reset: no number, a target above the
 // model's range, which the wire would be heated for without end, or a longer silence than EXPIRY_MS.
 // Only AVR boards get their watchdog here: on any other start yours, or a loop that hangs leaves the wire hot.
@@ -14,9 +16,14 @@
 const uint8_t DRIVE_PIN = 9;    // PWM
 const uint8_t SUPPLY_PIN = A0;  // top of the wire, through a divider
 const uint8_t SHUNT_PIN = A1;   // top of the shunt, through an amplifier or directly
-const float SUPPLY_V_PER_COUNT = 0.0098f;  // volts at the top of the wire per count of the converter
-const float SHUNT_V_PER_COUNT = 0.0049f;   // volts at the shunt per count
-const float DRIVE_V_PER_COUNT = 0.0392f;   // volts of drive per count of analogWrite
+const float SUPPLY_V_PER_COUNT = 0.00489f;  // volts at the top of the wire per count of the converter: 5 V / 1023
+const float SHUNT_V_PER_COUNT = 0.000244f;  // volts at the shunt per count: the same over the amplifier's gain
+#if defined(__AVR_ATmega328P__)
+const uint16_t FULL_COUNT = 1023;           // timer 1, ten bits
+#else
+const uint16_t FULL_COUNT = 255;            // analogWrite
+#endif
+const float DRIVE_V_PER_COUNT = 5.0f / FULL_COUNT;  // volts of drive per count of PWM
 const uint32_t TICK_US = 10000;            // converter tick: both channels are read, the protection looks
 const uint8_t TICKS_A_CONTROL = 5;         // control tick: @QUANTITY@, error, drive
 const uint32_t EXPIRY_MS = 5000;           // no target for so long: off
@@ -36,8 +43,17 @@ static float counts(uint8_t pin) {
 }
 
 static void put_out(float drive_voltage_v) {
-  float count = drive_voltage_v / DRIVE_V_PER_COUNT + 0.5f;
-  analogWrite(DRIVE_PIN, count > 255.0f ? 255 : static_cast<uint8_t>(count));
+  float wanted = drive_voltage_v / DRIVE_V_PER_COUNT + 0.5f;
+  uint16_t count = wanted > FULL_COUNT ? FULL_COUNT : static_cast<uint16_t>(wanted);
+#if defined(__AVR_ATmega328P__)
+  // Fast PWM of ten bits at 16 MHz / 1024; at 0 the pin leaves the timer, which would still give a pulse of one count.
+  TCCR1B = _BV(WGM12) | _BV(CS10);
+  TCCR1A = (count > 0 ? _BV(COM1A1) : 0) | _BV(WGM11) | _BV(WGM10);
+  OCR1A = count;
+  if (count == 0) digitalWrite(DRIVE_PIN, LOW);
+#else
+  analogWrite(DRIVE_PIN, count);
+#endif
 }
 
 static void read_line() {
