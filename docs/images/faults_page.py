@@ -45,13 +45,11 @@ decides which of them is seen first.
 
 A simulated rig file takes the same faults, to see what your own script does with them:
 
-```toml
-[[fault]]
-kind = "contact"        # the wire's clamp lets go a little
-at = "3 s"
-lasts = "0.5 s"         # without it the fault stays
-resistance = "5 ohm"
-```
+    [[fault]]
+    kind = "contact"        # the wire's clamp lets go a little
+    at = "3 s"
+    lasts = "0.5 s"         # without it the fault stays
+    resistance = "5 ohm"
 
 All kinds and their keys: [rig files](hardware_rig_files.md).
 """
