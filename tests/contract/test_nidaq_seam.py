@@ -208,8 +208,10 @@ def test_the_server_prints_the_line_that_a_rig_file_needs() -> None:
     root = Path(__file__).parents[2]
     with subprocess.Popen(command, cwd=root, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
-        line = next(line for line in server.stdout if line.startswith("grpc = "))
-        with NiDaqRig(wiring_of("ni-pci-6229").model_copy(update=tomllib.loads(line))) as rig:
-            assert rig.exchange(rig.sense_voltage_v).shunt_voltage_v > 0.01
-        server.terminate()
+        try:
+            line = next(line for line in server.stdout if line.startswith("grpc = "))
+            with NiDaqRig(wiring_of("ni-pci-6229").model_copy(update=tomllib.loads(line))) as rig:
+                assert rig.exchange(rig.sense_voltage_v).shunt_voltage_v > 0.01
+        finally:
+            server.terminate()  # or the block would wait for ever for a server that nobody ends
     assert server.returncode == 0
