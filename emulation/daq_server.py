@@ -265,7 +265,8 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"an emulated {server.card.model.product} as {server.card.name}, with the rig {chosen.wire} behind it")
         print("a rig file of kind nidaq reaches it by the line")
         print(f'grpc = "{server.address}"', flush=True)
-        over.wait()
+        while not over.wait(0.2):  # a signal that the kernel hands to a thread of gRPC's does not wake this one
+            pass
     return 0
 
 
