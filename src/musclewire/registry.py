@@ -1,0 +1,100 @@
+"""Kinds of estimators, controllers, devices and load parts by name: our own, and those that others add.
+
+Each registry names what it knows and where it is, and imports it only when it is asked for. A package from outside adds
+a kind by one call, ``estimators.register("name", factory)``, or by an entry point of the registry's group, which
+needs no call at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import Generic, TypeVar, cast
+
+from musclewire.errors import CallerError, nearest_hint
+
+__all__ = ["Registry"]
+
+Kind = TypeVar("Kind")
+
+
+class Registry(Generic[Kind]):
+    """Kinds of one thing by name.
+
+    Parameters
+    ----------
+    what
+        What a kind is called in messages: "estimator", for example.
+    group
+        Group of the entry points under which other packages offer theirs, "musclewire.estimators" for example.
+    built_in
+        Our own kinds: where each is, as "module:attribute". None of these modules is imported before it is asked for.
+    """
+
+    def __init__(self, what: str, group: str, built_in: Mapping[str, str]) -> None:
+        """Know our own kinds; those of other packages are looked up when a name is asked for."""
+        self.what = what
+        self.group = group
+        self._places = dict(built_in)
+        self._registered: dict[str, Kind] = {}
+
+    def register(self, name: str, kind: Kind) -> None:
+        """Add a kind under a name.
+
+        Parameters
+        ----------
+        name
+            Name on the command line and in files.
+        kind
+            What is returned for it.
+
+        Raises
+        ------
+        CallerError
+            If the name is taken by another kind.
+        """
+        known = self._registered.get(name)
+        if (known is not None and known is not kind) or name in self._places:
+            raise CallerError(f"there is already {self.article()} {self.what} named '{name}': give yours another name")
+        self._registered[name] = kind
+
+    def names(self) -> tuple[str, ...]:
+        """Return all known names: our own first, then registered ones, then those of entry points."""
+        return tuple(dict.fromkeys([*self._places, *self._registered, *self._offered()]))
+
+    def find(self, name: str) -> Kind:
+        """Return the kind of a name.
+
+        Parameters
+        ----------
+        name
+            A name out of :meth:`names`.
+
+        Returns
+        -------
+        The kind, imported now if it was not before.
+
+        Raises
+        ------
+        CallerError
+            If nothing is known under the name; the message lists the nearest ones.
+        """
+        if name in self._registered:
+            return self._registered[name]
+        if name in self._places:
+            module, _, attribute = self._places[name].partition(":")
+            return cast(Kind, getattr(import_module(module), attribute))
+        offered = self._offered()
+        if name in offered:
+            module, _, attribute = offered[name].partition(":")
+            return cast(Kind, getattr(import_module(module), attribute))
+        raise CallerError(f"there is no {self.what} '{name}'{nearest_hint(name, self.names())}")
+
+    def article(self) -> str:
+        """Return "a" or "an", whichever the word needs."""
+        return "an" if self.what[0] in "aeiou" else "a"
+
+    def _offered(self) -> dict[str, str]:
+        """Return the entry points of this group: name to "module:attribute"; a name of our own is never replaced."""
+        return {point.name: point.value for point in entry_points(group=self.group) if point.name not in self._places}

@@ -1,0 +1,40 @@
+"""Kinds by name: our own, registered ones, and what is refused."""
+
+from __future__ import annotations
+
+import pytest
+
+from musclewire.errors import CallerError
+from musclewire.registry import Registry
+
+
+def registry() -> Registry[object]:
+    """Return a registry with one kind of our own, which is any importable attribute."""
+    return Registry("estimator", "musclewire.test_kinds", {"pi": "math:pi"})
+
+
+def test_a_kind_of_our_own_is_imported_when_it_is_asked_for() -> None:
+    assert registry().find("pi") == pytest.approx(3.14159, abs=1e-5)
+
+
+def test_a_registered_kind_is_known_by_name() -> None:
+    kinds = registry()
+    kinds.register("mine", test_a_registered_kind_is_known_by_name)
+    assert kinds.find("mine") is test_a_registered_kind_is_known_by_name
+    assert kinds.names() == ("pi", "mine")
+
+
+def test_registering_the_same_kind_twice_changes_nothing_and_another_is_refused() -> None:
+    kinds = registry()
+    kinds.register("mine", 1)
+    with pytest.raises(CallerError, match="already an estimator named 'mine'"):
+        kinds.register("mine", 2)
+    with pytest.raises(CallerError, match="'pi'"):
+        kinds.register("pi", 2)
+
+
+def test_an_unknown_name_is_told_the_nearest() -> None:
+    kinds = registry()
+    kinds.register("polynomial", 1)
+    with pytest.raises(CallerError, match="polynomial"):
+        kinds.find("polynomal")
