@@ -14,6 +14,7 @@ from musclewire.controllers.protection import (
     State,
     allowed_drive_v,
     armed,
+    closed,
     protect_command,
     protect_missing,
     protect_reading,
@@ -264,8 +265,7 @@ class GuardedRig(ABC):
     def close(self) -> None:
         """Switch the drive off and let go of the hardware; may be done twice."""
         self._off_for_good = True
-        if self._guard.state is not State.TRIPPED:
-            self._guard = self._guard._replace(state=State.OFF, drive_voltage_v=0.0)
+        self._guard = closed(self._guard)
         self._switch_off()
 
     def __enter__(self) -> Self:

@@ -16,6 +16,7 @@ __all__ = [
     "ProtectionState",
     "allowed_drive_v",
     "armed",
+    "closed",
     "protect_command",
     "protect_missing",
     "protect_reading",
@@ -92,6 +93,13 @@ def tripped_by(state: ProtectionState, event: Event) -> ProtectionState:
     if state.state is State.TRIPPED:
         return state
     return state._replace(state=State.TRIPPED, event=event, drive_voltage_v=0.0)
+
+
+def closed(state: ProtectionState) -> ProtectionState:
+    """Return the state after the rig has let go of its output for good; what has tripped keeps saying why."""
+    if state.state is State.TRIPPED:
+        return state
+    return state._replace(state=State.OFF, drive_voltage_v=0.0)
 
 
 def rested(state: ProtectionState, limits: ProtectionLimits) -> ProtectionState:
