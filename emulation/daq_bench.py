@@ -10,6 +10,7 @@ from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_config
 from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
 from musclewire.rigs.nidaq.rig import COLUMNS
 from musclewire.rigs.simulated import SimulatedRig
+from musclewire.signals.commands import Drive
 
 __all__ = ["PCI_6229", "USB_6001", "WiredRig", "card_of"]
 
@@ -58,7 +59,7 @@ class WiredRig:
         drive_v = self._wiring.output.rule.quantity(outputs_v[self._wiring.output.channel])
         self.largest_drive_v = max(self.largest_drive_v, drive_v)
         # A rig's own exchange would protect the wire; behind a card nothing does but who drives the card.
-        sample = self.rig._exchange(max(drive_v, 0.0))
+        sample = self.rig._exchange(Drive(max(drive_v, 0.0)))
         read_v = {}
         for column, item in self._inputs.items():
             value = getattr(sample, column)

@@ -17,6 +17,7 @@ import pytest
 from musclewire.experiment.run import what_protects
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig
+from musclewire.signals.commands import Command
 from musclewire.signals.recording import Recording
 from musclewire.signals.samples import RawSample
 
@@ -34,8 +35,8 @@ def noting(rig: GuardedRig) -> list[RawSample]:
     noted: list[RawSample] = []
     take = rig._exchange
 
-    def exchange(drive_voltage_v: float) -> RawSample:
-        noted.append(take(drive_voltage_v))
+    def exchange(command: Command) -> RawSample:
+        noted.append(take(command))
         return noted[-1]
 
     rig._exchange = exchange  # type: ignore[method-assign]

@@ -28,6 +28,7 @@ from musclewire.rigs.serial.configuration import SerialConfiguration
 from musclewire.rigs.serial.frames import Frame, encode_frame
 from musclewire.rigs.serial.messages import MessageKind
 from musclewire.rigs.serial.rig import SerialRig
+from musclewire.signals.commands import Command, Drive, Target
 from musclewire.signals.recording import Recording
 from musclewire.signals.samples import RawSample
 
@@ -54,13 +55,13 @@ class ConstantDrive:
     def __init__(self, drive_voltage_v: float) -> None:
         self.drive_voltage_v = drive_voltage_v
 
-    def first_drive_voltage_v(self) -> float:
-        return self.drive_voltage_v
+    def first_command(self) -> Command:
+        return Drive(self.drive_voltage_v)
 
     def after(self, _sample: RawSample, _elapsed_s: float) -> Decision:
         # A channel that stands still shows only when something moves.
         self.drive_voltage_v += 0.002 * random.choice([-1, 1])
-        return Decision(self.drive_voltage_v, {})
+        return Decision(Drive(self.drive_voltage_v), {})
 
 
 class Outcome:
@@ -182,7 +183,7 @@ def inject(board: EmulatedBoard, rig: SerialRig, policy: ConstantDrive, row: Fau
         "past the check": lambda: send(
             rig, Frame(MessageKind.DRIVE, 60000, struct.pack("<f", given["drive_voltage_v"]))
         ),
-        "target": lambda: rig.exchange_target(given["target"]),
+        "target": lambda: rig.exchange(Target(given["target"])),
         "flood": lambda: flood(rig),
         "from the start": lambda: None,
     }

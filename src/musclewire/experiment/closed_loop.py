@@ -23,6 +23,7 @@ from musclewire.sensing.known_load import KnownSpring, force_model
 from musclewire.sensing.model import SHOWN_AS, SensingModel
 from musclewire.sensing.resistance import wire_resistance
 from musclewire.sensing.tracking import SegmentState, SegmentTracker
+from musclewire.signals.commands import Command, Drive
 from musclewire.signals.recording import MetadataValue
 from musclewire.signals.samples import RawSample
 
@@ -115,9 +116,9 @@ class SelfSensingPolicy:
             "derivative_gain",
         )
 
-    def first_drive_voltage_v(self) -> float:
+    def first_command(self) -> Command:
         """Return the drive the loop takes over from."""
-        return self._first_drive_voltage_v
+        return Drive(self._first_drive_voltage_v)
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the controller's answer to one sample."""
@@ -142,7 +143,7 @@ class SelfSensingPolicy:
         else:
             self._lose_sight(sample)
         return Decision(
-            drive,
+            Drive(drive),
             {
                 "wire_resistance_ohm": reading.resistance_ohm,
                 self._target_name: judged,

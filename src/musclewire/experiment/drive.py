@@ -12,6 +12,7 @@ from musclewire.errors import CallerError, RigError
 from musclewire.experiment.run import Decision, OnSample, Policy, run_on_rig
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.resistance import wire_resistance
+from musclewire.signals.commands import Command, Drive
 from musclewire.signals.recording import MetadataValue, Recording
 from musclewire.signals.samples import RawSample
 
@@ -32,14 +33,14 @@ class HeldVoltage:
         self._sense_voltage_v = sense_voltage_v
         self._off_at_s = sample_period_s + on_s
 
-    def first_drive_voltage_v(self) -> float:
+    def first_command(self) -> Command:
         """Return the sense voltage."""
-        return self._sense_voltage_v
+        return Drive(self._sense_voltage_v)
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:  # noqa: ARG002
         """Return the supply's voltage until it is time to switch off."""
         on = elapsed_s < self._off_at_s - 1e-9
-        return Decision(self._drive_voltage_v if on else self._sense_voltage_v, {})
+        return Decision(Drive(self._drive_voltage_v if on else self._sense_voltage_v), {})
 
 
 class HeldCurrent:
@@ -68,21 +69,21 @@ class HeldCurrent:
         self._off_at_s = sample_period_s + on_s
         self._blind_samples = 0
 
-    def first_drive_voltage_v(self) -> float:
+    def first_command(self) -> Command:
         """Return the sense voltage."""
-        return self._sense_voltage_v
+        return Drive(self._sense_voltage_v)
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the voltage that drives the wanted current through the resistance just measured."""
         if elapsed_s >= self._off_at_s - 1e-9:
-            return Decision(self._sense_voltage_v, {})
+            return Decision(Drive(self._sense_voltage_v), {})
         reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
         if not reading.valid:
-            return Decision(self._kept(sample), {})
+            return Decision(Drive(self._kept(sample)), {})
         self._blind_samples = 0
         circuit_ohm = sample.drive_voltage_v * self._shunt_resistance_ohm / sample.shunt_voltage_v
         wanted_v = self._current_a * circuit_ohm
-        return Decision(min(max(wanted_v, self._sense_voltage_v), self._maximum_voltage_v), {})
+        return Decision(Drive(min(max(wanted_v, self._sense_voltage_v), self._maximum_voltage_v)), {})
 
     def _kept(self, sample: RawSample) -> float:
         self._blind_samples += 1
@@ -103,15 +104,15 @@ class WithThermometer:
         self._temperature_k = temperature_k
         self.columns = (*policy.columns, "wire_temperature_k")
 
-    def first_drive_voltage_v(self) -> float:
+    def first_command(self) -> Command:
         """Return the policy's own."""
-        return self._policy.first_drive_voltage_v()
+        return self._policy.first_command()
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the policy's decision with the temperature added."""
         decision = self._policy.after(sample, elapsed_s)
         columns: Mapping[str, float] = {**decision.columns, "wire_temperature_k": self._temperature_k()}
-        return Decision(decision.drive_voltage_v, columns)
+        return Decision(decision.command, columns)
 
 
 def drive_wire(

@@ -21,6 +21,7 @@ from musclewire.sensing.contact import AirMoves, ContactDetector
 from musclewire.sensing.grip_force import fall_by_cooling
 from musclewire.sensing.polynomials import evaluate
 from musclewire.sensing.resistance import wire_resistance
+from musclewire.signals.commands import Command, Drive
 from musclewire.signals.recording import MetadataValue, Recording
 from musclewire.signals.samples import RawSample
 
@@ -76,9 +77,9 @@ class GripPolicy:
         self._place_before = 1.0
         self._blind_samples = 0
 
-    def first_drive_voltage_v(self) -> float:
+    def first_command(self) -> Command:
         """Return the waveform's start."""
-        return self._closing(0.0)
+        return Drive(self._closing(0.0))
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the next drive voltage and what the grip looks like from the wire's voltages."""
@@ -90,7 +91,7 @@ class GripPolicy:
         else:
             self._lose_sight(sample)
         return Decision(
-            drive,
+            Drive(drive),
             {
                 "wire_resistance_ohm": reading.resistance_ohm,
                 "contact_score": self.state.score,

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, cast
 
 from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError
@@ -20,25 +19,10 @@ from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.protocol import Rig
 from musclewire.rigs.serial.rig import SerialRig
 from musclewire.sensing.model import SensingModel
+from musclewire.signals.commands import Command, Target
 from musclewire.signals.samples import RawSample
 
-__all__ = ["TargetRig", "control_on_board"]
-
-
-class TargetRig:
-    """A serial rig whose exchange takes a target instead of a drive voltage; everything else is the rig's own."""
-
-    def __init__(self, rig: SerialRig) -> None:
-        """Put targets through to a rig."""
-        self.rig = rig
-
-    def exchange(self, target: float) -> RawSample:
-        """Let the board follow a target (SI, its model's quantity) for one sample period."""
-        return self.rig.exchange_target(target)
-
-    def __getattr__(self, name: str) -> Any:
-        """Return what the rig has under this name."""
-        return getattr(self.rig, name)
+__all__ = ["control_on_board"]
 
 
 class TargetPolicy:
@@ -55,9 +39,9 @@ class TargetPolicy:
         """Names of the columns this policy adds."""
         return ("wire_resistance_ohm", self._target_name, self._estimated_name, "valid")
 
-    def first_drive_voltage_v(self) -> float:
-        """Return the first target: what the rig's exchange takes here."""
-        return self._reference.target_at(0.0)
+    def first_command(self) -> Command:
+        """Return the first target."""
+        return self._target_at(0.0)
 
     def after(self, _sample: RawSample, elapsed_s: float) -> Decision:
         """Return the next target, with what the board made of the sample that has just ended."""
@@ -67,7 +51,7 @@ class TargetPolicy:
         estimate = self._rig.board_estimate
         valid = resistance_ohm > 0.0 and self._model.estimate(resistance_ohm).valid
         return Decision(
-            self._reference.target_at(max(since_s, 0.0)),
+            self._target_at(max(since_s, 0.0)),
             {
                 "wire_resistance_ohm": resistance_ohm,
                 self._target_name: judged,
@@ -75,6 +59,10 @@ class TargetPolicy:
                 "valid": float(valid),
             },
         )
+
+    def _target_at(self, time_s: float) -> Target:
+        """Return the reference's target at a time, in the quantity of the board's model."""
+        return Target(self._reference.target_at(time_s), self._model.quantity)
 
 
 def control_on_board(
@@ -106,7 +94,7 @@ def control_on_board(
     check_targets(model, chosen, rig.sample_period_s)
     check_same_wire(model, rig)
     recording = run_on_rig(
-        cast(Rig, TargetRig(rig)),
+        rig,
         TargetPolicy(rig, model, chosen, approach_s),
         approach_s + chosen.duration_s,
         metadata={"experiment": "closed loop on the board", "quantity": model.quantity, "approach_s": approach_s},

@@ -9,6 +9,7 @@ from pathlib import Path
 from musclewire.errors import CallerError
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
 from musclewire.rigs.protocol import Rig
+from musclewire.signals.commands import Command, Drive
 from musclewire.signals.recording import Recording
 from musclewire.signals.samples import RawSample
 
@@ -48,14 +49,14 @@ class WaveformPolicy:
         self._waveform = waveform
         self._period_s = period_s
 
-    def first_drive_voltage_v(self) -> float:
+    def first_command(self) -> Command:
         """Return the waveform's start."""
-        return self._waveform(0.0)
+        return Drive(self._waveform(0.0))
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:  # noqa: ARG002
         """Return the waveform's next value; a sample that ends a cycle belongs to that cycle."""
         cycle = math.ceil(elapsed_s / self._period_s - 1e-9)
-        return Decision(self._waveform(elapsed_s), {"cycle": float(max(cycle, 1))})
+        return Decision(Drive(self._waveform(elapsed_s)), {"cycle": float(max(cycle, 1))})
 
 
 def characterize(

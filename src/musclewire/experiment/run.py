@@ -18,13 +18,14 @@ from musclewire.experiment.recorder import Recorder
 from musclewire.experiment.timing import LoopTiming
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.protocol import Rig
+from musclewire.signals.commands import Command
 from musclewire.signals.recording import MetadataValue, Recording
 from musclewire.signals.samples import RawSample
 
 __all__ = ["Decision", "OnSample", "Policy", "file_in", "refuse_unusable", "run_on_rig"]
 
 OnSample = Callable[[Mapping[str, float]], None]
-Exchange = Callable[[float], RawSample]
+Exchange = Callable[[Command], RawSample]
 # Rows that may be lost to a power cut: about a second of a paced rig, a fraction of one where no clock paces.
 PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
 # A block takes some milliseconds to write, on a busy machine over ten: in shorter periods another process writes it.
@@ -33,22 +34,22 @@ REFERENCE_COLUMNS = RawSample._fields[4:]
 
 
 class Decision(NamedTuple):
-    """What a policy says after a sample: the next drive voltage and what to record beside the sample."""
+    """What a policy says after a sample: the next command, and what to record beside the sample."""
 
-    drive_voltage_v: float
+    command: Command
     columns: Mapping[str, float]
 
 
 class Policy(Protocol):
-    """Chooses the drive voltage. It has no clock: time is what the samples say."""
+    """Chooses what the rig is to do next. It has no clock: time is what the samples say."""
 
     @property
     def columns(self) -> Sequence[str]:
         """Names of the columns its decisions add to a recording."""
         ...
 
-    def first_drive_voltage_v(self) -> float:
-        """Return the drive for the first sample period."""
+    def first_command(self) -> Command:
+        """Return the command for the first sample period."""
         ...
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
@@ -100,16 +101,16 @@ def run_on_rig(
     described = {**what_protects(rig), **rig.metadata(), **(metadata or {})}
     first: RawSample | None = None
     try:
-        drive = policy.first_drive_voltage_v()
+        command = policy.first_command()
         # Asked by name: also a rig behind another one, whose drive must not wait for a file to be made, tells them.
         instruments = getattr(rig, "reference_columns", None)
         if instruments is None:  # then the first sample tells
-            first = exchange(drive)
+            first = exchange(command)
             instruments = tuple(name for name in REFERENCE_COLUMNS if getattr(first, name) is not None)
         columns = [*RawSample._fields[:4], *instruments, *policy.columns]
         with recorder_for(rig, columns, described, path, overwrite) as recorder, few_collections():
             try:
-                first = exchange(drive) if first is None else first
+                first = exchange(command) if first is None else first
                 follow(policy, exchange, first, samples, rig.sample_period_s, recorder, timing, on_sample)
             finally:
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
@@ -130,7 +131,7 @@ def follow(
     timing: LoopTiming,
     on_sample: OnSample | None,
 ) -> None:
-    """Hand each sample to the policy, record both, hand the policy's drive to the rig; from a first sample on."""
+    """Hand each sample to the policy, record both, hand the policy's command to the rig; from a first sample on."""
     start_s = sample.time_s - sample_period_s
     for left in range(samples, 0, -1):
         # A recording counts from its own start; rounded, because the difference of clocks is not, and before the policy
@@ -145,22 +146,22 @@ def follow(
             on_sample(row)  # type: ignore[arg-type]  # None only where an instrument gave nothing
             timing.called_back(perf_counter_ns() - called_ns)
         if left > 1:
-            sample = exchange(decision.drive_voltage_v)
+            sample = exchange(decision.command)
 
 
 def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
     """Return the rig's exchange, with its times noted: the rig's own where it tells them, as it judges each sample."""
     if isinstance(rig, GuardedRig):
 
-        def exchange(drive_voltage_v: float) -> RawSample:
-            sample = rig.exchange(drive_voltage_v)
+        def exchange(command: Command) -> RawSample:
+            sample = rig.exchange(command)
             timing.sampled(rig.drive_at_ns, rig.sample_at_ns)
             return sample
     else:
 
-        def exchange(drive_voltage_v: float) -> RawSample:
+        def exchange(command: Command) -> RawSample:
             drive_at_ns = perf_counter_ns()
-            sample = rig.exchange(drive_voltage_v)
+            sample = rig.exchange(command)
             timing.sampled(drive_at_ns, perf_counter_ns())
             return sample
 

@@ -22,8 +22,9 @@ from musclewire.controllers.protection import (
     rested,
     tripped_by,
 )
-from musclewire.errors import RigError
+from musclewire.errors import CallerError, RigError
 from musclewire.rigs.protocol import Metadata
+from musclewire.signals.commands import Command, Drive, Target, as_command, drive_voltage_of
 from musclewire.signals.samples import RawSample
 
 __all__ = ["GuardedRig", "ProtectionTripError"]
@@ -129,9 +130,14 @@ class GuardedRig(ABC):
         """Names of the reference instruments; None where only the first sample tells."""
         return None
 
+    @property
+    def accepts_targets(self) -> bool:
+        """Whether the device has a closed loop of its own, to which targets go."""
+        return False
+
     @abstractmethod
-    def _exchange(self, drive_voltage_v: float) -> RawSample:
-        """Put out a drive voltage that the protection allows for one sample period; return the sample at its end."""
+    def _exchange(self, command: Command) -> RawSample:
+        """Follow a command that the protection allows for one sample period; return the sample at its end."""
 
     @abstractmethod
     def _put_safe(self) -> None:
@@ -152,26 +158,36 @@ class GuardedRig(ABC):
         return self._guard_limits
 
     @final
-    def exchange(self, drive_voltage_v: float) -> RawSample:
-        """Put out a drive voltage for one sample period and return the sample at its end.
+    def exchange(self, command: Command | float) -> RawSample:
+        """Follow a command for one sample period and return the sample at its end.
 
         While readings are missing the protection holds the drive or lowers it; the sample's ``drive_voltage_v`` says
-        what was out. Raises RigError, with the drive switched off, for a voltage outside 0 to the maximum and for every
-        event of the protection table that trips. Whatever else is raised leaves the rig at its sense voltage.
+        what was out. A target goes to the device's own closed loop; what that puts out is judged like any drive.
+
+        Parameters
+        ----------
+        command
+            A drive voltage [V], as a :class:`~musclewire.signals.commands.Drive` or a bare number, or a
+            :class:`~musclewire.signals.commands.Target` for a device with a closed loop of its own.
+
+        Returns
+        -------
+        The sample.
+
+        Raises
+        ------
+        RigError
+            With the drive switched off, for a voltage outside 0 to the maximum and for every event of the protection
+            table that trips. Whatever else is raised leaves the rig at its sense voltage.
+        CallerError
+            For a target where the device has no closed loop of its own.
         """
         if self._off_for_good:
             raise RigError("this rig is closed or has failed and stays off: open it again")
-        self._guard = protect_command(self._guard, self._guard_limits, drive_voltage_v)
-        if self._guard.state is State.TRIPPED:
-            self.close()
-            raise ProtectionTripError(
-                f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; {self._off_in_words()}",
-                Event.COMMAND_REFUSED,
-            )
-        allowed_v = allowed_drive_v(self._guard, self._guard_limits)
+        allowed = self._allowed(as_command(command))
         self.drive_at_ns = perf_counter_ns()
         try:
-            sample = self._exchange(allowed_v)
+            sample = self._exchange(allowed)
         except RigError:
             self.close()  # whatever a device reports as its fault ends off, not at the sense voltage
             raise
@@ -179,8 +195,30 @@ class GuardedRig(ABC):
             self.make_safe()  # Ctrl-C, or a mistake in a kind of rig: nobody may be there to ask for less
             raise
         self.sample_at_ns = perf_counter_ns()
+        if isinstance(allowed, Target):
+            # The protection judges what the device put out as if the host had commanded it.
+            chosen_v = min(sample.drive_voltage_v, self.maximum_voltage_v)
+            self._guard = protect_command(self._guard, self._guard_limits, chosen_v)
         self._judge(sample)
         return sample
+
+    def _allowed(self, command: Command) -> Command:
+        """Return what may go out of a command. Raises as ``exchange`` does for one that never may."""
+        if isinstance(command, Target) and self.accepts_targets:
+            return command
+        try:
+            drive_voltage_v = drive_voltage_of(command)
+        except CallerError:
+            self.make_safe()
+            raise
+        self._guard = protect_command(self._guard, self._guard_limits, drive_voltage_v)
+        if self._guard.state is State.TRIPPED:
+            self.close()
+            raise ProtectionTripError(
+                f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; {self._off_in_words()}",
+                Event.COMMAND_REFUSED,
+            )
+        return Drive(allowed_drive_v(self._guard, self._guard_limits))
 
     def _judge(self, sample: RawSample) -> None:
         """Run the protection over a sample; readings faster than the table's period are averaged first."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import TracebackType
 from typing import Protocol, Self, runtime_checkable
 
+from musclewire.signals.commands import Command
 from musclewire.signals.samples import RawSample
 
 __all__ = ["HasStage", "HasTendonStage", "Metadata", "Rig"]
@@ -63,10 +64,11 @@ class Rig(Protocol):
         """Return what a recording should say about this rig."""
         ...
 
-    def exchange(self, drive_voltage_v: float) -> RawSample:
-        """Put out a drive voltage for one sample period and return the sample at its end.
+    def exchange(self, command: Command | float) -> RawSample:
+        """Follow a command for one sample period and return the sample at its end; a number is a drive voltage [V].
 
-        Raises RigError, after the drive has been switched off, for a voltage outside 0 to the maximum.
+        Raises RigError, after the drive has been switched off, for a voltage outside 0 to the maximum; CallerError for
+        a target where no device follows one.
         """
         ...
 

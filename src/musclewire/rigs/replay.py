@@ -16,6 +16,7 @@ from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.hardware import HardwareConfiguration
 from musclewire.rigs.mounted import LimitsTable, Metres, MountedWire, Newtons, Ohms, Volts
 from musclewire.rigs.protocol import Metadata
+from musclewire.signals.commands import Command, drive_voltage_of
 from musclewire.signals.hdf5 import read_hdf5
 from musclewire.signals.reading import read_recording
 from musclewire.signals.recording import Recording
@@ -180,7 +181,7 @@ class ReplayRig(GuardedRig):
             "replay_first_difference_s": self._first_difference_s,
         }
 
-    def _exchange(self, drive_voltage_v: float) -> RawSample:
+    def _exchange(self, command: Command) -> RawSample:
         """Return the next sample of the recording. Raises RigError at its end, and for another drive than recorded."""
         if self._next == len(self._samples):
             ended = str(self._known.get("ended", "for a reason it does not say"))
@@ -190,7 +191,7 @@ class ReplayRig(GuardedRig):
         sample = self._samples[self._next]
         # While readings are missing the protection decides what is out, here as on the recorded rig.
         if self._guard.state is State.RUN:
-            self._compare(drive_voltage_v, sample)
+            self._compare(drive_voltage_of(command), sample)
         self._next += 1
         self._drive_voltage_v = sample.drive_voltage_v
         return sample

@@ -20,6 +20,7 @@ from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_building import force_limit_n, simulated_limits, wires_of
 from musclewire.rigs.simulated_wires import Means, TwoWires
 from musclewire.rigs.surroundings import Surroundings, Weather
+from musclewire.signals.commands import Command, drive_voltage_of
 from musclewire.signals.samples import RawSample
 from musclewire.simulate.loads import spring_load
 from musclewire.simulate.state import WireState
@@ -234,8 +235,9 @@ class SimulatedRig(GuardedRig):
         if not 0.0 <= pretension_n <= allowed:
             raise CallerError(f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self._wire.name} allows")
 
-    def _exchange(self, drive_voltage_v: float) -> RawSample:
+    def _exchange(self, command: Command) -> RawSample:
         """Hold a drive voltage for one sample period and return the averaged readings at its end."""
+        drive_voltage_v = drive_voltage_of(command)
         if self._pacer is not None:
             drive_voltage_v = self.drive_when_late(drive_voltage_v, self._pacer.late_s())
         resolution = self._bench["amplifier_resolution_v"]

@@ -1,10 +1,12 @@
-"""What a rig is told to do for one sample period: put out a drive voltage, or go to a target by itself."""
+"""What a rig is to do for one sample period: put out a drive voltage, or go to a target by itself."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["Command", "Drive", "Target"]
+from musclewire.errors import CallerError
+
+__all__ = ["Command", "Drive", "Target", "as_command", "drive_voltage_of"]
 
 
 class Drive(NamedTuple):
@@ -25,3 +27,28 @@ class Target(NamedTuple):
 
 
 Command = Drive | Target
+
+
+def as_command(command: Command | float) -> Command:
+    """Return a command; a bare number is a drive voltage in volts.
+
+    Parameters
+    ----------
+    command
+        A command, or a drive voltage [V], as scripts write it: ``rig.exchange(1.5)``.
+
+    Returns
+    -------
+    The command itself, or the number as a :class:`Drive`.
+    """
+    return command if isinstance(command, (Drive, Target)) else Drive(command)
+
+
+def drive_voltage_of(command: Command) -> float:
+    """Return the drive voltage [V] of a command. Raises CallerError for a target, which only some devices follow."""
+    if isinstance(command, Drive):
+        return command.voltage_v
+    raise CallerError(
+        f"a target of {command.value:g} ({command.quantity}) needs a board that closes the loop itself, and this rig "
+        "has none: command a drive voltage"
+    )

@@ -9,6 +9,7 @@ from typing import Self
 from musclewire.rigs.protocol import Metadata
 from musclewire.sensing import SensingModel
 from musclewire.signals import RawSample
+from musclewire.signals.commands import Command, as_command, drive_voltage_of
 
 LENGTH_M = 0.07
 
@@ -35,7 +36,8 @@ class FakeRig:
     def metadata(self) -> Metadata:
         return {"rig": "fake", "leg_length_m": LENGTH_M, "shunt_resistance_ohm": 1.0, "sample_period_s": 0.05}
 
-    def exchange(self, drive_voltage_v: float) -> RawSample:
+    def exchange(self, command: Command | float) -> RawSample:
+        drive_voltage_v = drive_voltage_of(as_command(command))
         if self.samples == self.fails_at:
             raise OSError("the cable came off")
         self.drive_voltage_v = drive_voltage_v

@@ -161,8 +161,8 @@ def test_a_model_that_names_another_wire_is_refused_before_anything_moves() -> N
 
 def test_the_loop_reads_no_reference_instrument() -> None:
     class Liar(FakeRig):
-        def exchange(self, drive_voltage_v: float):
-            return super().exchange(drive_voltage_v)._replace(displacement_m=-1.0)
+        def exchange(self, command):
+            return super().exchange(command)._replace(displacement_m=-1.0)
 
     honest, lied = control(FakeRig(), straight_model()), control(Liar(), straight_model())
     assert (honest["drive_voltage_v"] == lied["drive_voltage_v"]).all()

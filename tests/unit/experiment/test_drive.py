@@ -17,6 +17,7 @@ from musclewire.identify.catalogue_check import run_catalogue_test
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.rigs.configuration import open_rig
 from musclewire.signals import RawSample
+from musclewire.signals.commands import Drive
 from musclewire.signals.recording import Recording
 
 
@@ -52,16 +53,16 @@ def test_a_supply_is_switched_on_for_as_long_as_asked_and_the_recording_says_so(
 def test_the_voltage_never_leaves_its_limits() -> None:
     policy = HeldCurrent(10.0, 0.3, 3.6, 1.0, 0.05, 1.0)
     decision = policy.after(RawSample(0.05, 0.3, 0.28, 0.016), 0.05)
-    assert decision.drive_voltage_v == 3.6
+    assert decision.command == Drive(3.6)
     policy = HeldCurrent(0.001, 0.3, 3.6, 1.0, 0.05, 1.0)
-    assert policy.after(RawSample(0.05, 0.3, 0.28, 0.016), 0.05).drive_voltage_v == 0.3
+    assert policy.after(RawSample(0.05, 0.3, 0.28, 0.016), 0.05).command == Drive(0.3)
 
 
 def test_a_sample_without_current_keeps_the_drive_and_five_end_the_run() -> None:
     policy = HeldCurrent(0.1, 0.3, 3.6, 1.0, 0.05, 10.0)
     blind = RawSample(0.05, 1.7, 1.7, 0.0)
     for _ in range(4):
-        assert policy.after(blind, 0.05).drive_voltage_v == 1.7
+        assert policy.after(blind, 0.05).command == Drive(1.7)
     with pytest.raises(RigError, match="no current"):
         policy.after(blind, 0.05)
 

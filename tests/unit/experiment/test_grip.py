@@ -107,8 +107,8 @@ def test_nothing_that_decides_reads_the_instruments(knowledge: GripperKnowledge)
         def __getattr__(self, name: str) -> object:
             return getattr(self._rig, name)
 
-        def exchange(self, drive_voltage_v: float) -> RawSample:
-            return RawSample(*self._rig.exchange(drive_voltage_v)[:4])  # type: ignore[attr-defined]
+        def exchange(self, command: object) -> RawSample:
+            return RawSample(*self._rig.exchange(command)[:4])  # type: ignore[attr-defined]
 
     seen = gripped(knowledge, Object(200.0, 4e-3), 5)
     with open_rig(with_object("gripper", Object(200.0, 4e-3)), seed=5) as rig:

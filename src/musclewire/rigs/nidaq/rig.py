@@ -17,6 +17,7 @@ from musclewire.rigs.nidaq.faults import STALLED, DaqFaultError
 from musclewire.rigs.nidaq.guardian import GuardianOrders
 from musclewire.rigs.nidaq.output import GuardedOutput, GuardianLostError, HostStalledError
 from musclewire.rigs.protocol import Metadata
+from musclewire.signals.commands import Command, drive_voltage_of
 from musclewire.signals.samples import RawSample
 
 __all__ = ["NiDaqRig"]
@@ -162,8 +163,9 @@ class NiDaqRig(GuardedRig):
             "late_samples": self._late_samples,
         }
 
-    def _exchange(self, drive_voltage_v: float) -> RawSample:
+    def _exchange(self, command: Command) -> RawSample:
         """Put out a drive voltage and return the mean of the readings taken under it."""
+        drive_voltage_v = drive_voltage_of(command)
         driven = self._drive_voltage_v > self.sense_voltage_v
         try:
             span = self._put(drive_voltage_v)

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from math import isfinite
 
-from musclewire.controllers.protection import Event, protect_command
+from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, RigError
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.protocol import Metadata
@@ -26,6 +26,7 @@ from musclewire.rigs.serial.messages import (
     Message,
     MessageKind,
 )
+from musclewire.signals.commands import Command, Target
 from musclewire.signals.samples import RawSample
 
 __all__ = ["SerialRig"]
@@ -178,30 +179,16 @@ class SerialRig(GuardedRig):
             "repeated_commands": self._board.repeated_commands,
         }
 
-    def _exchange(self, drive_voltage_v: float) -> RawSample:
-        return self._period(lambda sequence: self._board.send_drive(drive_voltage_v, sequence))
+    @property
+    def accepts_targets(self) -> bool:
+        """The firmware closes the loop itself."""
+        return True
 
-    def exchange_target(self, target: float) -> RawSample:
-        """Let the board close the loop toward a target (SI, its model's quantity) for one sample period.
-
-        The sample's drive voltage is what the board chose. Raises RigError as ``exchange`` does.
-        """
-        if self._off_for_good:
-            raise RigError("this rig is closed or has failed and stays off: open it again")
-        try:
-            sample = self._period(lambda sequence: self._board.send_target(target, sequence))
-        except RigError:
-            self.close()
-            raise
-        except BaseException:
-            self.make_safe()  # as in exchange
-            raise
-        # The protection judges what the board put out as if the host had commanded it.
-        self._guard = protect_command(
-            self._guard, self._guard_limits, min(sample.drive_voltage_v, self.maximum_voltage_v)
-        )
-        self._judge(sample)
-        return sample
+    def _exchange(self, command: Command) -> RawSample:
+        """Let the board put out a drive voltage, or follow a target (SI, its model's quantity), for a sample period."""
+        if isinstance(command, Target):
+            return self._period(lambda sequence: self._board.send_target(command.value, sequence))
+        return self._period(lambda sequence: self._board.send_drive(command.voltage_v, sequence))
 
     def _period(self, send: Callable[[int | None], int]) -> RawSample:
         """Send a command and return the mean of the samples that stand for its sample period."""

@@ -14,6 +14,7 @@ from musclewire.rigs.serial.device import Board, LinkStormError
 from musclewire.rigs.serial.frames import Frame, encode_frame, stuff
 from musclewire.rigs.serial.messages import MessageKind
 from musclewire.rigs.serial.rig import SerialRig
+from musclewire.signals.commands import Target
 
 
 def trip_of(rig: SerialRig, drive_v: float = 1.0) -> Event:
@@ -106,11 +107,11 @@ def test_ctrl_c_while_the_board_follows_a_target_asks_it_for_the_sense_voltage(m
         raise KeyboardInterrupt
 
     with rig_on(board) as rig:
-        rig.exchange_target(0.02)
+        rig.exchange(Target(0.02))
         with monkeypatch.context() as patched:
             patched.setattr(board, "read", interrupted)
             with pytest.raises(KeyboardInterrupt):
-                rig.exchange_target(0.03)
+                rig.exchange(Target(0.03))
         assert board.commands[-1][0] == MessageKind.DRIVE
         assert struct.unpack("<f", board.commands[-1][1])[0] == pytest.approx(rig.sense_voltage_v)
 
@@ -277,7 +278,7 @@ def test_a_rig_file_that_contradicts_the_board_is_refused(changed: dict[str, flo
 def test_targets_go_to_the_board_and_its_drive_comes_back() -> None:
     board = BoardInMemory()
     with rig_on(board) as rig:
-        sample = rig.exchange_target(0.02)
+        sample = rig.exchange(Target(0.02))
         assert sample.drive_voltage_v == pytest.approx(1.0)
         assert board.target == pytest.approx(0.02)
         assert rig.board_estimate == pytest.approx(0.01)
