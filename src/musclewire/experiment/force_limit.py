@@ -13,14 +13,20 @@ __all__ = ["force_warnings"]
 NOISES = 4.0
 
 
+def force_limit_n(recording: Recording) -> float | None:
+    """Return the force allowed in a recording's run [N], None if it states neither its own limit nor the wire's."""
+    limit = recording.facts.number_or_none("force_limit_n")
+    return recording.facts.number_or_none("maximum_force_n") if limit is None else limit
+
+
 def force_warnings(recording: Recording) -> tuple[str, ...]:
     """Return a warning where the measured force, ``force_n``, exceeds what the wire allows; none otherwise.
 
     The limit is the recording's ``force_limit_n`` or, without it, the wire's ``maximum_force_n`` [N]. A recording
     without load cell or limit cannot be judged and gets no warning.
     """
-    limit = recording.metadata.get("force_limit_n", recording.metadata.get("maximum_force_n"))
-    if "force_n" not in recording or not isinstance(limit, (int, float)) or isinstance(limit, bool):
+    limit = force_limit_n(recording)
+    if "force_n" not in recording or limit is None:
         return ()
     force, time = recording["force_n"], recording["time_s"]
     above = force > limit + NOISES * noise_level(force)
@@ -29,8 +35,8 @@ def force_warnings(recording: Recording) -> tuple[str, ...]:
     worst = int(np.argmax(force))
     step_s = float(np.median(np.diff(time))) if time.size > 1 else 0.0
     drive = f", drive {recording['drive_voltage_v'][worst]:.2f} V" if "drive_voltage_v" in recording else ""
-    whose = f" of wire {recording.metadata['wire']}" if recording.metadata.get("wire") else ""
-    together = "parallel wire" in str(recording.metadata.get("load") or "")
+    whose = f" of wire {wire}" if (wire := recording.facts.text_or_none("wire")) else ""
+    together = "parallel wire" in recording.facts.load
     over_s = step_s * int(above.sum())
     return (
         f"{'the wires pull' if together else 'the wire pulls'} with up to {force[worst]:.2f} N at {time[worst]:.1f} s"

@@ -269,11 +269,11 @@ def ask(
 
 def drive_numbers(recording: Recording, on_s: float, stroke: float) -> DriveNumbers:
     """Return the numbers of a recorded drive whose first sample was cold and which was then on for ``on_s``."""
-    period = float(recording.metadata["sample_period_s"] or 0.0)
-    length = float(recording.metadata["leg_length_m"] or 0.0)
+    period = recording.facts.sample_period_s
+    length = recording.facts.leg_length_m
     time_s = recording["time_s"] - period
     contraction = (recording["displacement_m"] - recording["displacement_m"][0]) / length
-    current = recording["shunt_voltage_v"] / float(recording.metadata["shunt_resistance_ohm"] or 1.0)
+    current = recording["shunt_voltage_v"] / recording.facts.shunt_resistance_ohm
     power = recording["wire_voltage_v"] * current
     on = (time_s > 1e-9) & (time_s <= on_s + 1e-9)
     end = int(np.flatnonzero(on)[-1])

@@ -22,10 +22,10 @@ def drive_axes(answer: DriveAnswer) -> Axes:
     from musclewire.identify.sizing import OVERHEATED_K
 
     recording, question = answer.recording, answer.plan.question
-    period = float(recording.metadata["sample_period_s"] or 0.0)
+    period = recording.facts.sample_period_s
     time_s = recording["time_s"] - period
     figure, (top, middle, bottom) = plt.subplots(3, 1, figsize=(7.2, 6.6), sharex=True, height_ratios=(3, 2, 2))
-    contraction = 100 * recording["displacement_m"] / float(recording.metadata["leg_length_m"] or 1.0)
+    contraction = 100 * recording["displacement_m"] / recording.facts.leg_length_m
     stroke = 100 * answer.one_second.stroke
     top.plot(time_s, contraction, color=INK)
     top.axhline(stroke, color=GREY, lw=0.9, ls="--")
@@ -39,8 +39,7 @@ def drive_axes(answer: DriveAnswer) -> Axes:
         middle.text(time_s[-1], OVERHEATED_K - 273.15, "working limit (assumed) ", color="#6b7075", fontsize=8.5,
                     ha="right", va="bottom")  # fmt: skip
     middle.set_ylabel("temperature [C]\n(simulated truth)")
-    shunt = float(recording.metadata["shunt_resistance_ohm"] or 1.0)
-    bottom.plot(time_s, 1e3 * recording["shunt_voltage_v"] / shunt, color=COLD)
+    bottom.plot(time_s, 1e3 * recording["shunt_voltage_v"] / recording.facts.shunt_resistance_ohm, color=COLD)
     bottom.set_ylabel("current [mA]", color=COLD)
     volts = bottom.twinx()
     volts.plot(time_s, recording["drive_voltage_v"], color=INK, lw=1.0, ls=":")

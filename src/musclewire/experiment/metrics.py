@@ -9,11 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.controllers.references import Reference, Staircase, Step
+from musclewire.errors import RecordingError
 from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity
 from musclewire.sensing.model import SHOWN_AS
 from musclewire.signals.recording import Recording
 
-__all__ = ["ControlMetrics", "ControlRun", "StepMetrics", "control_metrics", "mean_absolute_error"]
+__all__ = [
+    "ControlMetrics",
+    "ControlRun",
+    "StepMetrics",
+    "control_metrics",
+    "determined",
+    "elapsed",
+    "mean_absolute_error",
+]
 
 # Eq. 7 counts "sequentially after one second of each step (till the end of each step)".
 SETTLE_S = 1.0
@@ -81,6 +90,16 @@ class ControlRun(Recording):
     metrics: ControlMetrics = field(default_factory=lambda: ControlMetrics("strain"))
 
 
+def determined(error_pct: float | None, what: str) -> float:
+    """Return an error that a run shows. Raises RecordingError if instrument or samples are missing for it."""
+    if error_pct is None:
+        raise RecordingError(
+            f"{what} cannot be determined: the run has no reference instrument for it, or a step no sample after its "
+            "first second; record it with the instrument, and hold each step for more than 1 s"
+        )
+    return error_pct
+
+
 def mean_absolute_error(values: NDArray[np.float64], wanted: NDArray[np.float64] | float, per: float) -> float:
     """Return the mean of |value - wanted| over ``per``, in percent (Lan and Fan 2010, Eq. 7)."""
     return float(100.0 * np.mean(np.abs(values - wanted)) / abs(per))
@@ -119,9 +138,7 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
 def elapsed(recording: Recording) -> NDArray[np.float64]:
     """Return the time since the reference began, negative during the approach, (n_times,)."""
     time_s = recording["time_s"]
-    period_s = float(recording.metadata["sample_period_s"] or 0.0)
-    approach_s = float(recording.metadata["approach_s"] or 0.0)
-    return np.asarray(time_s - time_s[0] + period_s - approach_s)
+    return np.asarray(time_s - time_s[0] + recording.facts.sample_period_s - recording.facts.approach_s)
 
 
 def step_metrics(

@@ -108,7 +108,7 @@ def fit_free_closing(recordings: Sequence[Recording], alloy: str = "flexinol") -
         normalised_min=NORMALISED_RANGE[0],
         normalised_max=NORMALISED_RANGE[1],
         normalised_noise=NOISE_SEARCH[1],
-        thermal_time_s=thermal_time_s(float(recordings[0].metadata["wire_diameter_m"] or 0.0), alloy),
+        thermal_time_s=thermal_time_s(recordings[0].facts.wire_diameter_m, alloy),
     )
     return replace(free, normalised_noise=noise_of(free, recordings))
 
@@ -137,7 +137,7 @@ def closing_of(recording: Recording, low_ohm: float, high_ohm: float) -> Closing
     begin = top + int(np.argmax(normalised[top:] < high))
     over = normalised[begin:] < low
     end = begin + int(np.argmax(over)) if over.any() else begin + int(np.nanargmin(normalised[begin:]))
-    dt_s = float(recording.metadata["sample_period_s"] or 0.0)
+    dt_s = recording.facts.sample_period_s
     return Closing(normalised[begin:end], power_w[begin:end], dt_s, slice(begin, end))
 
 
@@ -248,7 +248,7 @@ def squeezed(grip: KnownGrip, free: FreeClosing) -> Squeezed:
     detector = ContactDetector(free)
     state = detector.start()
     resistance, power_w = electrical(grip.recording)
-    dt_s = float(grip.recording.metadata["sample_period_s"] or 0.0)
+    dt_s = grip.recording.facts.sample_period_s
     if "endpoint_force_n" not in grip.recording:
         raise RecordingError("a grip of a known block needs a load cell between the fingers: endpoint_force_n")
     rows = []

@@ -32,8 +32,8 @@ def resistance_reading(recording: Recording) -> ArrayReading:
     """
     source = require_electrical(recording)
     if source is ElectricalSource.SHUNT:
-        shunt = float(recording.metadata["shunt_resistance_ohm"] or 0.0)
-        reading = wire_resistance(recording["wire_voltage_v"], recording["shunt_voltage_v"], shunt)
+        shunt_ohm = recording.facts.shunt_resistance_ohm
+        reading = wire_resistance(recording["wire_voltage_v"], recording["shunt_voltage_v"], shunt_ohm)
     elif source is ElectricalSource.CURRENT:
         reading = wire_resistance_from_current(recording["wire_voltage_v"], recording["wire_current_a"])
     else:
@@ -45,15 +45,6 @@ def resistance_reading(recording: Recording) -> ArrayReading:
             "check the columns and their units"
         )
     return reading
-
-
-def leg_length_m(recording: Recording) -> float | None:
-    """Return the length whose shortening is the strain, where the recording states one."""
-    for key, legs in (("leg_length_m", 1.0), ("wire_length_m", float(recording.metadata.get("legs") or 1.0))):
-        value = recording.metadata.get(key)
-        if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0.0:
-            return float(value) / legs
-    return None
 
 
 def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatArray | None:
@@ -68,14 +59,13 @@ def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatA
     if quantity == "force":
         if "force_n" not in recording:
             return None
-        pretension = recording.metadata.get("pretension_n")
-        base = float(pretension) if isinstance(pretension, (int, float)) else float(recording["force_n"].min())
-        return np.asarray(recording["force_n"] - base)
+        pretension_n = recording.facts.number_or_none("pretension_n")
+        return np.asarray(recording["force_n"] - (recording["force_n"].min() if pretension_n is None else pretension_n))
     if quantity == "displacement":
         return recording.columns.get("endpoint_displacement_m", recording.columns.get("displacement_m"))
     if "reference_strain" in recording:
         return recording["reference_strain"]
-    length = leg_length_m(recording)
+    length = recording.facts.leg_length_or_none_m
     if "displacement_m" in recording and length is not None:
         return np.asarray(recording["displacement_m"] / length)
     return None
@@ -102,9 +92,8 @@ def required_quantity(recording: Recording, quantity: str = "strain") -> FloatAr
 
 def without_loop(error: RecordingError, recording: Recording) -> RecordingError:
     """Return why a recording shows no loop: for a wire held at both ends that, otherwise the error as it is."""
-    parts = str(recording.metadata.get("load") or "").split(", ")
     strain, force = (reference_quantity(recording, quantity) for quantity in ("strain", "force"))
-    if "blocked" not in parts or strain is None or force is None:
+    if "blocked" not in recording.facts.load or strain is None or force is None:
         return error
     return RecordingError(
         f"no loop: the part 'blocked' holds the wire, so that its strain moves by {100 * np.ptp(strain):.2g} % while "

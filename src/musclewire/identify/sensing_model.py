@@ -20,7 +20,7 @@ from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.resistance import ArrayReading
 from musclewire.sensing.tracking import AMBIGUOUS_ABOVE, SegmentTracker
-from musclewire.signals.recording import MetadataValue, Recording
+from musclewire.signals.recording import Recording
 
 __all__ = ["EstimateReport", "estimate", "fit"]
 
@@ -50,7 +50,7 @@ def fit(
     FitRejectedError for a fit that cannot be inverted.
     """
     notes = wire_notes(recording)
-    source = str(recording.metadata.get("source") or "")
+    source = recording.facts.text_or_none("source") or ""
     if recording.is_branch_table:
         return fit_table(recording, order, notes, source)
     reading = resistance_reading(recording)
@@ -78,8 +78,9 @@ def fit(
 
 def not_done(recording: Recording) -> str:
     """Return in words that the run of a recording did not reach its end, "" where it did or nothing is said of it."""
-    ended = str(recording.metadata.get("ended") or "done")
-    return "" if ended == "done" else f"this recording was not finished, its run ended with '{ended}'"
+    if not recording.facts.was_cut_short:
+        return ""
+    return f"this recording was not finished, its run ended with '{recording.facts.text_or_none('ended')}'"
 
 
 def fit_table(recording: Recording, order: int | str, notes: dict[str, str | float], source: str) -> SensingModel:
@@ -89,16 +90,11 @@ def fit_table(recording: Recording, order: int | str, notes: dict[str, str | flo
         (resistance, recording["strain_heating"]),
         (resistance, recording["strain_cooling"]),
         order,
-        resistance_min_ohm=number(recording.metadata.get("resistance_min_ohm")),
-        resistance_max_ohm=number(recording.metadata.get("resistance_max_ohm")),
+        resistance_min_ohm=recording.facts.number_or_none("resistance_min_ohm"),
+        resistance_max_ohm=recording.facts.number_or_none("resistance_max_ohm"),
         wire=notes,
         source=source,
     )
-
-
-def number(value: MetadataValue) -> float | None:
-    """Return a metadata value as a number, None where it is none."""
-    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
 
 def wire_notes(recording: Recording) -> dict[str, str | float]:

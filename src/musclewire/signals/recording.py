@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from musclewire.errors import CallerError, MissingExtraError, RecordingError
 from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, known_column, needs_no_clock
 from musclewire.signals.metadata import MetadataValue, checked_metadata
+from musclewire.signals.run_facts import RunFacts
 from musclewire.signals.whole_files import write_whole
 
 if TYPE_CHECKING:
@@ -95,6 +97,12 @@ class Recording:
     def names(self) -> tuple[str, ...]:
         """The names of the columns, in their order."""
         return tuple(self.columns)
+
+    @cached_property
+    def facts(self) -> RunFacts:
+        """The facts of the run, each checked when it is read: ``recording.facts.sample_period_s`` [s], for one."""
+        known = [str(self.metadata[key]) for key in ("wire", "experiment", "start_time") if self.metadata.get(key)]
+        return RunFacts(self.metadata, f"this recording ({', '.join([f'{len(self)} rows', *known])})")
 
     @property
     def duration_s(self) -> float:

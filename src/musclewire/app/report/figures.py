@@ -146,7 +146,7 @@ def staircase_figure(run: ControlRun) -> Figure:
     """Draw target, estimate and reference over time, their errors, and the drive (Fig. 11)."""
     figure = Figure(figsize=(9.6, 6.2), layout="constrained")
     top, middle, bottom = figure.subplots(3, 1, sharex=True, height_ratios=(3, 1.2, 1.2))
-    approach_s = float(run.metadata["approach_s"] or 0.0)
+    approach_s = run.facts.approach_s
     time_s = run["time_s"] - run["time_s"][0] - approach_s
     target, estimated = 100 * run["target_strain"], 100 * run["estimated_strain"]
     reference = 100 * required_quantity(run)
@@ -173,7 +173,7 @@ def trace_figure(run: ControlRun, major: Recording, gaps: LoopGaps, model: Sensi
     resistance = resistance_reading(major).resistance_ohm
     for part, colour in zip(halves(gaps), (HEATING, COOLING), strict=True):
         axes.plot(resistance[part], strain[part], color=colour, linewidth=1.0, alpha=0.8)
-    stepping = run["time_s"] - run["time_s"][0] > float(run.metadata["approach_s"] or 0.0)
+    stepping = run["time_s"] - run["time_s"][0] > run.facts.approach_s
     axes.plot(
         run["wire_resistance_ohm"][stepping],
         100.0 * required_quantity(run)[stepping],

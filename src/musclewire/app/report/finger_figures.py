@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER
 from musclewire.app.report.paper_drawing import SHADES, SIZE, one_panel, printed_line, ramp
-from musclewire.experiment.metrics import elapsed
+from musclewire.experiment.metrics import determined, elapsed
 from musclewire.experiment.reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n
 from musclewire.experiment.reproduce.section4 import SWEEP_N, gaps_over_pretension
 from musclewire.experiment.reproduce.sized import paper_pretensioner, schemes_of_fig13
@@ -201,7 +201,9 @@ def table3(runs: Runs) -> Figure:
     table, steps = read_published("lan_fan_2010")["table3"], runs.finger.control_run.metrics.steps
     printed = [*table["mae_rise_pct"], *reversed(table["mae_return_pct"])]  # the way back begins at 5.5 mm
     places = np.arange(len(steps))
-    axes.bar(places, [step.mae_pct or 0.0 for step in steps], width=0.55, color=COOLING, label="ours")
+    axes.bar(
+        places, [determined(step.mae_pct, "a step's error") for step in steps], width=0.55, color=COOLING, label="ours"
+    )
     axes.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
               label="paper, Table 3")  # fmt: skip
     axes.set(ylabel="MAE [% of target]", xlabel="step: endpoint displacement [mm], up and back")

@@ -39,9 +39,9 @@ def draw_power(axes: Axes, run: GripRun, knowledge: GripperKnowledge) -> None:
     """Draw the power that held the fingers on their way, and what holds them there with nothing in the way."""
     free = knowledge.free
     place = (run["wire_resistance_ohm"] - free.resistance_min_ohm) / (free.resistance_max_ohm - free.resistance_min_ohm)
-    power = 1e3 * run["wire_voltage_v"] * run["shunt_voltage_v"] / float(run.metadata["shunt_resistance_ohm"] or 1.0)
+    power = 1e3 * run["wire_voltage_v"] * run["shunt_voltage_v"] / run.facts.shunt_resistance_ohm
     closing = (run["time_s"] > REST_S + SHOWN_BEFORE_S) & (run["target_grip_force_n"] == 0.0)
-    closing &= run["time_s"] <= REST_S + float(run.metadata["closing_s"] or 0.0)
+    closing &= run["time_s"] <= REST_S + run.facts.closing_s
     rate = np.gradient(place, run["time_s"])
     inside = closing & (place < free.normalised_max) & (place > free.normalised_min) & (rate < 0.0)
     # From the first sample that contracts: before it resistance has the same values, and another meaning.

@@ -41,7 +41,7 @@ def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
         best=f"{result.sweep.best.pretension_n:.2f}",
         wire=escape(str(metadata["wire"])),
         seed=escape(str(metadata["seed"])),
-        time_step_ms=f"{1e3 * float(metadata['time_step_s'] or 0):g}",
+        time_step_ms=f"{1e3 * result.run.facts.time_step_s:g}",
         grains=escape(str(metadata["grains"])),
         started=escape(str(metadata["start_time"])),
         version=escape(version("musclewire")),
@@ -136,7 +136,7 @@ def sweep_table(result: DemoResult) -> str:
 
 def parameters_table(result: DemoResult, kind: str) -> str:
     """Return the rows of all parameters of one kind, of alloy, wire and bench."""
-    wire = load_wire(str(result.run.metadata["wire"]))
+    wire = load_wire(result.run.facts.text("wire", "name of the wire"))
     groups = {"alloy": load_alloy(wire.alloy), "wire": wire, "bench": load_bench("paper")}
     rows = [
         (group, name, parameter_value(item), item.source + (f". {item.note}" if item.note else ""))

@@ -14,7 +14,7 @@ from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER, STYL
 from musclewire.app.report.finger_figures import FINGER_FIGURES
 from musclewire.app.report.paper_drawing import SHADES, WHITE_BOX, one_panel, printed_line, ramp
 from musclewire.errors import MusclewireError
-from musclewire.experiment.metrics import elapsed
+from musclewire.experiment.metrics import determined, elapsed
 from musclewire.experiment.reproduce.section2 import (
     FORCE_RATIOS,
     STIFFNESS_FACTORS,
@@ -239,7 +239,9 @@ def table2(runs: Runs) -> Figure:
     steps = runs.control_run.metrics.steps
     printed = [*table["mae_rise_pct"], *reversed(table["mae_return_pct"])]  # the way back begins at 2.7 %
     places = np.arange(len(steps))
-    bottom.bar(places, [step.mae_pct or 0.0 for step in steps], width=0.55, color=COOLING, label="ours")
+    bottom.bar(
+        places, [determined(step.mae_pct, "a step's error") for step in steps], width=0.55, color=COOLING, label="ours"
+    )
     bottom.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
                 label="paper, Table 2")  # fmt: skip
     bottom.set(ylabel="MAE [% of target]", xlabel="step: strain [%], up and back", title="Error of each step (Eq. 7)")

@@ -25,6 +25,7 @@ from musclewire.experiment.doctor.sense_checks import clock_findings, protection
 from musclewire.parameters.library import load_wire
 from musclewire.parameters.schema import Wire
 from musclewire.rigs.protocol import Metadata, Rig
+from musclewire.signals.run_facts import RunFacts
 
 __all__ = ["Examination", "HasProtection", "examine", "examination_s"]
 
@@ -145,12 +146,12 @@ def subject_of(rig: Rig) -> Subject:
     """Return a rig with what it says of its wire; what it does not say is None."""
     metadata = rig.metadata()
     limits = rig.protection_limits if isinstance(rig, HasProtection) else None
-    length = metadata.get("wire_length_m")
-    length_m = float(length) if isinstance(length, (int, float)) else None
-    wire, why = known_wire(str(metadata.get("wire", "")))
+    facts = RunFacts(metadata, "this rig")
+    length_m = facts.positive_or_none("wire_length_m")
+    wire, why = known_wire(facts.text_or_none("wire"))
     if wire is not None and length_m is None:
         why = "the rig does not tell the length of its wire"
-    if int(metadata.get("wires") or 1) > 1:
+    if facts.wires > 1.0:
         # In series or side by side: the protection's window knows, ohm per metre times length does not.
         wire, why = None, "several wires share the drive; see the window"
     cold = None if wire is None or length_m is None else wire.resistance_per_metre_ohm_per_m.value * length_m
@@ -158,8 +159,10 @@ def subject_of(rig: Rig) -> Subject:
     return Subject(rig, metadata, wire, length_m, limits, ExpectedWire(cold, low, high, why))
 
 
-def known_wire(name: str) -> tuple[Wire | None, str]:
+def known_wire(name: str | None) -> tuple[Wire | None, str]:
     """Return a wire by its name, or None and why not."""
+    if name is None:
+        return None, "the rig does not state which wire is mounted"
     try:
         return load_wire(name), ""
     except CallerError as error:

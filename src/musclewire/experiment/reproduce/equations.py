@@ -10,6 +10,7 @@ import numpy as np
 from musclewire.controllers.fuzzy import infer_surface
 from musclewire.controllers.kernels import gain_from_ratio
 from musclewire.controllers.rules import DEFAULT_RULE_BASE, load_rule_base
+from musclewire.experiment.metrics import determined
 from musclewire.experiment.reproduce.checks import Check, Compare
 from musclewire.experiment.reproduce.measures import plain_gap_pct
 from musclewire.experiment.reproduce.runs import Runs
@@ -149,13 +150,13 @@ def gain_reach(_runs: Runs, *, gain: str, end: str, low: float, high: float) -> 
 def mae_difference_pct(runs: Runs) -> float:
     """Return the largest difference between our MAE and Eq. 7 taken plainly from the recording."""
     run, settle_s = runs.control_run, read_published("lan_fan_2010")["staircase"]["settle_s"]
-    strain = run["displacement_m"] / float(run.metadata["leg_length_m"] or 0.0)
-    period_s, approach_s = float(run.metadata["sample_period_s"] or 0.0), float(run.metadata["approach_s"] or 0.0)
+    strain = run["displacement_m"] / run.facts.leg_length_m
+    period_s, approach_s = run.facts.sample_period_s, run.facts.approach_s
     hold_s = runs.staircase.hold_s
     first, held, settle = (round(seconds / period_s) for seconds in (approach_s, hold_s, settle_s))
     differences = []
     for index, step in enumerate(run.metrics.steps):
         counted = strain[first + index * held + settle : first + (index + 1) * held]
         plain = 100.0 * np.mean(np.abs(counted - step.target)) / step.target
-        differences.append(abs(plain - (step.mae_pct or 0.0)))
+        differences.append(abs(plain - determined(step.mae_pct, "a step's error")))
     return float(max(differences))

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from musclewire.experiment.metrics import determined
 from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.run import OnSample
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
@@ -48,12 +49,12 @@ class Loop:
     @property
     def force_gap_pct(self) -> float:
         """Eq. 2 for force; the simulated rig always has a load cell."""
-        return 100.0 * (self.gaps.force_gap or 0.0)
+        return 100.0 * determined(self.gaps.force_gap, "the gap of force")
 
     @property
     def displacement_gap_pct(self) -> float:
         """Eq. 9: the gap of what is moved, a finger's endpoint where there is one."""
-        return 100.0 * (self.gaps.displacement_gap or 0.0)
+        return 100.0 * determined(self.gaps.displacement_gap, "the gap of displacement")
 
     @property
     def stroke_pct(self) -> float:

@@ -88,7 +88,7 @@ def minor_loop_checks(setup: dict[str, Any]) -> list[Check]:
 
 def amplitude_of(runs: Runs, *, volts: float) -> float:
     """Return the amplitude that a loop's recording states."""
-    return float(loop_of_amplitude(runs, volts).recording.metadata["amplitude_v"] or 0.0)
+    return loop_of_amplitude(runs, volts).recording.facts.amplitude_v
 
 
 def stroke_ratio(runs: Runs, *, small: float, large: float) -> float:

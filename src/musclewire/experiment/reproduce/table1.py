@@ -144,9 +144,9 @@ def setup_checks(paper: dict[str, Any]) -> list[Check]:
 
 def noted(runs: Runs, *, key: str, factor: float) -> float:
     """Return a number that the main loop's recording states."""
-    return factor * float(runs.main_loop().recording.metadata[key] or 0.0)
+    return factor * runs.main_loop().recording.facts.number(key, "setting of the paper that Table 1 compares")
 
 
 def main_frequency_hz(runs: Runs) -> float:
     """Return the frequency of the slow sine."""
-    return 1.0 / float(runs.main_loop().recording.metadata["period_s"] or 0.0)
+    return 1.0 / runs.main_loop().recording.facts.period_s

@@ -84,13 +84,13 @@ def bench_of(recording: Recording, given: Mapping[str, float]) -> dict[str, floa
     Without a stiffness it is read off force and displacement. Raises CallerError where length or load cannot be known,
     RecordingError where two wires made the recording.
     """
-    wires = number_in(recording, "wires") or 1.0
-    if wires > 1.0:
+    facts = recording.facts
+    if facts.wires > 1.0:
         raise RecordingError(
-            f"{wires:g} wires made this recording ({recording.metadata.get('load', 'wires')}): record one wire on a "
+            f"{facts.wires:g} wires made this recording ({', '.join(facts.load) or 'wires'}): record one wire on a "
             "spring, a weight or a finger by itself"
         )
-    known = {key: value for key in BENCH_KEYS if (value := number_in(recording, key)) is not None}
+    known = {key: value for key in BENCH_KEYS if (value := facts.number_or_none(key)) is not None}
     if "ambient_temperature_k" in recording:
         known["ambient_temperature_k"] = float(np.mean(recording["ambient_temperature_k"]))
     known |= {key: value for key, value in given.items() if key != "diameter_m"}
@@ -101,15 +101,9 @@ def bench_of(recording: Recording, given: Mapping[str, float]) -> dict[str, floa
     return known
 
 
-def number_in(recording: Recording, key: str) -> float | None:
-    """Return a number that a recording states, None where it does not."""
-    value = recording.metadata.get(key)
-    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
-
-
 def lengths(recording: Recording, known: Mapping[str, float]) -> dict[str, float]:
     """Return overall length and number of legs. Raises CallerError where they cannot be known."""
-    leg, whole, legs = number_in(recording, "leg_length_m"), known.get("wire_length_m"), known.get("legs")
+    leg, whole, legs = recording.facts.number_or_none("leg_length_m"), known.get("wire_length_m"), known.get("legs")
     if leg is not None and legs is not None:
         return {"wire_length_m": leg * legs, "legs": legs}
     if leg is not None and whole is not None:
@@ -158,7 +152,7 @@ def diameter_of(recordings: Mapping[str, Recording], given: Mapping[str, float])
     """
     if "diameter_m" in given:
         return given["diameter_m"]
-    stated = {name: number_in(recording, "wire_diameter_m") for name, recording in recordings.items()}
+    stated = {name: recording.facts.number_or_none("wire_diameter_m") for name, recording in recordings.items()}
     known = {name: value for name, value in stated.items() if value is not None}
     if not known:
         return None

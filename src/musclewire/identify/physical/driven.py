@@ -273,9 +273,9 @@ def drive_of(recording: Recording) -> tuple[FloatArray, dict[str, float]]:
     Measured across the wire alone, the circuit is the wire. Raises RecordingError where nothing says what drove it.
     """
     names = recording.columns
-    shunt = recording.metadata.get("shunt_resistance_ohm")
+    shunt_ohm = recording.facts.number_or_none("shunt_resistance_ohm")
     bare = {"shunt_resistance_ohm": LEAST_SHUNT_OHM, "lead_resistance_ohm": 0.0}
-    if "wire_voltage_v" in names and "shunt_voltage_v" in names and isinstance(shunt, (int, float)):
+    if "wire_voltage_v" in names and "shunt_voltage_v" in names and shunt_ohm is not None:
         measured = np.asarray(names["wire_voltage_v"] + names["shunt_voltage_v"])
         commanded = names.get("drive_voltage_v")
         if commanded is not None and np.abs(commanded - measured).max() <= COMMANDED_SHARE * np.abs(measured).max():
@@ -290,11 +290,11 @@ def drive_of(recording: Recording) -> tuple[FloatArray, dict[str, float]]:
             "nothing says what drove the wire: give drive_voltage_v, or wire_voltage_v with shunt_voltage_v or "
             "wire_current_a"
         )
-    if not isinstance(shunt, (int, float)):
+    if shunt_ohm is None:
         raise RecordingError(
             "drive_voltage_v is across wire and shunt, and the shunt is not known: give --shunt, '0 ohm' for none"
         )
-    return names["drive_voltage_v"], {"shunt_resistance_ohm": max(float(shunt), LEAST_SHUNT_OHM)}
+    return names["drive_voltage_v"], {"shunt_resistance_ohm": max(shunt_ohm, LEAST_SHUNT_OHM)}
 
 
 def even_clock(time_s: FloatArray) -> tuple[NDArray[np.intp], float]:
@@ -337,7 +337,7 @@ def raw_channel(unit: str, values: FloatArray) -> RawChannel:
 
 def contraction_force_n(recording: Recording) -> FloatArray:
     """Return force beyond the pretension, (n,); a cell that was tared shows just that."""
-    force, pretension = recording["force_n"], float(recording.metadata["pretension_n"] or 0.0)
+    force, pretension = recording["force_n"], recording.facts.pretension_n
     first = float(np.median(force[:FIRST_ROWS]))
     tared = abs(first - pretension) > abs(first)
     return np.asarray(force - (first if tared else pretension))
