@@ -17,12 +17,21 @@ __all__ = [
     "nusselt_churchill_chu",
     "nusselt_morgan",
     "convection_coefficient_w_per_m2_k",
+    "churchill_chu_from_k",
+    "convection_range_note",
 ]
 
 STANDARD_GRAVITY_M_PER_S2 = 9.80665
 STANDARD_PRESSURE_PA = 101325.0
 AIR_GAS_CONSTANT_J_PER_KG_K = 287.05
 AIR_SPECIFIC_HEAT_J_PER_KG_K = 1006.0
+
+# Below it the correlation has no data; Morgan's goes down to 1e-10.
+CHURCHILL_CHU_MIN_RAYLEIGH = 1e-5
+# Nearer to the air than this a wire gives off less than a hundredth of what it does when it is hot.
+NEGLIGIBLE_EXCESS_K = 1.0
+# No wire of ours is hotter above the air; one that is outside the range even there is outside it altogether.
+MAX_EXCESS_K = 600.0
 
 
 @compiled
@@ -84,8 +93,12 @@ def nusselt_churchill_chu(rayleigh: float, prandtl: float) -> float:
     Churchill and Chu 1975, Int. J. Heat Mass Transfer 18, 1049, doi 10.1016/0017-9310(75)90222-7:
     Nu = (0.60 + 0.387 Ra^(1/6) / [1 + (0.559/Pr)^(9/16)]^(8/27))^2.
 
-    >>> round(nusselt_churchill_chu(5.003e6, 0.703), 1)  # Incropera and DeWitt, Example 9.4, prints 23.3
-    23.0
+    :func:`convection_range_note` checks the lower end for a wire. The example is the one in the documentation of the
+    library ht (Pr = 0.69, Gr = 2.63e9, Ra = Gr Pr). Incropera and DeWitt's Example 9.4 (Ra = 5.003e6, Pr = 0.703)
+    prints 23.3, from intermediate results rounded to three digits; the formula gives 23.0 there.
+
+    >>> round(nusselt_churchill_chu(2.63e9 * 0.69, 0.69), 9)
+    139.134939701
     """
     prandtl_term = (1.0 + (0.559 / prandtl) ** (9.0 / 16.0)) ** (8.0 / 27.0)
     return (0.60 + 0.387 * rayleigh ** (1.0 / 6.0) / prandtl_term) ** 2
@@ -119,3 +132,70 @@ def convection_coefficient_w_per_m2_k(
     rayleigh = rayleigh_of_wire(wall_temperature_k, ambient_temperature_k, diameter_m)
     nusselt = nusselt_churchill_chu(rayleigh, air_prandtl(film_k))
     return nusselt * air_thermal_conductivity_w_per_m_k(film_k) / diameter_m
+
+
+def churchill_chu_from_k(diameter_m: float, ambient_temperature_k: float) -> float:
+    """Return how far above the air [K] a wire must be for Churchill and Chu's range, Ra >= 1e-5, to begin.
+
+    Parameters
+    ----------
+    diameter_m
+        Diameter of the wire [m].
+    ambient_temperature_k
+        Temperature of the air [K].
+
+    Returns
+    -------
+    The temperature difference [K]; infinity where 600 K are not enough.
+
+    >>> 5.0 < churchill_chu_from_k(25e-6, 295.15) < 8.0  # the catalogue's thinnest wire
+    True
+    >>> churchill_chu_from_k(100e-6, 295.15) < 0.2
+    True
+    """
+    low_k, high_k = 0.0, MAX_EXCESS_K
+    if rayleigh_of_wire(ambient_temperature_k + high_k, ambient_temperature_k, diameter_m) < CHURCHILL_CHU_MIN_RAYLEIGH:
+        return math.inf
+    while high_k - low_k > 1e-6:
+        middle_k = 0.5 * (low_k + high_k)
+        wall_k = ambient_temperature_k + middle_k
+        if rayleigh_of_wire(wall_k, ambient_temperature_k, diameter_m) < CHURCHILL_CHU_MIN_RAYLEIGH:
+            low_k = middle_k
+        else:
+            high_k = middle_k
+    return high_k
+
+
+def convection_range_note(diameter_m: float, ambient_temperature_k: float) -> str:
+    """Return what to know of a wire's convection outside Churchill and Chu's published range; "" within it.
+
+    Free convection of a thin wire near the air's temperature is so weak that the Rayleigh number falls below the range
+    of the correlation. Within 1 K of the air that is of no account and true of most wires; beyond, the note says up to
+    which temperature difference, and how far Morgan's correlation, valid down to Ra = 1e-10, is from it there.
+
+    Parameters
+    ----------
+    diameter_m
+        Diameter of the wire [m].
+    ambient_temperature_k
+        Temperature of the air [K].
+
+    Returns
+    -------
+    One sentence, or "".
+
+    >>> convection_range_note(100e-6, 295.15)
+    ''
+    """
+    begins_k = churchill_chu_from_k(diameter_m, ambient_temperature_k)
+    if begins_k <= NEGLIGIBLE_EXCESS_K:
+        return ""
+    wall_k = ambient_temperature_k + min(begins_k, MAX_EXCESS_K)
+    rayleigh = rayleigh_of_wire(wall_k, ambient_temperature_k, diameter_m)
+    used = nusselt_churchill_chu(rayleigh, air_prandtl(0.5 * (wall_k + ambient_temperature_k)))
+    less = 1.0 - nusselt_morgan(rayleigh) / used
+    return (
+        f"within {wall_k - ambient_temperature_k:.1f} K of the air, convection of a wire of {1e6 * diameter_m:.0f} um "
+        f"is below the published range of Churchill and Chu's correlation (Ra >= {CHURCHILL_CHU_MIN_RAYLEIGH:g}); "
+        f"Morgan's gives {100.0 * less:.0f} % less there"
+    )

@@ -23,6 +23,7 @@ from musclewire.controllers.protection import (
     tripped_by,
 )
 from musclewire.errors import CallerError, RigError
+from musclewire.physics.circuit import series_resistance_ohm
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.commands import Command, Drive, Target, as_command, drive_voltage_of
 from musclewire.signals.samples import RawSample
@@ -251,7 +252,8 @@ class GuardedRig(ABC):
 
     def _measured(self, drive_v: float, wire_v: float, shunt_v: float) -> str:
         """Return what was measured when the protection tripped."""
-        ohm = f", {wire_v / shunt_v * self.shunt_resistance_ohm:.3f} ohm" if shunt_v else ""
+        resistance_ohm = series_resistance_ohm(wire_v, shunt_v, self.shunt_resistance_ohm) if shunt_v else None
+        ohm = "" if resistance_ohm is None else f", {resistance_ohm:.3f} ohm"
         return f"drive {drive_v:.3f} V, wire {wire_v:.4f} V, shunt {shunt_v:.4f} V{ohm}, {self._warmth()}"
 
     def _warmth(self) -> str:

@@ -10,6 +10,8 @@ from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.physics.circuit import series_resistance_ohm
+from musclewire.physics.heat import convection_range_note
 from musclewire.rigs.faults import Fault, Faults
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.instruments import Instruments
@@ -159,6 +161,7 @@ class SimulatedRig(GuardedRig):
             "rig": "simulated",
             "wire": self._wire.name,
             "wire_diameter_m": self._wire.diameter_m.value,
+            **self._convection_metadata(),
             "wire_length_m": self._bench["wire_length_m"],
             "leg_length_m": self.leg_length_m,
             "shunt_resistance_ohm": self.shunt_resistance_ohm,
@@ -172,6 +175,11 @@ class SimulatedRig(GuardedRig):
             "new_wire": self._new_wire,
             "seed": self._seed,
         }
+
+    def _convection_metadata(self) -> Metadata:
+        """Return a note for wires so thin that the convection correlation leaves its published range near the air."""
+        note = convection_range_note(self._wire.diameter_m.value, self._bench["ambient_temperature_k"])
+        return {"convection_note": note} if note else {}
 
     @property
     def _pretension_n(self) -> float:
@@ -267,7 +275,7 @@ class SimulatedRig(GuardedRig):
         current_a = self._faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s).wire_current_a
         means = self._advance(current_a * (self._wire_ohm + shunt_ohm))
         if means.shunt_voltage_v > 0.0:
-            self._wire_ohm = means.wire_voltage_v / means.shunt_voltage_v * shunt_ohm
+            self._wire_ohm = series_resistance_ohm(means.wire_voltage_v, means.shunt_voltage_v, shunt_ohm)
         seen = self._faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s)
         return means._replace(wire_voltage_v=seen.wire_voltage_v, shunt_voltage_v=seen.shunt_voltage_v)
 

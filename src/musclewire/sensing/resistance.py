@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.errors import CallerError
+from musclewire.physics.circuit import series_resistance_ohm
 
 __all__ = ["ArrayReading", "ResistanceReading", "wire_resistance", "wire_resistance_from_current"]
 
@@ -67,7 +68,7 @@ def wire_resistance(
     if isinstance(wire_voltage_v, float) and isinstance(shunt_voltage_v, float):
         if not abs(shunt_voltage_v) >= minimum_current_a * shunt_resistance_ohm:
             return NO_READING
-        resistance = wire_voltage_v / shunt_voltage_v * shunt_resistance_ohm
+        resistance = series_resistance_ohm(wire_voltage_v, shunt_voltage_v, shunt_resistance_ohm)
         return ResistanceReading(resistance, True) if 0.0 < resistance < inf else NO_READING
     least_voltage = minimum_current_a * shunt_resistance_ohm
     return _reading(wire_voltage_v, shunt_voltage_v, least_voltage, shunt_resistance_ohm)
@@ -93,7 +94,7 @@ def wire_resistance_from_current(
 
 
 def _reading(
-    wire_voltage_v: npt.ArrayLike, shunt_voltage_v: npt.ArrayLike, least_voltage: float, scale: float
+    wire_voltage_v: npt.ArrayLike, shunt_voltage_v: npt.ArrayLike, least_voltage: float, shunt_ohm: float
 ) -> ResistanceReading | ArrayReading:
     """Array path of Eq. 1; plain integers and 0-d arrays come back as one reading."""
     wire = np.asarray(wire_voltage_v, dtype=np.float64)
@@ -106,7 +107,7 @@ def _reading(
     carries = np.abs(shunt) >= least_voltage
     # Dividing by 1 where no current flows keeps the division silent; np.where drops the result again.
     with np.errstate(over="ignore", invalid="ignore"):
-        ratio = wire / np.where(carries, shunt, 1.0) * scale
+        ratio = series_resistance_ohm(wire, np.where(carries, shunt, 1.0), shunt_ohm)
     valid = carries & (ratio > 0.0) & np.isfinite(ratio)
     resistance = np.where(valid, ratio, 0.0)
     if resistance.ndim == 0:

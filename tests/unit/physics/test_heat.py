@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -8,11 +10,14 @@ from musclewire.physics.heat import (
     air_dynamic_viscosity_pa_s,
     air_prandtl,
     air_thermal_conductivity_w_per_m_k,
+    churchill_chu_from_k,
     convection_coefficient_w_per_m2_k,
+    convection_range_note,
     nusselt_churchill_chu,
     nusselt_morgan,
     rayleigh_of_wire,
 )
+from musclewire.rigs.configuration import open_rig
 
 # Incropera and DeWitt, Table A.4, air at one atmosphere: T [K], mu [1e-7 Pa s], k [1e-3 W/(m K)], Pr.
 AIR = [(300.0, 184.6, 26.3, 0.707), (350.0, 208.2, 30.0, 0.700), (400.0, 230.1, 33.8, 0.690)]
@@ -98,3 +103,21 @@ def test_a_finer_wire_loses_more_per_area_and_the_coefficient_is_finite(
     hot = max(wall, air)
     loss = [convection_coefficient_w_per_m2_k(t, air, diameter) * (t - air) for t in (hot, hot + warmer)]
     assert loss[1] > loss[0]
+
+
+def test_the_range_of_churchill_and_chu_is_checked_for_a_wire() -> None:
+    """The catalogue's thinnest wire lies outside of it up to some kelvin above the air; the paper's wires do not."""
+    begins_k = churchill_chu_from_k(25e-6, AIR_K)
+    assert rayleigh_of_wire(AIR_K + begins_k, AIR_K, 25e-6) == pytest.approx(1e-5, rel=1e-5)
+    assert rayleigh_of_wire(AIR_K + 1.0, AIR_K, 25e-6) < 1e-5
+    assert "25 um is below the published range of Churchill and Chu" in convection_range_note(25e-6, AIR_K)
+    assert convection_range_note(100e-6, AIR_K) == ""
+    assert churchill_chu_from_k(1e-6, AIR_K) == math.inf
+    assert "within 600.0 K" in convection_range_note(1e-6, AIR_K)
+
+
+def test_a_recording_of_a_wire_outside_the_range_says_so() -> None:
+    with open_rig("simulated", wire="flexinol-0.025-ht", pretension_n=0.2) as rig:
+        assert "Churchill and Chu" in str(rig.metadata()["convection_note"])
+    with open_rig("simulated") as rig:
+        assert "convection_note" not in rig.metadata()

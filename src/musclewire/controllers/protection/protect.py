@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from musclewire.controllers.protection.limits import ProtectionLimits
 from musclewire.controllers.protection.table import Event, ProtectionTable, State, protection_table
+from musclewire.physics.circuit import series_resistance_ohm
 
 __all__ = [
     "ProtectionState",
@@ -231,7 +232,10 @@ def conditions(
     least_v = limits.minimum_current_a * limits.shunt_resistance_ohm
     measured = drive_voltage_v >= DRIVEN_SHARE * limits.sense_voltage_v and abs(shunt_voltage_v) >= least_v
     # A reading without current has no resistance: any in the window stands for "not wrong".
-    resistance = wire_voltage_v / current_a if measured else limits.resistance_low_ohm
+    shunt_ohm = limits.shunt_resistance_ohm
+    resistance = (
+        series_resistance_ohm(wire_voltage_v, shunt_voltage_v, shunt_ohm) if measured else limits.resistance_low_ohm
+    )
     settled = state.settled_ohm
     inside = limits.resistance_low_ohm <= resistance <= limits.resistance_high_ohm
     jumped = measured and inside and settled > 0.0 and abs(resistance - settled) > limits.jump_share * settled
@@ -263,7 +267,7 @@ def swapped(limits: ProtectionLimits, wire_voltage_v: float, shunt_voltage_v: fl
         return True
     if resistance_ohm >= limits.resistance_low_ohm or wire_voltage_v == 0.0:
         return False
-    other_way = shunt_voltage_v / wire_voltage_v * limits.shunt_resistance_ohm
+    other_way = series_resistance_ohm(shunt_voltage_v, wire_voltage_v, limits.shunt_resistance_ohm)
     return limits.resistance_low_ohm <= other_way <= limits.resistance_high_ohm
 
 

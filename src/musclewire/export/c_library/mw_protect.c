@@ -183,7 +183,7 @@ static uint8_t swapped(mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real 
         return 1;
     if (resistance_ohm >= MW_RESISTANCE_LOW_OHM || wire_voltage_v == 0)
         return 0;
-    return in_window(shunt_voltage_v / wire_voltage_v * MW_SHUNT_RESISTANCE_OHM);
+    return in_window(MW_SERIES_RESISTANCE(shunt_voltage_v, wire_voltage_v));
 }
 
 /* What is wrong with the resistance of a reading. */
@@ -209,7 +209,8 @@ static void see(mw_protection *protection, mw_real drive_voltage_v, mw_real wire
     const mw_real current_a = shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM;
     /* A reading without current has no resistance, and nothing can be wrong with it. */
     if (driven(drive_voltage_v) && size_of(shunt_voltage_v) >= MW_OPEN_SHUNT_VOLTAGE_V) {
-        see_resistance(protection, wire_voltage_v, shunt_voltage_v, wire_voltage_v / current_a, seen);
+        see_resistance(protection, wire_voltage_v, shunt_voltage_v,
+                       MW_SERIES_RESISTANCE(wire_voltage_v, shunt_voltage_v), seen);
         seen[MW_LASTING_CHANNEL_FROZEN] = is_frozen(protection, drive_voltage_v, dt_us);
     }
     seen[MW_LASTING_CHANNEL_SATURATED] =

@@ -39,6 +39,11 @@ typedef float mw_real;
 typedef char mw_float_must_have_32_bits[sizeof(float) == 4 ? 1 : -1];
 #endif
 
+/* Resistance of the wire from two voltages (Lan and Fan 2010, Eq. 1), for everybody here who needs it; the division
+ * comes first, as in musclewire.physics.circuit. */
+#define MW_SERIES_RESISTANCE(wire_voltage_v, shunt_voltage_v) \
+    ((wire_voltage_v) / (shunt_voltage_v) * MW_SHUNT_RESISTANCE_OHM)
+
 /* Tables stay in program memory where a target keeps it apart (AVR, with -std=gnu99); elsewhere const is enough. */
 #if defined(__FLASH) && !defined(__STRICT_ANSI__)
 #define MW_TABLE static const __flash

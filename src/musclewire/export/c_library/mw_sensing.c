@@ -9,7 +9,7 @@ mw_real mw_resistance(mw_real wire_voltage_v, mw_real shunt_voltage_v)
     /* Written so that a NaN takes the way of "no current". */
     if (!(size_v >= MW_LEAST_SHUNT_VOLTAGE_V))
         return 0;
-    resistance_ohm = wire_voltage_v / shunt_voltage_v * MW_SHUNT_RESISTANCE_OHM;
+    resistance_ohm = MW_SERIES_RESISTANCE(wire_voltage_v, shunt_voltage_v);
     return resistance_ohm > 0 && resistance_ohm <= MW_LARGEST ? resistance_ohm : 0;
 }
 
