@@ -63,9 +63,9 @@ def simulate(
         )
         show_table(length, stress, ambient, json)
         return
-    from musclewire.experiment.maker import DriveQuestion, ask, drive_plan
+    from musclewire.experiment.supply_sizing import SupplyRequest, plan_supply, size_supply
 
-    question = DriveQuestion(
+    request = SupplyRequest(
         wire=wire,
         supply_v=quantity_option(supply, "V", "--supply"),
         current_a=quantity_option(current, "A", "--current"),
@@ -82,10 +82,12 @@ def simulate(
     if output is not None:
         require_recording_file(output, force)
     require_figure_file(plot)
-    with stops_between_samples(), progress_bar("Drive", drive_plan(question).duration_s, quiet=json) as on_sample:
-        answer = ask(question, path=output, overwrite=force, on_sample=on_sample)
+    with stops_between_samples(), progress_bar("Drive", plan_supply(request).duration_s, quiet=json) as on_sample:
+        answer = size_supply(request, path=output, overwrite=force, on_sample=on_sample)
     if plot is not None:
-        save_figure(answer.plot(), plot)
+        from musclewire.experiment.supply_figure import drive_axes
+
+        save_figure(drive_axes(answer), plot)
     if json:
         emit_json(answer_json(answer, output))
     else:

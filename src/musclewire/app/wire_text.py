@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from musclewire.experiment.maker import DriveAnswer, DrivePlan
+    from musclewire.experiment.supply_sizing import SupplyPlan, SupplySizing
     from musclewire.identify.catalogue_table import Comparison, Judged
     from musclewire.parameters.catalogue import CatalogueCell
 
@@ -17,24 +17,24 @@ ZERO_DEGC_K = 273.15
 MARKS = {"corroborated": "", "unverified": "?", "suspect": "??"}
 
 
-def answer_json(answer: DriveAnswer, recording: Path | None) -> dict[str, Any]:
+def answer_json(answer: SupplySizing, recording: Path | None) -> dict[str, Any]:
     """Return a drive's answer under the keys of the interface."""
-    from musclewire.experiment.maker import catalogue_side
+    from musclewire.experiment.supply_sizing import catalogue_side
 
     numbers, plan, best = answer.numbers, answer.plan, answer.one_second
     return {
-        "wire": plan.question.wire,
+        "wire": plan.request.wire,
         "simulated": True,
-        "length_m": plan.question.length_m,
+        "length_m": plan.request.length_m,
         "load_n": plan.load_n,
-        "spring_stiffness_n_per_m": plan.question.spring_n_per_m,
-        "ambient_temperature_degc": plan.question.ambient_k - ZERO_DEGC_K,
+        "spring_stiffness_n_per_m": plan.request.spring_n_per_m,
+        "ambient_temperature_degc": plan.request.ambient_k - ZERO_DEGC_K,
         "supply_v": plan.supply_v,
         "current_a": plan.current_a,
         "shunt_resistance_ohm": plan.shunt_ohm,
-        "on_s": plan.question.on_s,
+        "on_s": plan.request.on_s,
         "contraction_pct": 100 * numbers.contraction,
-        "contraction_m": numbers.contraction * plan.question.length_m,
+        "contraction_m": numbers.contraction * plan.request.length_m,
         "stroke_pct": 100 * best.stroke,
         "contraction_share_pct": 100 * numbers.contraction / best.stroke,
         "contracted_s": numbers.contracted_s,
@@ -56,15 +56,15 @@ def answer_json(answer: DriveAnswer, recording: Path | None) -> dict[str, Any]:
         "catalogue": catalogue_side(plan),
         "warnings": list(answer.warnings),
         "samples": len(answer.recording),
-        "seed": plan.question.seed,
+        "seed": plan.request.seed,
         "recording": None if recording is None else str(recording),
     }
 
 
-def answer_text(answer: DriveAnswer) -> str:
+def answer_text(answer: SupplySizing) -> str:
     """Return a drive's answer as lines for people."""
     numbers, plan, best, shunt = answer.numbers, answer.plan, answer.one_second, answer.shunt
-    length_mm = 1e3 * plan.question.length_m
+    length_mm = 1e3 * plan.request.length_m
     left_on = f"left on like this it would settle at {answer.settled_k - ZERO_DEGC_K:.0f} C"
     lines = [
         headline(plan),
@@ -85,21 +85,21 @@ def answer_text(answer: DriveAnswer) -> str:
     return "\n".join(lines + catalogue_lines(plan))
 
 
-def headline(plan: DrivePlan) -> str:
+def headline(plan: SupplyPlan) -> str:
     """Return the line that says what was simulated."""
     pull = f"{plan.load_n:.3g} N" + (
-        f" on a spring of {plan.question.spring_n_per_m:g} N/m" if plan.question.spring_n_per_m else " dead weight"
+        f" on a spring of {plan.request.spring_n_per_m:g} N/m" if plan.request.spring_n_per_m else " dead weight"
     )
     source = "" if plan.supply_v is None or plan.current_a is None else f" from at most {plan.supply_v:g} V"
     driven = f"{plan.supply_v:g} V" if plan.current_a is None else amperes(plan.current_a) + source
     return (
-        f"{plan.question.wire}, simulated: {1e3 * plan.question.length_m:g} mm, {pull}, still air of "
-        f"{plan.question.ambient_k - ZERO_DEGC_K:g} C, {driven} through {plan.shunt_ohm:g} ohm for "
-        f"{plan.question.on_s:g} s"
+        f"{plan.request.wire}, simulated: {1e3 * plan.request.length_m:g} mm, {pull}, still air of "
+        f"{plan.request.ambient_k - ZERO_DEGC_K:g} C, {driven} through {plan.shunt_ohm:g} ohm for "
+        f"{plan.request.on_s:g} s"
     )
 
 
-def cooling_words(answer: DriveAnswer) -> str:
+def cooling_words(answer: SupplySizing) -> str:
     """Return the cooling time, or why there is none."""
     numbers = answer.numbers
     if numbers.cooling_s is not None:
@@ -109,9 +109,9 @@ def cooling_words(answer: DriveAnswer) -> str:
     return "not cooled by the end of the run: give a longer --duration"
 
 
-def catalogue_lines(plan: DrivePlan) -> list[str]:
+def catalogue_lines(plan: SupplyPlan) -> list[str]:
     """Return what the catalogue prints for the wire, each number with its standing."""
-    from musclewire.experiment.maker import catalogue_side
+    from musclewire.experiment.supply_sizing import catalogue_side
 
     side = catalogue_side(plan)
     if side is None:

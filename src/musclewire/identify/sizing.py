@@ -1,4 +1,4 @@
-"""What a maker asks of a wire before buying parts: the current that contracts it in time, the supply, the shunt.
+"""What a wire needs, before parts are bought: the current that contracts it in time, the supply, the shunt.
 
 Answers come from fast simulated runs (``simulate.paths``) and from the heat balance; nothing here is measured.
 """

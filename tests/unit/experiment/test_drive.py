@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.drive import HeldCurrent, drive_wire
-from musclewire.experiment.maker import DriveQuestion, ask, drive_numbers, drive_plan
+from musclewire.experiment.supply_sizing import SupplyRequest, drive_numbers, plan_supply, size_supply
 from musclewire.identify.catalogue_check import run_catalogue_test
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.rigs.configuration import open_rig
@@ -93,7 +93,7 @@ def test_a_drive_that_cannot_be_is_refused_before_anything_is_heated(wrong: dict
 @pytest.mark.parametrize("name", ["flexinol-0.050-lt", "flexinol-0.10-ht", "flexinol-0.25-lt"])
 def test_the_rig_and_the_fast_test_agree(name: str) -> None:
     """The same second at the catalogue's current, sample by sample with instruments and in one compiled call."""
-    answer = ask(DriveQuestion(name))
+    answer = size_supply(SupplyRequest(name))
     fast = run_catalogue_test(
         load_alloy("flexinol"), load_wire(name), load_bench("dead-weight"), answer.plan.row.current_a
     )
@@ -104,7 +104,7 @@ def test_the_rig_and_the_fast_test_agree(name: str) -> None:
 
 
 def test_the_wire_gets_no_more_energy_than_the_supply_gives() -> None:
-    answer = ask(DriveQuestion("flexinol-0.15-lt", supply_v=3.0))
+    answer = size_supply(SupplyRequest("flexinol-0.15-lt", supply_v=3.0))
     run = answer.recording
     given_j = float(np.sum(run["drive_voltage_v"] * run["shunt_voltage_v"]) / answer.plan.shunt_ohm * 0.01)
     assert 0.9 * given_j < answer.numbers.energy_j < given_j
@@ -113,14 +113,16 @@ def test_the_wire_gets_no_more_energy_than_the_supply_gives() -> None:
 def test_the_supply_named_for_one_second_does_it_in_one_second() -> None:
     """The current is named for a source that holds it; a plain supply of that voltage gives a little more."""
     for name in ("flexinol-0.076-ht", "flexinol-0.20-lt"):
-        first = ask(DriveQuestion(name))
-        again = ask(DriveQuestion(name, supply_v=first.supply_needed_v, shunt_ohm=first.shunt.resistance_ohm, on_s=1.2))
+        first = size_supply(SupplyRequest(name))
+        again = size_supply(
+            SupplyRequest(name, supply_v=first.supply_needed_v, shunt_ohm=first.shunt.resistance_ohm, on_s=1.2)
+        )
         assert again.numbers.contracted_s is not None
         assert 0.6 < again.numbers.contracted_s < 1.02
 
 
 def test_half_the_load_of_a_spring_gives_half_the_cold_stress() -> None:
-    plan = drive_plan(DriveQuestion("flexinol-0.10-lt", stress_pa=86e6, spring_n_per_m=100.0))
+    plan = plan_supply(SupplyRequest("flexinol-0.10-lt", stress_pa=86e6, spring_n_per_m=100.0))
     assert plan.load_n == pytest.approx(86e6 * math.pi / 4 * (101.6e-6) ** 2)
     assert plan.configuration.settings["spring_stiffness_n_per_m"] == 100.0
 

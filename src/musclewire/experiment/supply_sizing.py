@@ -1,7 +1,7 @@
-"""What a maker asks before wiring anything: what does this supply do to my wire, and which one would I need?
+"""Sizing a wire's supply before anything is wired: what this supply does to the wire, and which one it would need.
 
-A simulated drive under a dead weight or on a spring, its numbers, and the parts the same wire would want for a
-contraction in one second.
+A simulated drive under a dead weight or on a spring, its numbers, and the parts with which the same wire would
+contract in one second.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,33 +34,30 @@ from musclewire.rigs.configuration import RigConfiguration, open_rig, with_setti
 from musclewire.rigs.mounted import LimitsTable
 from musclewire.signals.recording import Recording
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-__all__ = ["BENCH", "DriveAnswer", "DriveNumbers", "DriveQuestion", "ask", "drive_numbers", "drive_plan"]
+__all__ = ["BENCH", "SupplySizing", "DriveNumbers", "SupplyRequest", "size_supply", "drive_numbers", "plan_supply"]
 
 FloatArray = NDArray[np.float64]
 
 BENCH = "dead-weight"
 DEFAULT_LENGTH_M = 0.14
-# The question is what would become of the wire: a protection that switches off before would hide the answer.
+# What would become of the wire is to be shown: a protection that switches off before would hide it.
 SIZING_LIMITS = LimitsTable(maximum_temperature=1e9, resistance_low=1e-6, resistance_high=1e6, jump_share=1.0)
 # Dynalloy, Technical Characteristics of Flexinol Actuator Wires (F1140): melting point 1300 C.
 MELTING_K = 1573.15
 AMBIENT_K = 295.15
-# After switching off this much current goes on, to measure by: a share of the drive's, whose heat is 1/10000 of the
+# After switching off this much current goes on, to measure by: a fraction of the drive's, whose heat is 1/10000 of the
 # drive's, but never less than what resistance can be told from.
-SENSE_SHARE, LEAST_SENSE_A = 0.01, 1.5e-3
+SENSE_FRACTION, MIN_SENSE_A = 0.01, 1.5e-3
 # A current source finds this much more voltage than the cold wire asks for at first.
 SOURCE_HEADROOM = 1.5
 # Input ranges a card or a divider in front of it may have.
 RANGES_V = (10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 10000.0)
 # A run goes on for this multiple of the time the wire takes to relax, within limits.
-RELAXING_MULTIPLE, SHORTEST_COOLING_S, LONGEST_COOLING_S = 1.25, 1.0, 120.0
+RELAXING_MULTIPLE, MIN_COOLING_S, MAX_COOLING_S = 1.25, 1.0, 120.0
 
 
 @dataclass(frozen=True)
-class DriveQuestion:
+class SupplyRequest:
     """A wire, what pulls it and what drives it; what is None is chosen.
 
     Without supply and current, a wire of the catalogue gets the catalogue's one-second current. ``load_n`` is the
@@ -82,10 +79,10 @@ class DriveQuestion:
 
 
 @dataclass(frozen=True)
-class DrivePlan:
-    """A question with everything chosen, and the rig it needs."""
+class SupplyPlan:
+    """A request with everything chosen, and the rig it needs."""
 
-    question: DriveQuestion
+    request: SupplyRequest
     wire: Wire
     row: CatalogueRow | None
     current_a: float | None
@@ -119,10 +116,10 @@ class DriveNumbers:
 
 
 @dataclass(frozen=True)
-class DriveAnswer:
+class SupplySizing:
     """The drive as it went, and what the same wire wants for a contraction in one second."""
 
-    plan: DrivePlan
+    plan: SupplyPlan
     recording: Recording
     numbers: DriveNumbers
     settled_k: float
@@ -135,51 +132,45 @@ class DriveAnswer:
         """Supply for the one-second current through the wire and the suggested shunt."""
         return self.one_second.wire_voltage_v + self.one_second.current_a * self.shunt.resistance_ohm
 
-    def plot(self) -> Axes:
-        """Draw contraction, temperature, and current with voltage over time; return the axes of the contraction."""
-        from musclewire.experiment.maker_view import drive_axes
 
-        return drive_axes(self)
-
-
-def drive_plan(question: DriveQuestion) -> DrivePlan:
-    """Return the question with everything chosen. Raises CallerError where it makes no sense."""
-    wire = load_wire(question.wire)
-    row = catalogue_row(question.wire) if question.wire in catalogue_names() else None
-    refuse_nonsense(question)
-    stress = PULL_STRESS_PA if question.stress_pa is None else question.stress_pa
-    load = stress * section_m2(wire) if question.load_n is None else question.load_n
+def plan_supply(request: SupplyRequest) -> SupplyPlan:
+    """Return the request with everything chosen. Raises CallerError where it makes no sense."""
+    wire = load_wire(request.wire)
+    row = catalogue_row(request.wire) if request.wire in catalogue_names() else None
+    require_plausible(request)
+    stress = PULL_STRESS_PA if request.stress_pa is None else request.stress_pa
+    load = stress * section_m2(wire) if request.load_n is None else request.load_n
     if load > wire.maximum_force_n.value:
         raise CallerError(
             f"a load of {load:.3g} N is above {wire.maximum_force_n.value:.3g} N, near what breaks {wire.name}"
         )
-    current = question.current_a
-    if current is None and question.supply_v is None:
+    current = request.current_a
+    if current is None and request.supply_v is None:
         if row is None:
-            raise CallerError(f"{question.wire} is not in the catalogue: give --supply or --current, as '3 V'")
+            raise CallerError(f"{request.wire} is not in the catalogue: give --supply or --current, as '3 V'")
         current = row.current_a
-    cold_ohm = wire.resistance_per_metre_ohm_per_m.value * question.length_m
-    expected = current if current is not None else (question.supply_v or 0.0) / cold_ohm
-    shunt = suggested_shunt(cold_ohm, expected).resistance_ohm if question.shunt_ohm is None else question.shunt_ohm
+    cold_ohm = wire.resistance_per_metre_ohm_per_m.value * request.length_m
+    expected = current if current is not None else (request.supply_v or 0.0) / cold_ohm
+    shunt = suggested_shunt(cold_ohm, expected).resistance_ohm if request.shunt_ohm is None else request.shunt_ohm
     settings: dict[str, float | str] = {
-        "wire_length_m": question.length_m,
+        "wire_length_m": request.length_m,
         "pretension_n": load,
-        "spring_stiffness_n_per_m": question.spring_n_per_m,
+        "spring_stiffness_n_per_m": request.spring_n_per_m,
         "shunt_resistance_ohm": shunt,
-        "ambient_temperature_k": question.ambient_k,
-        **drive_settings(question.supply_v, expected, cold_ohm + shunt),
+        "ambient_temperature_k": request.ambient_k,
+        **drive_settings(request.supply_v, expected, cold_ohm + shunt),
     }
     configuration = RigConfiguration(
-        wire=question.wire, bench=BENCH, seed=question.seed, settings=settings, limits=SIZING_LIMITS
+        wire=request.wire, bench=BENCH, seed=request.seed, settings=settings, limits=SIZING_LIMITS
     )
-    duration = question.duration_s or chosen_duration_s(question, configuration, current)
-    return DrivePlan(question, wire, row, current, question.supply_v, load, shunt, duration, configuration)
+    duration = request.duration_s or chosen_duration_s(request, configuration, current)
+    return SupplyPlan(request, wire, row, current, request.supply_v, load, shunt, duration, configuration)
 
 
 def drive_settings(supply_v: float | None, expected_a: float, circuit_ohm: float) -> dict[str, float]:
     """Return the rig's voltages: highest, sense voltage and a range of the converter that holds the highest."""
     highest = supply_v or SOURCE_HEADROOM * expected_a * circuit_ohm
-    sense = max(SENSE_SHARE * expected_a, LEAST_SENSE_A) * circuit_ohm
+    sense = max(SENSE_FRACTION * expected_a, MIN_SENSE_A) * circuit_ohm
     if sense >= highest:
         raise CallerError(f"{highest:g} V is not above the {sense:.2g} V it takes to measure this wire: give more")
     return {
@@ -194,58 +185,58 @@ def section_m2(wire: Wire) -> float:
     return 0.25 * math.pi * wire.diameter_m.value**2
 
 
-def refuse_nonsense(question: DriveQuestion) -> None:
+def require_plausible(request: SupplyRequest) -> None:
     """Raise CallerError for numbers that cannot be."""
-    if question.load_n is not None and question.stress_pa is not None:
+    if request.load_n is not None and request.stress_pa is not None:
         raise CallerError("give the load or the stress, not both: one follows from the other")
-    positive = {"length": question.length_m, "shunt": question.shunt_ohm, "supply": question.supply_v,
-                "current": question.current_a, "time until switching off": question.on_s}  # fmt: skip
+    positive = {"length": request.length_m, "shunt": request.shunt_ohm, "supply": request.supply_v,
+                "current": request.current_a, "time until switching off": request.on_s}  # fmt: skip
     for name, value in positive.items():
         if value is not None and not 0.0 < value < math.inf:
             raise CallerError(f"{name} is {value:g}: it must be above 0")
-    if question.duration_s is not None and question.duration_s < question.on_s:
-        raise CallerError(f"the run of {question.duration_s:g} s ends before switching off at {question.on_s:g} s")
+    if request.duration_s is not None and request.duration_s < request.on_s:
+        raise CallerError(f"the run of {request.duration_s:g} s ends before switching off at {request.on_s:g} s")
 
 
-def chosen_duration_s(question: DriveQuestion, configuration: RigConfiguration, current_a: float | None) -> float:
+def chosen_duration_s(request: SupplyRequest, configuration: RigConfiguration, current_a: float | None) -> float:
     """Return how long to run where nobody said: until the wire has relaxed and somewhat longer."""
-    wire, bench = with_settings(load_wire(question.wire), load_bench(BENCH), configuration.settings, "simulate")
-    drive = current_a if current_a is not None else question.supply_v or 0.0
+    wire, bench = with_settings(load_wire(request.wire), load_bench(BENCH), configuration.settings, "simulate")
+    drive = current_a if current_a is not None else request.supply_v or 0.0
     relaxing = relaxing_time_s(
         load_alloy(wire.alloy),
         wire,
         bench,
         drive,
-        question.on_s,
+        request.on_s,
         regulated_current=current_a is not None,
-        longest_s=LONGEST_COOLING_S / RELAXING_MULTIPLE,
+        longest_s=MAX_COOLING_S / RELAXING_MULTIPLE,
     )
-    return math.ceil(question.on_s + max(RELAXING_MULTIPLE * relaxing, SHORTEST_COOLING_S))
+    return math.ceil(request.on_s + max(RELAXING_MULTIPLE * relaxing, MIN_COOLING_S))
 
 
-def ask(
-    question: DriveQuestion,
+def size_supply(
+    request: SupplyRequest,
     *,
     path: str | Path | None = None,
     overwrite: bool = False,
     on_sample: OnSample | None = None,
-) -> DriveAnswer:
+) -> SupplySizing:
     """Run the drive on the simulated rig and return what it shows, with the parts the wire would want.
 
-    Raises CallerError where the question makes no sense.
+    Raises CallerError where the request makes no sense.
     """
-    plan = drive_plan(question)
+    plan = plan_supply(request)
     wire, bench = with_settings(plan.wire, load_bench(BENCH), plan.configuration.settings, "simulate")
     best = one_second_current(load_alloy(wire.alloy), wire, bench)
     if best.stroke <= UNCOUNTED_STRAIN:
         raise CallerError(
-            f"{wire.name} at {question.ambient_k - 273.15:g} C under this load has only {100 * best.stroke:.2g} % of "
+            f"{wire.name} at {request.ambient_k - 273.15:g} C under this load has only {100 * best.stroke:.2g} % of "
             "contraction left: it is as good as contracted; a cooler place or a larger load stretches it"
         )
     with open_rig(plan.configuration) as rig:
         recording = drive_wire(
             rig,
-            on_s=question.on_s,
+            on_s=request.on_s,
             duration_s=plan.duration_s,
             supply_v=plan.supply_v,
             current_a=plan.current_a,
@@ -253,10 +244,10 @@ def ask(
             overwrite=overwrite,
             on_sample=on_sample,
         )
-    numbers = drive_numbers(recording, question.on_s, best.stroke)
-    settled = settled_temperature_k(numbers.power_end_w / question.length_m, wire, question.ambient_k)
-    cold_ohm = wire.resistance_per_metre_ohm_per_m.value * question.length_m
-    return DriveAnswer(
+    numbers = drive_numbers(recording, request.on_s, best.stroke)
+    settled = settled_temperature_k(numbers.power_end_w / request.length_m, wire, request.ambient_k)
+    cold_ohm = wire.resistance_per_metre_ohm_per_m.value * request.length_m
+    return SupplySizing(
         plan,
         recording,
         numbers,
@@ -305,8 +296,8 @@ def cooling_time(since_off_s: FloatArray, contraction: FloatArray) -> float | No
     return first_time(since_off_s, contraction <= UNCOUNTED_STRAIN)
 
 
-def warnings_for(plan: DrivePlan, numbers: DriveNumbers, settled_k: float) -> list[str]:
-    """Return what the maker should hear, most dangerous first."""
+def warnings_for(plan: SupplyPlan, numbers: DriveNumbers, settled_k: float) -> list[str]:
+    """Return warnings about the drive, the most dangerous first."""
     found = []
     limit = OVERHEATED_K - 273.15
     if numbers.melted:
@@ -325,11 +316,11 @@ def warnings_for(plan: DrivePlan, numbers: DriveNumbers, settled_k: float) -> li
     return found
 
 
-def catalogue_side(plan: DrivePlan) -> dict[str, Any] | None:
+def catalogue_side(plan: SupplyPlan) -> dict[str, Any] | None:
     """Return what the catalogue prints for this wire, each number with its standing; None for other wires."""
     if plan.row is None:
         return None
-    cooling = plan.row.cooling_cell(class_of(plan.question.wire))
+    cooling = plan.row.cooling_cell(class_of(plan.request.wire))
     cells = {
         "resistance_ohm_per_m": (plan.row.resistance_ohm_per_m, 1.0),
         "one_second_current_a": (plan.row.current_ma, 1e-3),
