@@ -9,8 +9,8 @@ import pytest
 
 from musclewire.controllers import staircase
 from musclewire.errors import RecordingError
-from musclewire.experiment.maker import drive_numbers
 from musclewire.experiment.metrics import control_metrics, elapsed
+from musclewire.experiment.supply_sizing import drive_numbers
 from musclewire.identify import fit
 from musclewire.identify.contact import closing_of
 from musclewire.identify.physical.driven import contraction_force_n

@@ -15,8 +15,8 @@ from musclewire.app.output import emit_json, say, show
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
+    from musclewire.design.finger.finger_study import FingerStudyResult, WireToPull
     from musclewire.design.finger.geometry import FingerGeometry
-    from musclewire.design.finger.question import FingerAnswer, WireQuestion
     from musclewire.design.finger.sizing import FingerRequest
     from musclewire.design.finger.statics import Foam
     from musclewire.parameters.materials import Material
@@ -83,7 +83,7 @@ def finger(
     json: Json = False,
 ) -> None:
     """Size a tendon-driven flexible finger, or tell what one of given dimensions does."""
-    from musclewire.design.finger.question import FingerQuestion, ask_finger
+    from musclewire.design.finger.finger_study import FingerStudy, study_finger
     from musclewire.parameters.materials import load_material
 
     require_one_way({"--stiffness": stiffness, "--finger": file, "--thickness": thickness}, offset)
@@ -116,8 +116,8 @@ def finger(
         geometry = given(section, lengths, columns, metal.youngs_modulus_pa.value)
         if process is not None:
             require_made(geometry, process, metal.minimum_thickness_by(process))
-    answer = ask_finger(
-        FingerQuestion(
+    answer = study_finger(
+        FingerStudy(
             material=metal,
             endpoint_m=metres(endpoint, "--endpoint"),
             travel_m=metres(travel, "--travel"),
@@ -248,7 +248,7 @@ def require_made(geometry: FingerGeometry, process: str, least_m: float) -> None
 
 def of_file(name: str) -> FingerGeometry:
     """Return the geometry of a finger by name or file."""
-    from musclewire.design.finger.saving import geometry_of_file
+    from musclewire.design.finger.finger_file_text import geometry_of_file
     from musclewire.parameters.finger_file import load_finger
 
     return geometry_of_file(load_finger(name))
@@ -261,16 +261,16 @@ def foam_of(stiffness: str, clearance: str) -> Foam:
     return Foam(metres(clearance, "--clearance"), quantity_option(stiffness, "N/m", "--foam") or 0.0)
 
 
-def wire_of(name: str, length: str, pretension: str, pretensioner: str) -> WireQuestion:
+def wire_of(name: str, length: str, pretension: str, pretensioner: str) -> WireToPull:
     """Return the question about a wire."""
-    from musclewire.design.finger.question import WireQuestion
+    from musclewire.design.finger.finger_study import WireToPull
     from musclewire.parameters.pretensioner_file import read_pretensioner
 
     if pretensioner.endswith(".toml"):
         stiffness = read_pretensioner(pretensioner).stiffness_n_per_m
     else:
         stiffness = quantity_option(pretensioner, "N/m", "--pretensioner") or 0.0
-    return WireQuestion(
+    return WireToPull(
         name, metres(length, "--wire-length"), quantity_option(pretension, "N", "--pretension") or 0.0, stiffness
     )
 
@@ -280,19 +280,21 @@ def write_text(path: Path, text: str) -> None:
     path.write_text(text, "utf-8")
 
 
-def write_files(answer: FingerAnswer, output: Path | None, drawings: list[Path], plot: Path | None) -> None:
+def write_files(answer: FingerStudyResult, output: Path | None, drawings: list[Path], plot: Path | None) -> None:
     """Write what was asked for, each file whole or not at all."""
     from musclewire.signals.whole_files import write_whole
 
     if output is not None:
-        from musclewire.design.finger.saving import answer_file_text
+        from musclewire.design.finger.finger_file_text import finger_study_file_text
 
-        text = answer_file_text(output.stem, answer)
+        text = finger_study_file_text(output.stem, answer)
         write_whole(output, lambda part: write_text(part, text))
     for drawing in drawings:
         from musclewire.design.finger.drawing import write_finger_drawing
 
         write_finger_drawing(answer.geometry, drawing)
     if plot is not None:
-        figure = answer.plot()
+        from musclewire.design.finger.figures import plot_finger
+
+        figure = plot_finger(answer)
         write_whole(plot, lambda part: figure.savefig(part, format=plot.suffix.removeprefix(".")))

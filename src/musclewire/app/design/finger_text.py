@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 from musclewire.app.design.check_text import check_json, check_lines
 
 if TYPE_CHECKING:
-    from musclewire.design.finger.question import FingerAnswer
+    from musclewire.design.finger.finger_study import FingerStudyResult
 
 __all__ = ["answer_json", "answer_text"]
 
 MM, MPA = 1e3, 1e-6
 
 
-def answer_json(answer: FingerAnswer, output: Path | None, drawings: list[Path]) -> dict[str, Any]:
+def answer_json(answer: FingerStudyResult, output: Path | None, drawings: list[Path]) -> dict[str, Any]:
     """Return an answer under the keys of the interface."""
     geometry, at, curve = answer.geometry, answer.at, answer.curve
     return {
@@ -25,7 +25,7 @@ def answer_json(answer: FingerAnswer, output: Path | None, drawings: list[Path])
         "geometry": {**geometry.values(), "segment_length_m": geometry.segment_length_m},
         "endpoint_m": at.endpoint_displacement_m,
         "travel_m": at.travel_m,
-        "travel_available_m": answer.question.travel_m,
+        "travel_available_m": answer.study.travel_m,
         "tendon_force_n": at.tendon_force_n,
         "pulling_force_n": answer.friction.pulling_n,
         "easing_force_n": answer.friction.easing_n,
@@ -46,7 +46,7 @@ def answer_json(answer: FingerAnswer, output: Path | None, drawings: list[Path])
     }
 
 
-def foam_json(answer: FingerAnswer) -> dict[str, Any] | None:
+def foam_json(answer: FingerStudyResult) -> dict[str, Any] | None:
     """Return the finger on an object, None where there is none."""
     if answer.foam is None:
         return None
@@ -58,11 +58,11 @@ def schemes_json(scheme: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in scheme.items() if key != "angles_rad"}
 
 
-def answer_text(answer: FingerAnswer) -> str:
+def answer_text(answer: FingerStudyResult) -> str:
     """Return an answer as lines for people."""
     geometry, at, friction = answer.geometry, answer.at, answer.friction
     lines = [
-        f"finger of {answer.question.material.name}, {MM * geometry.overall_length_m:g} mm long, "
+        f"finger of {answer.study.material.name}, {MM * geometry.overall_length_m:g} mm long, "
         f"{MM * geometry.plate_length_m:g} mm of it plate",
         f"  beam          {MM * geometry.beam_thickness_m:.2f} mm thick, {MM * geometry.beam_depth_m:.2f} mm deep, in "
         f"{geometry.columns} segments of {MM * geometry.segment_length_m:.3f} mm, curved inward by "
@@ -72,14 +72,14 @@ def answer_text(answer: FingerAnswer) -> str:
         "middle",
         f"  stiffness     {answer.stiffness_n_per_m:.1f} N/m along the tendon, both legs",
         f"  endpoint      {MM * at.endpoint_displacement_m:.2f} mm at {MM * at.travel_m:.3f} mm of travel, of "
-        f"{MM * answer.question.travel_m:g} mm there are; bent by "
+        f"{MM * answer.study.travel_m:g} mm there are; bent by "
         f"{degrees(float(at.angles_rad[-1]) - geometry.inward_angle_rad):.1f} deg",
         f"  tendon        {at.tendon_force_n:.3f} N there without friction; {friction.pulling_n:.3f} N pulling, "
-        f"{friction.easing_n:.3f} N easing (friction {answer.question.friction:g})",
+        f"{friction.easing_n:.3f} N easing (friction {answer.study.friction:g})",
         f"  endpoint load 1 N back costs {answer.slope.tendon_force_per_endpoint_force:.2f} N at the tendon and "
         f"{MM * answer.slope.endpoint_compliance_m_per_n:.2f} mm",
-        f"  stress        {MPA * answer.stress_pa:.1f} MPa; {answer.question.material.name} yields at "
-        f"{MPA * answer.question.material.yield_stress_pa.value:g} MPa",
+        f"  stress        {MPA * answer.stress_pa:.1f} MPa; {answer.study.material.name} yields at "
+        f"{MPA * answer.study.material.yield_stress_pa.value:g} MPa",
     ]
     return "\n".join([*lines, *load_lines(answer), *scheme_lines(answer), "", *check_lines(answer.checks)])
 
@@ -89,27 +89,27 @@ def degrees(angle_rad: float) -> float:
     return math.degrees(angle_rad)
 
 
-def load_lines(answer: FingerAnswer) -> list[str]:
+def load_lines(answer: FingerStudyResult) -> list[str]:
     """Return what object and wire do, where there are any."""
     lines = []
     foam, wire = answer.foam, answer.wire
-    if foam is not None and answer.question.foam is not None:
+    if foam is not None and answer.study.foam is not None:
         lines.append(
-            f"  object        {answer.question.foam.stiffness_n_per_m:g} N/m after "
-            f"{MM * answer.question.foam.clearance_m:g} mm: {foam.force_n:.3f} N on it at the end of the travel, "
+            f"  object        {answer.study.foam.stiffness_n_per_m:g} N/m after "
+            f"{MM * answer.study.foam.clearance_m:g} mm: {foam.force_n:.3f} N on it at the end of the travel, "
             f"endpoint {MM * foam.endpoint_m:.2f} mm, tendon {foam.tendon_force_n:.2f} N, beam "
             f"{MPA * foam.stress_pa:.0f} MPa (by the linear curve {foam.linear_force_n:.3f} N)"
         )
-    if wire is not None and answer.question.wire is not None:
+    if wire is not None and answer.study.wire is not None:
         lines.append(
-            f"  wire          {answer.question.wire.name} takes it to {MM * wire.endpoint_m:.2f} mm "
+            f"  wire          {answer.study.wire.name} takes it to {MM * wire.endpoint_m:.2f} mm "
             f"({MM * wire.travel_m:.3f} mm, {100 * wire.contraction:.2f} % of a leg), bearing "
             f"{wire.wire_force_n:.2f} N, {MPA * wire.wire_stress_pa:.0f} MPa; {MM * wire.reserve_m:.3f} mm in reserve"
         )
     return lines
 
 
-def scheme_lines(answer: FingerAnswer) -> list[str]:
+def scheme_lines(answer: FingerStudyResult) -> list[str]:
     """Return the ways to pull the finger as a table, where they were compared."""
     if not answer.schemes:
         return []

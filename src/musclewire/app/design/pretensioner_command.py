@@ -195,7 +195,7 @@ def file_or_dimensions(
 ) -> tuple[str, str | None, SerpentineGeometry]:
     """Return material, process and dimensions from a file, or from the options."""
     from musclewire.design.serpentine.geometry import SerpentineGeometry
-    from musclewire.design.serpentine.saving import geometry_of
+    from musclewire.design.serpentine.pretensioner_file_text import geometry_of
     from musclewire.parameters.pretensioner_file import read_pretensioner
 
     if file is not None:
@@ -218,9 +218,9 @@ def write_files(
 ) -> None:
     """Write what was asked for, each file whole or not at all."""
     from musclewire.design.drawing import write_drawing
+    from musclewire.design.serpentine.figures import draw_pretensioner
     from musclewire.design.serpentine.outline import serpentine_drawing
-    from musclewire.design.serpentine.picture import draw_pretensioner
-    from musclewire.design.serpentine.saving import pretensioner_text
+    from musclewire.design.serpentine.pretensioner_file_text import pretensioner_text
     from musclewire.signals.whole_files import write_whole
 
     if output is not None:

@@ -37,7 +37,7 @@ ARC_POINTS = 12
 
 def fig13a(_runs: Runs) -> Figure:
     """Draw one finger pulled in several ways, each to the end of its range."""
-    from musclewire.design.finger.saving import geometry_of_file
+    from musclewire.design.finger.finger_file_text import geometry_of_file
     from musclewire.design.finger.shape import finger_shape
 
     figure, axes = one_panel()

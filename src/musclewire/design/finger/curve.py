@@ -14,10 +14,12 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.parameters.finger_file import FingerCurve
 
 __all__ = [
+    "CURVE_REACH",
     "LinearError",
     "beam_stress_pa",
     "bent_per_m",
     "column_gap_m",
+    "curve_travels_m",
     "finger_curve",
     "linear_error",
     "longest_free_travel_m",
@@ -30,6 +32,9 @@ CURVE_STEP_M, LEAST_STEPS, MOST_STEPS = 0.025e-3, 20, 400
 # Where the tendon's force is 0, friction's share is that of a travel so small.
 SMALL_TRAVEL_M = 1e-7
 BISECTIONS = 60
+CURVE_POINTS = 57
+# The curve goes on beyond the travel the finger was designed for: wires differ.
+CURVE_REACH = 4.0 / 3.0
 
 
 class LinearError(NamedTuple):
@@ -43,6 +48,11 @@ class LinearError(NamedTuple):
     displacement_share: float
     tendon_force_n: float
     tendon_force_share: float
+
+
+def curve_travels_m(longest_m: float) -> FloatArray:
+    """Return the travels of a curve in a file, (57,) [m], from 0 to ``longest_m``."""
+    return np.asarray(np.linspace(0.0, longest_m, CURVE_POINTS))
 
 
 def finger_curve(geometry: FingerGeometry, travels_m: FloatArray, friction: float = ASSUMED_FRICTION) -> FingerCurve:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from musclewire.design.finger.comparison import Scheme, compare_schemes
-from musclewire.design.finger.saving import geometry_of_file
+from musclewire.design.finger.finger_file_text import geometry_of_file
 from musclewire.design.serpentine.analysis import Duty, Pretensioner
 from musclewire.design.serpentine.geometry import Envelope
 from musclewire.design.serpentine.sizing import PretensionerRequest, design_pretensioner

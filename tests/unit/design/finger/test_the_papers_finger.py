@@ -11,9 +11,9 @@ from fingers import CURVED
 from musclewire.design.finger.chain import finger_chain
 from musclewire.design.finger.comparison import compare_schemes
 from musclewire.design.finger.curve import beam_stress_pa, longest_free_travel_m
+from musclewire.design.finger.finger_file_text import curve_of_file, geometry_of_file
 from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.plane_stress import finger_body, plane_stress_path
-from musclewire.design.finger.saving import curve_of_file, geometry_of_file
 from musclewire.design.finger.statics import equilibria
 from musclewire.design.finger.wire import wire_on_finger
 from musclewire.errors import CallerError

@@ -1,10 +1,10 @@
-"""One question about a finger, answered: dimensions from what it shall do, or what given dimensions do, with checks."""
+"""A study of one finger: dimensions from what it must do, or what given dimensions do, with checks."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,8 +13,10 @@ from musclewire.design.finger.chain import FOOT_THICKNESSES, finger_chain
 from musclewire.design.finger.closed_forms import pure_moment_stiffness_n_per_m
 from musclewire.design.finger.comparison import Scheme, compare_schemes
 from musclewire.design.finger.curve import (
+    CURVE_REACH,
     beam_stress_pa,
     column_gap_m,
+    curve_travels_m,
     finger_curve,
     linear_error,
     longest_free_travel_m,
@@ -25,7 +27,6 @@ from musclewire.design.finger.curve import (
 from musclewire.design.finger.friction import ASSUMED_FRICTION, MOST_FRICTION, Friction, friction_at
 from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.plane_stress import finger_body, plane_stress_path
-from musclewire.design.finger.saving import CURVE_REACH, curve_travels_m
 from musclewire.design.finger.sizing import FingerRequest, design_finger, finger_stiffness_n_per_m
 from musclewire.design.finger.statics import Equilibrium, Foam, Sensitivity, equilibria, sensitivity
 from musclewire.design.finger.wire import WireOnFinger, wire_on_finger
@@ -33,25 +34,22 @@ from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve
 from musclewire.parameters.materials import Material
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-__all__ = ["FingerAnswer", "FingerQuestion", "FoamAnswer", "WireQuestion", "ask_finger"]
+__all__ = ["FingerStudyResult", "FingerStudy", "FoamContact", "WireToPull", "study_finger"]
 
 WORKING_STRESS_PA = 172e6
 # How near to each other two ways to the same number must be.
 WANTED_TOLERANCE, PLANE_TOLERANCE, STRESS_TOLERANCE = 0.01, 0.05, 0.1
-LINEAR_SHARE, RECIPROCAL = 0.02, 1e-4
+LINEAR_FRACTION, RECIPROCAL = 0.02, 1e-4
 # Searle's parameter beyond which a strip bends more like a plate than like a beam.
 PLATE = 10.0
-# The linear answer of the curve is judged up to an endpoint force that costs this share of the tendon's own force more.
-JUDGED_SHARE = 1.0 / 3.0
+# The curve's linear part is judged up to an endpoint force that costs this fraction of the tendon's own force more.
+JUDGED_FRACTION = 1.0 / 3.0
 JUDGED_TRAVELS = 9
-PLANE_STRESS_SHARES = (0.02, 0.5, 1.0)
+PLANE_STRESS_FRACTIONS = (0.02, 0.5, 1.0)
 
 
 @dataclass(frozen=True)
-class WireQuestion:
+class WireToPull:
     """A wire to pull the finger with: its name, both legs' length, pretension and the pretensioner's stiffness."""
 
     name: str
@@ -61,8 +59,8 @@ class WireQuestion:
 
 
 @dataclass(frozen=True)
-class FingerQuestion:
-    """What is asked: a ``request`` to be sized, or a ``geometry`` as it is; the endpoint and the travel there is.
+class FingerStudy:
+    """What to study: a ``request`` to be sized, or a ``geometry`` as it is; the endpoint and the available travel.
 
     ``finite_elements`` compares with plane stress on a mesh ``refined`` times finer than the coarsest.
     """
@@ -74,13 +72,13 @@ class FingerQuestion:
     geometry: FingerGeometry | None = None
     friction: float = ASSUMED_FRICTION
     foam: Foam | None = None
-    wire: WireQuestion | None = None
+    wire: WireToPull | None = None
     compare: bool = False
     finite_elements: bool = True
     refined: int = 1
 
 
-class FoamAnswer(NamedTuple):
+class FoamContact(NamedTuple):
     """The finger on an object at the end of its travel: endpoint, its force, the tendon's; and the force by the curve.
 
     ``linear_force_n`` is what the free curve with its compliance says; ``force_n`` is solved with contact;
@@ -96,10 +94,10 @@ class FoamAnswer(NamedTuple):
 
 
 @dataclass(frozen=True)
-class FingerAnswer:
-    """A finger with its numbers at the endpoint asked for."""
+class FingerStudyResult:
+    """A finger with its numbers at the endpoint wanted."""
 
-    question: FingerQuestion
+    study: FingerStudy
     geometry: FingerGeometry
     stiffness_n_per_m: float
     at: Equilibrium
@@ -108,94 +106,88 @@ class FingerAnswer:
     stress_pa: float
     curve: FingerCurve
     checks: list[Check]
-    foam: FoamAnswer | None
+    foam: FoamContact | None
     wire: WireOnFinger | None
     schemes: list[Scheme]
     warnings: list[str] = field(default_factory=list)
 
-    def plot(self) -> Figure:
-        """Draw the finger unloaded and bent, its tendon and the stress in its beam."""
-        from musclewire.design.finger.plots import plot_finger
 
-        return plot_finger(self)
-
-
-def ask_finger(question: FingerQuestion) -> FingerAnswer:
-    """Answer a question about a finger.
+def study_finger(study: FingerStudy) -> FingerStudyResult:
+    """Return a finger of the study, with its numbers at the endpoint wanted.
 
     Raises CallerError, in one line that names the limit and by how much it is missed: stiffness, endpoint, room,
     stress, what can be made, what the wire gives.
     """
-    require_sense(question)
-    geometry = geometry_for(question)
+    require_valid(study)
+    geometry = geometry_for(study)
     chain = finger_chain(geometry)
-    at = travel_for_endpoint_m(chain, geometry.stiffness_n_m2, question.endpoint_m, question.travel_m)
+    at = travel_for_endpoint_m(chain, geometry.stiffness_n_m2, study.endpoint_m, study.travel_m)
     stress = float(beam_stress_pa(geometry, at).max())
-    require_unbroken(question, geometry, at, stress)
-    longest = longest_free_travel_m(geometry, CURVE_REACH * question.travel_m)
-    curve = finger_curve(geometry, curve_travels_m(longest), question.friction)
-    wire = None if question.wire is None else wire_for(question.wire, curve, at.travel_m)
+    require_unbroken(study, geometry, at, stress)
+    longest = longest_free_travel_m(geometry, CURVE_REACH * study.travel_m)
+    curve = finger_curve(geometry, curve_travels_m(longest), study.friction)
+    wire = None if study.wire is None else wire_for(study.wire, curve, at.travel_m)
     stiffness = finger_stiffness_n_per_m(geometry)
-    foam = None if question.foam is None else foam_answer(question, geometry, question.foam)
-    return FingerAnswer(
-        question=question,
+    foam = None if study.foam is None else foam_contact(study, geometry, study.foam)
+    return FingerStudyResult(
+        study=study,
         geometry=geometry,
         stiffness_n_per_m=stiffness,
         at=at,
         slope=sensitivity(at),
-        friction=friction_at(chain, geometry.stiffness_n_m2, at, question.friction),
+        friction=friction_at(chain, geometry.stiffness_n_m2, at, study.friction),
         stress_pa=stress,
         curve=curve,
-        checks=checks_of(question, geometry, at, stiffness, stress),
+        checks=checks_of(study, geometry, at, stiffness, stress),
         foam=foam,
         wire=wire,
-        schemes=schemes_of(question, geometry) if question.compare else [],
-        warnings=[*warnings_of(question, geometry, at, stress), *warnings_of_loads(question, geometry, foam, wire)],
+        schemes=schemes_of(study, geometry) if study.compare else [],
+        warnings=[*warnings_of(study, geometry, at, stress), *warnings_of_loads(study, geometry, foam, wire)],
     )
 
 
-def require_sense(question: FingerQuestion) -> None:
+def require_valid(study: FingerStudy) -> None:
     """Raise CallerError for numbers that mean nothing."""
-    foam = question.foam
-    numbers = {"endpoint": question.endpoint_m, "travel": question.travel_m}
+    foam = study.foam
+    numbers = {"endpoint": study.endpoint_m, "travel": study.travel_m}
     numbers |= {} if foam is None else {"stiffness of the object": foam.stiffness_n_per_m}
     for name, value in numbers.items():
         if not 0.0 < value < math.inf:
             raise CallerError(f"{name} is {value:g}: give a number above 0")
     if foam is not None and not 0.0 <= foam.clearance_m < math.inf:
         raise CallerError(f"the clearance is {foam.clearance_m:g} m: give 0 or more")
-    if not 0.0 <= question.friction <= MOST_FRICTION:
-        raise CallerError(f"a friction coefficient of {question.friction:g} is not one of 0 to {MOST_FRICTION:g}")
+    if not 0.0 <= study.friction <= MOST_FRICTION:
+        raise CallerError(f"a friction coefficient of {study.friction:g} is not one of 0 to {MOST_FRICTION:g}")
 
 
-def geometry_for(question: FingerQuestion) -> FingerGeometry:
+def geometry_for(study: FingerStudy) -> FingerGeometry:
     """Return the geometry given, or the one sized for the request."""
-    if question.geometry is not None:
-        return question.geometry
-    if question.request is None:
+    if study.geometry is not None:
+        return study.geometry
+    if study.request is None:
         raise CallerError("a finger is asked for by a stiffness, or by its dimensions: neither was given")
-    return design_finger(question.request, question.material)
+    return design_finger(study.request, study.material)
 
 
-def require_unbroken(question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium, stress_pa: float) -> None:
+def require_unbroken(study: FingerStudy, geometry: FingerGeometry, at: Equilibrium, stress_pa: float) -> None:
     """Raise CallerError where a finger yields or its columns collide before it is where it shall go."""
-    limit = question.material.yield_stress_pa.value
+    limit = study.material.yield_stress_pa.value
     if stress_pa > limit:
         raise CallerError(
-            f"the beam would bear {1e-6 * stress_pa:.1f} MPa at an endpoint of {1e3 * question.endpoint_m:g} mm, "
-            f"{100 * (stress_pa / limit - 1):.0f} % above the {1e-6 * limit:g} MPa at which {question.material.name} "
+            f"the beam would bear {1e-6 * stress_pa:.1f} MPa at an endpoint of {1e3 * study.endpoint_m:g} mm, "
+            f"{100 * (stress_pa / limit - 1):.0f} % above the {1e-6 * limit:g} MPa at which {study.material.name} "
             "yields: a thinner beam, more length, or less endpoint"
         )
     gap = column_gap_m(geometry, at)
     if gap <= 0.0:
         raise CallerError(
             f"columns of {1e3 * geometry.column_height_m:.2f} mm would overlap by {-1e3 * gap:.3f} mm at an endpoint "
-            f"of {1e3 * question.endpoint_m:g} mm: shorter or fewer columns, or less endpoint"
+            f"of {1e3 * study.endpoint_m:g} mm: shorter or fewer columns, or less endpoint"
         )
 
 
-def wire_for(wire: WireQuestion, curve: FingerCurve, needed_travel_m: float) -> WireOnFinger:
-    """Return how far the wire asked about takes the finger."""
+def wire_for(wire: WireToPull, curve: FingerCurve, needed_travel_m: float) -> WireOnFinger:
+    """Return how far the wire of the study takes the finger."""
     return wire_on_finger(
         curve,
         wire.name,
@@ -207,32 +199,32 @@ def wire_for(wire: WireQuestion, curve: FingerCurve, needed_travel_m: float) -> 
 
 
 def checks_of(
-    question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium, stiffness_n_per_m: float, stress_pa: float
+    study: FingerStudy, geometry: FingerGeometry, at: Equilibrium, stiffness_n_per_m: float, stress_pa: float
 ) -> list[Check]:
     """Return the numbers of a design beside what they should be."""
-    material = question.material
+    material = study.material
     feet = (2 * geometry.columns - 1) * FOOT_THICKNESSES * geometry.beam_thickness_m
     bends_as = geometry.flexible_length_m + feet
     closed = pure_moment_stiffness_n_per_m(geometry.stiffness_n_m2, geometry.tendon_offset_m, bends_as)
-    asked = question.request
+    wanted = study.request
     checks = (
         []
-        if asked is None
+        if wanted is None
         else [
             Check(
-                "stiffness, as asked for", stiffness_n_per_m, asked.stiffness_n_per_m, "N/m", "about", WANTED_TOLERANCE
+                "stiffness, as asked for", stiffness_n_per_m, wanted.stiffness_n_per_m, "N/m", "about", WANTED_TOLERANCE
             )
         ]
     )
     checks += [
-        Check("travel at the endpoint", at.travel_m, question.travel_m, "m", "below"),
+        Check("travel at the endpoint", at.travel_m, study.travel_m, "m", "below"),
         Check("stress, yield", stress_pa, material.yield_stress_pa.value, "Pa", "below"),
         Check("gap between columns", column_gap_m(geometry, at), 0.0, "m", "above"),
         Check("stiffness, EI/(r^2 L) on paper", stiffness_n_per_m, closed, "N/m", "shown"),
         Check("width: b^2/(R t), beyond 10 a plate", searle(geometry, at), PLATE, "1", "shown"),
-        *curve_checks(question, geometry, at),
+        *curve_checks(study, geometry, at),
     ]
-    return checks + (plane_stress_checks(question, geometry, at) if question.finite_elements else [])
+    return checks + (plane_stress_checks(study, geometry, at) if study.finite_elements else [])
 
 
 def searle(geometry: FingerGeometry, at: Equilibrium) -> float:
@@ -241,12 +233,12 @@ def searle(geometry: FingerGeometry, at: Equilibrium) -> float:
     return geometry.beam_depth_m**2 * bent / geometry.beam_thickness_m
 
 
-def curve_checks(question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium) -> list[Check]:
-    """Return what the curve's linear answer to endpoint forces is worth, against direct solutions."""
-    judged_n = JUDGED_SHARE * at.tendon_force_n / sensitivity(at).tendon_force_per_endpoint_force
-    travels = np.linspace(0.0, question.travel_m, JUDGED_TRAVELS)[1:]
+def curve_checks(study: FingerStudy, geometry: FingerGeometry, at: Equilibrium) -> list[Check]:
+    """Return checks of the curve's linear response to endpoint forces against direct solutions."""
+    judged_n = JUDGED_FRACTION * at.tendon_force_n / sensitivity(at).tendon_force_per_endpoint_force
+    travels = np.linspace(0.0, study.travel_m, JUDGED_TRAVELS)[1:]
     linear = linear_error(geometry, travels, judged_n * np.array([0.5, 1.0]))
-    most_y, most_n = LINEAR_SHARE * at.endpoint_displacement_m, LINEAR_SHARE * at.tendon_force_n
+    most_y, most_n = LINEAR_FRACTION * at.endpoint_displacement_m, LINEAR_FRACTION * at.tendon_force_n
     return [
         Check("dT/df over dy/dx less 1: reciprocity", reciprocity_error(geometry, travels), RECIPROCAL, "1", "below"),
         Check(f"endpoint by linear curve to {judged_n:.2g} N, off by", linear.displacement_m, most_y, "m", "below"),
@@ -254,10 +246,10 @@ def curve_checks(question: FingerQuestion, geometry: FingerGeometry, at: Equilib
     ]
 
 
-def plane_stress_checks(question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium) -> list[Check]:
+def plane_stress_checks(study: FingerStudy, geometry: FingerGeometry, at: Equilibrium) -> list[Check]:
     """Return stiffness, force, endpoint and stress of the chain beside finite elements at the same travel."""
-    meshed = finger_body(geometry, question.material.poisson_ratio.value, question.refined)
-    points = list(plane_stress_path(meshed, at.tendon_force_n, np.array(PLANE_STRESS_SHARES)))
+    meshed = finger_body(geometry, study.material.poisson_ratio.value, study.refined)
+    points = list(plane_stress_path(meshed, at.tendon_force_n, np.array(PLANE_STRESS_FRACTIONS)))
     travels = np.array([point.travel_m for point in points])
     ours = equilibria(finger_chain(geometry), geometry.stiffness_n_m2, travels)
     first, last, there = points[0], points[-1], ours[-1]
@@ -272,14 +264,14 @@ def plane_stress_checks(question: FingerQuestion, geometry: FingerGeometry, at: 
     ]
 
 
-def foam_answer(question: FingerQuestion, geometry: FingerGeometry, foam: Foam) -> FoamAnswer:
+def foam_contact(study: FingerStudy, geometry: FingerGeometry, foam: Foam) -> FoamContact:
     """Return the finger on an object at the end of the travel there is."""
-    travels = np.linspace(0.0, question.travel_m, 40)
+    travels = np.linspace(0.0, study.travel_m, 40)
     touching = touch_curve(geometry, travels, foam)[-1]
     free = equilibria(finger_chain(geometry), geometry.stiffness_n_m2, travels)[-1]
     compliance = sensitivity(free).endpoint_compliance_m_per_n
     beyond = max(free.endpoint_displacement_m - foam.clearance_m, 0.0)
-    return FoamAnswer(
+    return FoamContact(
         touching.endpoint_displacement_m,
         touching.endpoint_force_n,
         touching.tendon_force_n,
@@ -289,14 +281,14 @@ def foam_answer(question: FingerQuestion, geometry: FingerGeometry, foam: Foam) 
     )
 
 
-def schemes_of(question: FingerQuestion, geometry: FingerGeometry) -> list[Scheme]:
+def schemes_of(study: FingerStudy, geometry: FingerGeometry) -> list[Scheme]:
     """Return the ways to pull this finger, up to the travel there is and the material's yield."""
-    return compare_schemes(geometry, question.travel_m, question.material.yield_stress_pa.value)
+    return compare_schemes(geometry, study.travel_m, study.material.yield_stress_pa.value)
 
 
-def warnings_of(question: FingerQuestion, geometry: FingerGeometry, at: Equilibrium, stress_pa: float) -> list[str]:
-    """Return what the maker should hear about the finger."""
-    material, found = question.material, []
+def warnings_of(study: FingerStudy, geometry: FingerGeometry, at: Equilibrium, stress_pa: float) -> list[str]:
+    """Return warnings about the finger."""
+    material, found = study.material, []
     lasting = material.allowable_stress_pa.value
     if stress_pa > lasting:
         found.append(
@@ -321,10 +313,10 @@ def warnings_of(question: FingerQuestion, geometry: FingerGeometry, at: Equilibr
 
 
 def warnings_of_loads(
-    question: FingerQuestion, geometry: FingerGeometry, foam: FoamAnswer | None, wire: WireOnFinger | None
+    study: FingerStudy, geometry: FingerGeometry, foam: FoamContact | None, wire: WireOnFinger | None
 ) -> list[str]:
-    """Return what the maker should hear about object and wire."""
-    found, limit = [], question.material.yield_stress_pa.value
+    """Return warnings about object and wire."""
+    found, limit = [], study.material.yield_stress_pa.value
     if foam is not None and foam.stress_pa > limit:
         found.append(
             f"pulled to the end of its travel against the object, the beam would bear {1e-6 * foam.stress_pa:.0f} MPa "

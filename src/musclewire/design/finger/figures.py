@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -14,13 +14,11 @@ from matplotlib.patches import Polygon, Rectangle
 from musclewire.design.finger.chain import FloatArray, finger_chain
 from musclewire.design.finger.comparison import Scheme
 from musclewire.design.finger.curve import beam_stress_pa
+from musclewire.design.finger.finger_study import FingerStudyResult
 from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.shape import FingerShape, beside, finger_shape
 from musclewire.design.finger.statics import Equilibrium, equilibria
 from musclewire.pages import COOLING, HEATING, STYLE, TARGET
-
-if TYPE_CHECKING:
-    from musclewire.design.finger.question import FingerAnswer
 
 __all__ = ["plot_finger"]
 
@@ -29,29 +27,29 @@ STRESS_MAP = "YlOrRd"
 MM = 1e3
 
 
-def plot_finger(answer: FingerAnswer) -> Figure:
-    """Return the picture of an answer: shapes to the left, the curve to the right, the ways to pull it below."""
+def plot_finger(result: FingerStudyResult) -> Figure:
+    """Return the figure of a result: shapes to the left, the curve to the right, the ways to pull it below."""
     with mpl.rc_context(dict(STYLE)):  # type: ignore[arg-type]
-        heights = [4.8, 3.2] if answer.schemes else [4.8]
+        heights = [4.8, 3.2] if result.schemes else [4.8]
         figure = Figure(figsize=(9.6, sum(heights)), layout="constrained")
         FigureCanvasAgg(figure)
         grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
         top = grid[0].subgridspec(2, 2, width_ratios=[1.75, 1.0])
-        draw_shapes(figure, figure.add_subplot(top[:, 0]), answer)
-        draw_force(figure.add_subplot(top[0, 1]), answer)
-        draw_endpoint(figure.add_subplot(top[1, 1]), answer)
-        if answer.schemes:
-            draw_schemes(figure, grid[1], answer)
+        draw_shapes(figure, figure.add_subplot(top[:, 0]), result)
+        draw_force(figure.add_subplot(top[0, 1]), result)
+        draw_endpoint(figure.add_subplot(top[1, 1]), result)
+        if result.schemes:
+            draw_schemes(figure, grid[1], result)
     return figure
 
 
-def draw_shapes(figure: Figure, axes: Any, answer: FingerAnswer) -> None:
+def draw_shapes(figure: Figure, axes: Any, result: FingerStudyResult) -> None:
     """Draw the finger unloaded, on its way, and at the endpoint asked for, with the stress in its beam."""
-    geometry, at = answer.geometry, answer.at if answer.foam is None else answer.foam.at
+    geometry, at = result.geometry, result.at if result.foam is None else result.foam.at
     chain = finger_chain(geometry)
     resting = finger_shape(geometry, chain.resting_angles_rad)
     passed = np.linspace(0.0, at.travel_m, 4)[1:-1]
-    way = equilibria(chain, geometry.stiffness_n_m2, passed, foam=answer.question.foam)
+    way = equilibria(chain, geometry.stiffness_n_m2, passed, foam=result.study.foam)
     draw_palm(axes, geometry)
     for passing in way:
         ghost = finger_shape(geometry, passing.angles_rad).outline()
@@ -60,7 +58,7 @@ def draw_shapes(figure: Figure, axes: Any, answer: FingerAnswer) -> None:
     axes.plot(*(MM * resting.tendon()).T, color=TARGET, lw=1.0)
     bent = finger_shape(geometry, at.angles_rad)
     draw_body(axes, bent, BODY, EDGE)
-    stressed = draw_stress(axes, bent, answer, at)
+    stressed = draw_stress(axes, bent, result, at)
     axes.plot(*(MM * bent.tendon()).T, color=COOLING, lw=1.4, solid_capstyle="round")
     axes.annotate(
         "", (-4.0, MM * geometry.tendon_offset_m), (0.0, MM * geometry.tendon_offset_m),
@@ -69,14 +67,14 @@ def draw_shapes(figure: Figure, axes: Any, answer: FingerAnswer) -> None:
     pull = f"{at.tendon_force_n:.2f} N, {MM * at.travel_m:.2f} mm"
     axes.text(-4.0, MM * geometry.column_height_m + 0.15, pull, color=COOLING, fontsize=8.5, ha="left", va="bottom")
     draw_endpoint_arrow(axes, resting, bent, at.endpoint_displacement_m)
-    draw_foam(axes, answer, resting, bent)
+    draw_foam(axes, result, resting, bent)
     bar = figure.colorbar(stressed, ax=axes, location="bottom", shrink=0.62, aspect=32, pad=0.02)
     bar.set_label("stress in the beam [MPa]; the scale ends where it yields")
     bar.outline.set_visible(False)
     axes.set_aspect("equal")
     axes.set_xlim(-4.6, MM * geometry.overall_length_m + 1.6)
     axes.set_ylim(-1.5, MM * max(bent.outline()[:, 1].max(), geometry.column_height_m) + 0.8)
-    where = "" if answer.foam is None else " on the object"
+    where = "" if result.foam is None else " on the object"
     title = f"endpoint {MM * at.endpoint_displacement_m:.2f} mm{where}"
     axes.set(xlabel="along the finger [mm]", ylabel="across the finger [mm]", title=title)
     axes.grid(visible=False)
@@ -102,15 +100,15 @@ def draw_body(axes: Any, shape: FingerShape, face: str, edge: str) -> None:
     )
 
 
-def draw_stress(axes: Any, shape: FingerShape, answer: FingerAnswer, at: Equilibrium) -> LineCollection:
+def draw_stress(axes: Any, shape: FingerShape, result: FingerStudyResult, at: Equilibrium) -> LineCollection:
     """Draw the beam's segments in the colour of the stress at their faces, from none to yield."""
-    geometry = answer.geometry
+    geometry = result.geometry
     middle = [beside(part, 0.0) for part in shape.segments]
     pieces = [MM * part[index : index + 2] for part in middle for index in range(len(part) - 1)]
     stress = 1e-6 * beam_stress_pa(geometry, at)
     lines = LineCollection(pieces, cmap=STRESS_MAP, lw=3.0, capstyle="butt", zorder=3)
     lines.set_array(stress)
-    lines.set_clim(0.0, 1e-6 * answer.question.material.yield_stress_pa.value)
+    lines.set_clim(0.0, 1e-6 * result.study.material.yield_stress_pa.value)
     axes.add_collection(lines)
     return lines
 
@@ -125,9 +123,9 @@ def draw_endpoint_arrow(axes: Any, resting: FingerShape, bent: FingerShape, move
     axes.text(x + 0.25, 0.5 * (low + high), f"{MM * moved_m:.2f} mm", color=HEATING, va="center", rotation=90)
 
 
-def draw_foam(axes: Any, answer: FingerAnswer, resting: FingerShape, bent: FingerShape) -> None:
+def draw_foam(axes: Any, result: FingerStudyResult, resting: FingerShape, bent: FingerShape) -> None:
     """Draw the object in the endpoint's way, where there is one, and the force between them."""
-    foam, found = answer.question.foam, answer.foam
+    foam, found = result.study.foam, result.foam
     if foam is None or found is None:
         return
     # The plate's corner touches, ahead of the endpoint on the middle of the beam.
@@ -139,58 +137,58 @@ def draw_foam(axes: Any, answer: FingerAnswer, resting: FingerShape, bent: Finge
     )
 
 
-def mark(axes: Any, answer: FingerAnswer, free: float, touching: float | None, color: str) -> None:
+def mark(axes: Any, result: FingerStudyResult, free: float, touching: float | None, color: str) -> None:
     """Mark the free finger at the endpoint asked for and, where there is an object, the finger on it."""
-    axes.plot([MM * answer.at.travel_m], [free], "o", color=color, ms=4.5, label="free, endpoint asked for")
-    if touching is None or answer.foam is None:
+    axes.plot([MM * result.at.travel_m], [free], "o", color=color, ms=4.5, label="free, endpoint asked for")
+    if touching is None or result.foam is None:
         return
     axes.plot(
-        [MM * answer.foam.at.travel_m], [touching], "D", ms=5, mfc="white", mec=color, mew=1.4, label="on the object"
+        [MM * result.foam.at.travel_m], [touching], "D", ms=5, mfc="white", mec=color, mew=1.4, label="on the object"
     )
 
 
-def draw_force(axes: Any, answer: FingerAnswer) -> None:
+def draw_force(axes: Any, result: FingerStudyResult) -> None:
     """Draw the force at the connector over the travel: pulling, easing, and without friction."""
-    curve = answer.curve
+    curve = result.curve
     travel, force, share = (
         np.array(part) for part in (curve.tendon_travel_m, curve.tendon_force_n, curve.friction_share)
     )
     axes.fill_between(MM * travel, force * (1 - share), force * (1 + share), color=COOLING, alpha=0.18, lw=0)
     axes.plot(MM * travel, force, color=COOLING)
-    mark(axes, answer, answer.at.tendon_force_n, None if answer.foam is None else answer.foam.tendon_force_n, COOLING)
+    mark(axes, result, result.at.tendon_force_n, None if result.foam is None else result.foam.tendon_force_n, COOLING)
     axes.text(
-        0.04, 0.95, f"{answer.stiffness_n_per_m:.1f} N/m\nband: friction {answer.question.friction:g}",
+        0.04, 0.95, f"{result.stiffness_n_per_m:.1f} N/m\nband: friction {result.study.friction:g}",
         transform=axes.transAxes, va="top", fontsize=8.5, color="#444444",
     )  # fmt: skip
-    if answer.foam is not None:
+    if result.foam is not None:
         axes.legend(frameon=False, fontsize=8, loc="lower right", handletextpad=0.2, borderaxespad=0.1)
     axes.set(ylabel="tendon force [N]", xlim=(0.0, None), ylim=(0.0, None))
 
 
-def draw_endpoint(axes: Any, answer: FingerAnswer) -> None:
+def draw_endpoint(axes: Any, result: FingerStudyResult) -> None:
     """Draw the endpoint's displacement over the travel."""
-    curve = answer.curve
+    curve = result.curve
     axes.plot(MM * np.array(curve.tendon_travel_m), MM * np.array(curve.endpoint_displacement_m), color=HEATING)
-    touching = None if answer.foam is None else MM * answer.foam.endpoint_m
-    mark(axes, answer, MM * answer.at.endpoint_displacement_m, touching, HEATING)
-    axes.axvline(MM * answer.question.travel_m, color=TARGET, lw=1.0, ls=(0, (4, 3)))
+    touching = None if result.foam is None else MM * result.foam.endpoint_m
+    mark(axes, result, MM * result.at.endpoint_displacement_m, touching, HEATING)
+    axes.axvline(MM * result.study.travel_m, color=TARGET, lw=1.0, ls=(0, (4, 3)))
     axes.text(
-        MM * answer.question.travel_m, 0.04 * MM * curve.endpoint_displacement_m[-1],
-        f"available: {MM * answer.question.travel_m:.2f} mm ",
+        MM * result.study.travel_m, 0.04 * MM * curve.endpoint_displacement_m[-1],
+        f"available: {MM * result.study.travel_m:.2f} mm ",
         color="#777777", fontsize=8, ha="right", rotation=90, va="bottom",
     )  # fmt: skip
     axes.set(xlabel="tendon travel [mm]", ylabel="endpoint [mm]", xlim=(0.0, None), ylim=(0.0, None))
 
 
-def draw_schemes(figure: Figure, place: Any, answer: FingerAnswer) -> None:
+def draw_schemes(figure: Figure, place: Any, result: FingerStudyResult) -> None:
     """Draw the ways to pull the finger side by side, to one scale."""
-    below = place.subgridspec(1, len(answer.schemes))
-    shapes = [finger_shape(answer.geometry, scheme.angles_rad) for scheme in answer.schemes]
+    below = place.subgridspec(1, len(result.schemes))
+    shapes = [finger_shape(result.geometry, scheme.angles_rad) for scheme in result.schemes]
     high = MM * max(shape.outline()[:, 1].max() for shape in shapes) + 0.8
-    for index, (scheme, shape) in enumerate(zip(answer.schemes, shapes, strict=True)):
+    for index, (scheme, shape) in enumerate(zip(result.schemes, shapes, strict=True)):
         axes = figure.add_subplot(below[index])
-        draw_scheme(axes, answer.geometry, scheme, shape)
-        axes.set_xlim(-1.8, MM * answer.geometry.overall_length_m + 0.8)
+        draw_scheme(axes, result.geometry, scheme, shape)
+        axes.set_xlim(-1.8, MM * result.geometry.overall_length_m + 0.8)
         axes.set_ylim(-1.4, high)
 
 

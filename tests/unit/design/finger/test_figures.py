@@ -7,14 +7,15 @@ import re
 from fingers import CURVED
 from matplotlib.figure import Figure
 
-from musclewire.design.finger.question import FingerAnswer, FingerQuestion, ask_finger
+from musclewire.design.finger.figures import plot_finger
+from musclewire.design.finger.finger_study import FingerStudy, FingerStudyResult, study_finger
 from musclewire.design.finger.statics import Foam
 from musclewire.parameters.materials import load_material
 
 
-def answered(foam: Foam | None) -> FingerAnswer:
-    return ask_finger(
-        FingerQuestion(load_material("pom"), 5e-3, 1.0e-3, geometry=CURVED, foam=foam, finite_elements=False)
+def answered(foam: Foam | None) -> FingerStudyResult:
+    return study_finger(
+        FingerStudy(load_material("pom"), 5e-3, 1.0e-3, geometry=CURVED, foam=foam, finite_elements=False)
     )
 
 
@@ -23,13 +24,13 @@ def labels(figure: Figure) -> list[str]:
 
 
 def test_every_axis_names_quantity_and_unit_in_brackets() -> None:
-    for label in labels(answered(None).plot()):
+    for label in labels(plot_finger(answered(None))):
         assert re.search(r"\w+.* \[(mm|N|MPa)\]", label), label
 
 
 def test_with_an_object_both_the_free_and_the_touching_finger_are_marked_and_named() -> None:
     answer = answered(Foam(100.0, 3e-3))
-    figure = answer.plot()
+    figure = plot_finger(answer)
     force = next(axes for axes in figure.axes if "force" in axes.get_ylabel())
     named = {line.get_label(): line.get_ydata()[0] for line in force.get_lines()}
     assert answer.foam is not None
@@ -42,5 +43,5 @@ def test_with_an_object_both_the_free_and_the_touching_finger_are_marked_and_nam
 
 
 def test_without_an_object_there_is_one_mark_and_no_legend() -> None:
-    force = next(axes for axes in answered(None).plot().axes if "force" in axes.get_ylabel())
+    force = next(axes for axes in plot_finger(answered(None)).axes if "force" in axes.get_ylabel())
     assert force.get_legend() is None

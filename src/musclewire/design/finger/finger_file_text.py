@@ -3,37 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from musclewire.design.finger.curve import finger_curve
+from musclewire.design.finger.finger_study import FingerStudyResult
 from musclewire.design.finger.friction import ASSUMED_FRICTION, FRICTION_SOURCE
 from musclewire.design.finger.geometry import UNITS, FingerGeometry
 from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve, FingerFile, finger_file_text
 from musclewire.parameters.schema import Parameter
 
-if TYPE_CHECKING:
-    from musclewire.design.finger.question import FingerAnswer
-
 __all__ = [
-    "answer_file_text",
+    "finger_study_file_text",
     "curve_of_file",
-    "curve_travels_m",
     "geometry_of_file",
     "geometry_parameters",
 ]
 
 FRICTION_KEY = "friction_coefficient"
-CURVE_POINTS = 57
-# The curve goes on beyond the travel the finger was designed for: wires differ.
-CURVE_REACH = 4.0 / 3.0
-
-
-def curve_travels_m(longest_m: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Return the travels of a curve in a file, (57,) [m], from 0 to ``longest_m``."""
-    return np.asarray(np.linspace(0.0, longest_m, CURVE_POINTS))
 
 
 def geometry_parameters(
@@ -54,18 +42,18 @@ def geometry_parameters(
     }
 
 
-def answer_file_text(name: str, answer: FingerAnswer) -> str:
-    """Return the text of a finger's file for an answer: dimensions and curve."""
-    geometry, question = answer.geometry, answer.question
-    sized = "musclewire design finger" if question.request else "given to musclewire design finger"
-    kind = "derived" if question.request else "assumed"
+def finger_study_file_text(name: str, result: FingerStudyResult) -> str:
+    """Return the text of a finger's file for an result: dimensions and curve."""
+    geometry, study = result.geometry, result.study
+    sized = "musclewire design finger" if study.request else "given to musclewire design finger"
+    kind = "derived" if study.request else "assumed"
     sources = dict.fromkeys(UNITS, (kind, sized))
-    sources["youngs_modulus_pa"] = ("datasheet", f"material {question.material.name}")
+    sources["youngs_modulus_pa"] = ("datasheet", f"material {study.material.name}")
     description = (
-        f"A finger of {question.material.name}, {answer.stiffness_n_per_m:.1f} N/m along the tendon, endpoint "
-        f"{1e3 * answer.at.endpoint_displacement_m:g} mm at {1e3 * answer.at.travel_m:.3f} mm"
+        f"A finger of {study.material.name}, {result.stiffness_n_per_m:.1f} N/m along the tendon, endpoint "
+        f"{1e3 * result.at.endpoint_displacement_m:g} mm at {1e3 * result.at.travel_m:.3f} mm"
     )
-    return finger_file_text(name, description, geometry_parameters(geometry, sources, question.friction), answer.curve)
+    return finger_file_text(name, description, geometry_parameters(geometry, sources, study.friction), result.curve)
 
 
 def geometry_of_file(finger: FingerFile) -> FingerGeometry:
