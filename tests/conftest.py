@@ -9,7 +9,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from hypothesis import settings
 
-sys.path.insert(0, str(Path(__file__).parent))  # for tools
+sys.path.insert(0, str(Path(__file__).parent))  # for tools and groups
+
+from groups import pytest_addoption, pytest_configure
+
+__all__ = ["pytest_addoption", "pytest_configure"]
 
 # The first call of a compiled function takes seconds, and a busy machine is no defect: no deadlines. The same examples
 # every time, so that a red run can be repeated.

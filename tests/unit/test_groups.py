@@ -1,0 +1,106 @@
+"""Groups of tests: what a run without names leaves out is said, what is named runs, and a record tells what ran."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from groups import COMMAND
+
+pytest_plugins = ["pytester"]
+ROOT = Path(__file__).parents[2]
+PROJECT = """
+[tool.pytest.ini_options]
+testpaths = ["tests"]
+addopts = "--strict-markers"
+groups = ["slow: takes long", "emulated: runs firmware"]
+"""
+TESTS = """
+import pytest
+
+def test_quick():
+    pass
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [1, 2])
+def test_long(number):
+    pass
+
+@pytest.mark.emulated
+def test_firmware():
+    pytest.skip("no compiler")
+"""
+
+
+@pytest.fixture
+def project(pytester: pytest.Pytester) -> pytest.Pytester:
+    pytester.makefile(".toml", pyproject=PROJECT)
+    (pytester.path / "tests").mkdir()
+    conftest = f"import sys\nsys.path.insert(0, {str(ROOT / 'tests')!r})\nfrom groups import *\n"
+    (pytester.path / "tests/conftest.py").write_text(conftest, encoding="utf-8")
+    (pytester.path / "tests/test_some.py").write_text(TESTS, encoding="utf-8")
+    return pytester
+
+
+@pytest.mark.parametrize("processes", [(), ("-n", "2")], ids=["one process", "xdist"])
+def test_a_run_without_names_says_what_it_leaves_out_and_how_to_run_it(
+    project: pytest.Pytester, processes: tuple[str, ...]
+) -> None:
+    result = project.runpytest_subprocess(*processes)
+    result.stdout.fnmatch_lines(
+        [
+            "*not run: groups of tests that nobody named*",
+            "    2 slow: takes long",
+            f"        run them: {COMMAND} -m slow",
+            "    1 emulated: runs firmware",
+            f"        run them: {COMMAND} -m emulated",
+            f"every test: {COMMAND} --all",
+            "*1 passed*",
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "outcomes"),
+    [
+        (("-m", "slow"), {"passed": 2, "deselected": 2}),
+        (("-m", "not slow"), {"passed": 1, "skipped": 1, "deselected": 2}),
+        (("--all",), {"passed": 3, "skipped": 1}),
+        (("tests/test_some.py",), {"passed": 3, "skipped": 1}),
+        (("tests/test_some.py::test_long",), {"passed": 2}),
+        (("-k", "quick or long"), {"passed": 1, "deselected": 3}),
+    ],
+    ids=lambda value: " ".join(value),
+)
+def test_what_is_named_runs(project: pytest.Pytester, arguments: tuple[str, ...], outcomes: dict[str, int]) -> None:
+    project.runpytest_inprocess(*arguments).assert_outcomes(**outcomes)
+
+
+@pytest.mark.parametrize("processes", [(), ("-n", "2")], ids=["one process", "xdist"])
+def test_a_record_says_what_ran_and_how_it_ended(project: pytest.Pytester, processes: tuple[str, ...]) -> None:
+    project.runpytest_subprocess("--all", "--record", "ran.txt", *processes)
+    assert (project.path / "ran.txt").read_text("utf-8").splitlines() == [
+        "skipped\ttests/test_some.py::test_firmware",
+        "passed\ttests/test_some.py::test_long[1]",
+        "passed\ttests/test_some.py::test_long[2]",
+        "passed\ttests/test_some.py::test_quick",
+    ]
+
+
+def test_a_test_of_two_groups_is_refused(project: pytest.Pytester) -> None:
+    twice = TESTS.replace("@pytest.mark.emulated", "@pytest.mark.emulated\n@pytest.mark.slow")
+    (project.path / "tests/test_some.py").write_text(twice, encoding="utf-8")
+    project.runpytest_inprocess().stderr.fnmatch_lines(["*test_firmware is in 2 groups (slow, emulated)*"])
+
+
+def test_ci_runs_every_group_by_its_name(pytestconfig: pytest.Config) -> None:
+    groups = [line.split(":")[0] for line in pytestconfig.getini("groups")]
+    loop = re.search(r"^for group in (.*); do$", (ROOT / ".ci/run").read_text("utf-8"), re.M)
+    assert loop is not None
+    assert loop[1].split() == groups
+
+
+def test_the_command_that_is_told_is_the_readmes() -> None:
+    assert f".venv/bin/{COMMAND}\n" in (ROOT / "README.md").read_text("utf-8")
