@@ -1,0 +1,211 @@
+"""Measure how long functions and files are and how many parameters functions take, and judge it.
+
+    python checks/code_measures.py [FOLDER]
+
+FOLDER is src/musclewire unless another is given. A function's length is its code lines: lines with code from ``def`` to
+its end, without docstring, comments and blank lines; protocol methods that only have a docstring do not count. Its
+parameters are counted without ``self`` and ``cls``. Ends with exit code 1 if anything is over its limit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import io
+import math
+import sys
+import tokenize
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+MAX_P95_LINES = 22
+MAX_FUNCTION_LINES = 50
+MAX_PARAMETERS = 8  # outside app/, in which a parameter is a command's option
+MAX_FILE_LINES = 500
+
+# What is still over, as "room function": these are being shortened. Take out what no longer is; nothing comes in.
+STILL_LONG = frozenset({
+    "app finger", "app pretensioner", "app control", "app simulate", "app calibrate", "app grip", "app pretension",
+    "app export_c", "app doctor", "simulate constants_of", "simulate advance_pair_plain", "simulate warmed_plain",
+    "sensing _weigh",
+})  # fmt: skip
+STILL_MANY_PARAMETERS = frozenset({
+    "simulate advance_pair_plain", "controllers tick", "experiment grip", "rigs __init__", "simulate settled_pair",
+    "experiment __init__", "experiment pretension_sweep", "experiment control", "simulate stress_in_balance_pa",
+    "export write_library", "simulate driven_plain",
+})  # fmt: skip
+STILL_P95_LINES = 25
+
+NO_CODE = frozenset({
+    tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER,
+})  # fmt: skip
+SOURCES = Path(__file__).resolve().parents[1] / "src" / "musclewire"
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function with its place, its code lines and its number of parameters."""
+
+    path: Path
+    line: int
+    name: str
+    lines: int
+    parameters: int
+
+    @property
+    def entry(self) -> str:
+        """Room and name, as the lists of what is still over spell it."""
+        return f"{self.path.parts[0].removesuffix('.py')} {self.name}"
+
+    def __str__(self) -> str:
+        """Return place and name, with both measures."""
+        return f"{self.path}:{self.line} {self.name}: {self.lines} code lines, {self.parameters} parameters"
+
+
+@dataclass(frozen=True)
+class Measures:
+    """All functions of a folder, and the length in lines of each of its files."""
+
+    functions: Sequence[Function]
+    files: Sequence[tuple[Path, int]]
+
+    @property
+    def p95_lines(self) -> int:
+        """The 95th percentile of the functions' code lines: the least length that 95 % do not exceed."""
+        lengths = sorted(function.lines for function in self.functions)
+        return lengths[math.ceil(0.95 * len(lengths)) - 1]
+
+    @property
+    def long(self) -> list[Function]:
+        """The functions over the longest permitted, longest first."""
+        return sorted((one for one in self.functions if one.lines > MAX_FUNCTION_LINES), key=lambda one: -one.lines)
+
+    @property
+    def many_parameters(self) -> list[Function]:
+        """The functions outside app/ with too many parameters."""
+        return [one for one in self.functions if one.parameters > MAX_PARAMETERS and one.path.parts[0] != "app"]
+
+    @property
+    def long_files(self) -> list[tuple[Path, int]]:
+        """The files over the longest permitted."""
+        return [(path, lines) for path, lines in self.files if lines > MAX_FILE_LINES]
+
+
+def measure(folder: Path) -> Measures:
+    """Return the measures of all Python files below a folder."""
+    functions: list[Function] = []
+    files = []
+    for path in sorted(folder.rglob("*.py")):
+        text = path.read_text("utf-8")
+        functions += functions_of(path.relative_to(folder), text)
+        files.append((path.relative_to(folder), len(text.splitlines())))
+    return Measures(functions, files)
+
+
+def functions_of(path: Path, text: str) -> Iterator[Function]:
+    """Yield the functions of a file that have code, nested ones too."""
+    with_code = lines_with_code(text)
+    for node in ast.walk(ast.parse(text)):
+        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) or only_constants(node):
+            continue
+        assert node.end_lineno is not None  # parsed from text
+        lines = with_code.intersection(range(node.lineno, node.end_lineno + 1)) - docstring_lines(node)
+        yield Function(path, node.lineno, node.name, len(lines), parameters_of(node))
+
+
+def lines_with_code(text: str) -> set[int]:
+    """Return the numbers of the lines that any code is on, docstrings included."""
+    found: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in NO_CODE:
+            found.update(range(token.start[0], token.end[0] + 1))
+    return found
+
+
+def only_constants(node: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
+    """Return whether a body is a docstring or an ellipsis: a declaration."""
+    return all(isinstance(item, ast.Expr) and isinstance(item.value, ast.Constant) for item in node.body)
+
+
+def docstring_lines(node: ast.FunctionDef | ast.AsyncFunctionDef) -> set[int]:
+    """Return the numbers of a function's docstring lines."""
+    if ast.get_docstring(node, clean=False) is None:
+        return set()
+    first = node.body[0]
+    assert first.end_lineno is not None  # parsed from text
+    return set(range(first.lineno, first.end_lineno + 1))
+
+
+def parameters_of(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    """Return how many parameters callers see, ``*args`` and ``**kwargs`` not counted."""
+    positional = [*node.args.posonlyargs, *node.args.args]
+    bound = 1 if positional and positional[0].arg in ("self", "cls") else 0
+    return len(positional) + len(node.args.kwonlyargs) - bound
+
+
+def problems_of(
+    measures: Measures,
+    still_long: Collection[str] = STILL_LONG,
+    still_many: Collection[str] = STILL_MANY_PARAMETERS,
+    max_p95_lines: int = max(MAX_P95_LINES, STILL_P95_LINES),
+) -> list[str]:
+    """Return in words what is over its limit and not on the lists of what is still being shortened."""
+    found = [
+        f"{one}: over {MAX_FUNCTION_LINES} lines; split it" for one in measures.long if one.entry not in still_long
+    ]
+    found += [
+        f"{one}: over {MAX_PARAMETERS}; let those that belong together travel as one object"
+        for one in measures.many_parameters
+        if one.entry not in still_many
+    ]
+    found += [
+        f"{path}: {lines} lines, over {MAX_FILE_LINES}; one subject a file" for path, lines in measures.long_files
+    ]
+    if measures.p95_lines > max_p95_lines:
+        found.append(f"the 95th percentile is {measures.p95_lines} code lines, over {max_p95_lines}: split functions")
+    return found
+
+
+def no_longer_over(measures: Measures) -> list[str]:
+    """Return entries of the lists that can be taken out."""
+    over = {one.entry for one in measures.long}, {one.entry for one in measures.many_parameters}
+    return sorted((STILL_LONG - over[0]) | (STILL_MANY_PARAMETERS - over[1]))
+
+
+def summary(measures: Measures) -> str:
+    """Return the measures beside their limits, as lines."""
+    longest = max(measures.functions, key=lambda one: one.lines)
+    most = max((one for one in measures.functions if one.path.parts[0] != "app"), key=lambda one: one.parameters)
+    path, lines = max(measures.files, key=lambda pair: pair[1])
+    over = sum(one.lines > MAX_P95_LINES for one in measures.functions)
+    return "\n".join([
+        f"{len(measures.functions)} functions in {len(measures.files)} files",
+        f"95th percentile of code lines: {measures.p95_lines} (at most {MAX_P95_LINES}); {over} functions over that",
+        f"over {MAX_FUNCTION_LINES} code lines: {len(measures.long)}; longest: {longest}",
+        f"over {MAX_PARAMETERS} parameters outside app/: {len(measures.many_parameters)}; most: {most}",
+        f"over {MAX_FILE_LINES} lines: {len(measures.long_files)} files; longest: {path}, {lines}",
+    ])  # fmt: skip
+
+
+def main() -> int:
+    """Print measures and problems; return the exit code."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("folder", type=Path, nargs="?", default=SOURCES)
+    parser.add_argument("--list", action="store_true", help=f"also list the functions over {MAX_P95_LINES} code lines")
+    arguments = parser.parse_args()
+    measures = measure(arguments.folder)
+    print(summary(measures))
+    if arguments.list:
+        for one in sorted(measures.functions, key=lambda one: -one.lines):
+            if one.lines > MAX_P95_LINES:
+                print(f"  {one}")
+    for entry in no_longer_over(measures):
+        print(f"no longer over, take it out of the list: {entry}")
+    problems = problems_of(measures)
+    print("\n".join(problems) or "nothing is over its limit that was not before")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

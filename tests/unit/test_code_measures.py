@@ -1,0 +1,65 @@
+"""Functions and files stay short, and options that belong together travel as one object."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from checks.code_measures import SOURCES, Measures, functions_of, measure, problems_of
+
+
+@pytest.fixture(scope="module")
+def measures() -> Measures:
+    return measure(SOURCES)
+
+
+def test_the_sources_are_within_the_limits(measures: Measures) -> None:
+    assert problems_of(measures) == []
+
+
+def test_length_counts_code_and_not_docstring_comments_or_blank_lines() -> None:
+    text = '''
+def add(
+    a: int,
+    *,
+    b: int = 1,
+) -> int:
+    """Add.
+
+    Twice the words change nothing.
+    """
+    # neither does this
+
+    text = """two
+    lines"""
+    return a + b + len(text)
+'''
+    (found,) = functions_of(Path("room/file.py"), text)
+    assert (found.lines, found.parameters, found.entry) == (8, 2, "room add")
+
+
+def test_declarations_without_code_do_not_count_and_methods_count_without_self() -> None:
+    text = """
+class Rig:
+    def off(self) -> bool:
+        '''Switch off.'''
+
+    def set(self, drive_v):
+        self.drive_v = drive_v
+"""
+    (found,) = functions_of(Path("room.py"), text)
+    assert (found.name, found.lines, found.parameters, found.entry) == ("set", 2, 1, "room set")
+
+
+def test_what_is_over_is_named_with_its_place_and_what_to_do(tmp_path: Path) -> None:
+    (tmp_path / "room").mkdir()
+    wide = ", ".join(f"a{index}" for index in range(9))
+    body = "\n".join(f"    x = {index}" for index in range(50))
+    (tmp_path / "room" / "long.py").write_text(f"def f({wide}):\n{body}\n" + "\n" * 500)
+    problems = problems_of(measure(tmp_path), max_p95_lines=22)
+    assert [problem.split("; ")[0] for problem in problems[:3]] == [
+        "room/long.py:1 f: 51 code lines, 9 parameters: over 50 lines",
+        "room/long.py:1 f: 51 code lines, 9 parameters: over 8",
+        "room/long.py: 551 lines, over 500",
+    ]
+    assert problems[3].startswith("the 95th percentile is 51 code lines, over 22")
