@@ -17,8 +17,7 @@ from musclewire.rigs.hardware import HardwareConfiguration
 from musclewire.rigs.mounted import LimitsTable, Metres, MountedWire, Newtons, Ohms, Volts
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.commands import Command, drive_voltage_of
-from musclewire.signals.hdf5 import read_hdf5
-from musclewire.signals.reading import read_recording
+from musclewire.signals.reading import read_hdf5, read_recording
 from musclewire.signals.recording import Recording
 from musclewire.signals.samples import RawSample
 

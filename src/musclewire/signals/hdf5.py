@@ -17,10 +17,8 @@ from numpy.typing import NDArray
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.signals.columns import COLUMNS, known_column, needs_no_clock
 from musclewire.signals.metadata import RESERVED, MetadataValue, checked_metadata
-from musclewire.signals.recording import Recording
-from musclewire.signals.whole_files import write_whole
 
-__all__ = ["RecordingWriter", "write_hdf5", "read_hdf5", "fill_hdf5"]
+__all__ = ["RecordingWriter", "read_hdf5_columns", "fill_hdf5"]
 
 FORMAT = "musclewire-recording"
 FORMAT_VERSION = 1
@@ -145,26 +143,21 @@ class RecordingWriter:
         self._rows, self._buffer = stop, []
 
 
-def write_hdf5(recording: Recording, path: str | Path) -> None:
-    """Write ``recording`` to an HDF5 file, whole or not at all. CallerError for a folder not writable."""
-    write_whole(Path(path), lambda temporary: fill_hdf5(recording, temporary))
+def fill_hdf5(columns: Mapping[str, NDArray[np.float64]], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+    """Write columns to ``path`` directly; ``write_columns`` sees to it that the file is whole."""
+    rows = len(next(iter(columns.values())))
+    with _create_file(path, tuple(columns), metadata, overwrite=False) as file:
+        for name, values in columns.items():
+            file[name].resize((rows,))
+            file[name][:] = values
+        file.attrs.modify("rows", np.int64(rows))
 
 
-def fill_hdf5(recording: Recording, path: Path) -> None:
-    """Write ``recording`` to ``path`` directly; ``Recording.save`` sees to it that it is whole."""
-    with _create_file(path, recording.names, recording.metadata, overwrite=False) as file:
-        for name in recording.names:
-            file[name].resize((len(recording),))
-            file[name][:] = recording[name]
-        file.attrs.modify("rows", np.int64(len(recording)))
-
-
-def read_hdf5(path: str | Path) -> Recording:
-    """Read a recording; one that was cut off while running has ``ended`` "cut off" and its complete rows.
+def read_hdf5_columns(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, MetadataValue]]:
+    """Return columns and metadata; of a file cut off while running its complete rows, and ``ended`` "cut off".
 
     RecordingError when the file is missing, damaged, still being written, not HDF5 or not ours.
     """
-    path = Path(path)
     with _open_file(path) as file, _damage_reported(path):
         _check_format(file, path)
         names = [name for name in str(file.attrs.get("columns", "")).split(",") if name] or sorted(file)
@@ -173,10 +166,7 @@ def read_hdf5(path: str | Path) -> Recording:
         rows = min([int(file.attrs.get("rows", 2**62)), *(len(values) for values in columns.values())])
     if metadata.get("ended") == "running":
         metadata["ended"] = "cut off"
-    try:
-        return Recording({name: values[:rows] for name, values in columns.items()}, metadata)
-    except (CallerError, RecordingError) as problem:
-        raise RecordingError(f"{path}: {problem}") from None
+    return {name: values[:rows] for name, values in columns.items()}, metadata
 
 
 def _checked_names(columns: Sequence[str]) -> tuple[str, ...]:

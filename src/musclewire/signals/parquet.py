@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from musclewire.errors import MissingExtraError, RecordingError
 from musclewire.signals.columns import COLUMNS
 from musclewire.signals.metadata import MetadataValue
-from musclewire.signals.recording import Recording
 
 __all__ = ["ParquetTable", "read_parquet_table", "fill_parquet"]
 
@@ -81,15 +80,13 @@ def read_parquet_table(path: Path) -> ParquetTable:
     return ParquetTable(str(path), arrow, _metadata(arrow.schema.metadata or {}, path))
 
 
-def fill_parquet(recording: Recording, path: Path) -> None:
-    """Write ``recording`` to ``path`` with our names, units as field metadata, and the metadata as JSON."""
+def fill_parquet(columns: Mapping[str, NDArray[np.float64]], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+    """Write columns to ``path`` with our names, units as field metadata, and the metadata as JSON."""
     pa, parquet = _pyarrow()
-    fields = [
-        pa.field(name, pa.float64(), nullable=False, metadata={"unit": COLUMNS[name].unit}) for name in recording.names
-    ]
-    document = json.dumps({"format_version": 1, "metadata": dict(recording.metadata)})
+    fields = [pa.field(name, pa.float64(), nullable=False, metadata={"unit": COLUMNS[name].unit}) for name in columns]
+    document = json.dumps({"format_version": 1, "metadata": dict(metadata)})
     schema = pa.schema(fields, metadata={_KEY: document.encode()})
-    arrays = [pa.array(recording[name]) for name in recording.names]
+    arrays = [pa.array(values) for values in columns.values()]
     parquet.write_table(pa.Table.from_arrays(arrays, schema=schema), path)
 
 

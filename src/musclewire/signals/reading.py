@@ -16,7 +16,7 @@ from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.recording import Recording
 from musclewire.signals.tables import Table
 
-__all__ = ["Understanding", "has_headers", "read_recording", "understand"]
+__all__ = ["Understanding", "has_headers", "read_hdf5", "read_recording", "understand"]
 
 # Where an estimator had no answer our own runs hold NaN; everywhere else NaN is a hole in the data.
 _MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
@@ -89,6 +89,16 @@ def read_recording(
     return _recording(values, table.metadata, path).with_metadata(metadata)
 
 
+def read_hdf5(path: str | Path) -> Recording:
+    """Return one of our recordings as it stands, unjudged; a cut-off one with ``ended`` "cut off" and its whole rows.
+
+    RecordingError when the file is missing, damaged, still being written, not HDF5 or not ours.
+    """
+    from musclewire.signals.hdf5 import read_hdf5_columns
+
+    return _recording(*read_hdf5_columns(Path(path)), Path(path))
+
+
 def has_headers(path: str | Path) -> bool:
     """Tell whether a file names its columns. Raises RecordingError for one that cannot be read."""
     headers = _table(Path(path)).headers
@@ -158,8 +168,6 @@ def _reader_for(path: Path) -> Callable[[Path], Table]:
     # Imported here: h5py and pyarrow are slow to load, and most commands read no file.
     suffix = path.suffix.lower()
     if suffix in {".h5", ".hdf5"}:
-        from musclewire.signals.hdf5 import read_hdf5
-
         return lambda file: _RecordingTable(read_hdf5(file))
     if suffix in {".csv", ".tsv", ".txt"}:
         from musclewire.signals.text_tables import read_text_table
@@ -225,7 +233,7 @@ def _recording(
 ) -> Recording:
     try:
         return Recording(values, metadata)
-    except CallerError as problem:
+    except (CallerError, RecordingError) as problem:
         # What the file says about itself is the file's fault, not the caller's.
         raise RecordingError(f"{path}: {problem}") from None
 

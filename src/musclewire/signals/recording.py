@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +17,7 @@ from musclewire.errors import CallerError, MissingExtraError, RecordingError
 from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, known_column, needs_no_clock
 from musclewire.signals.metadata import MetadataValue, checked_metadata
 from musclewire.signals.run_facts import RunFacts
-from musclewire.signals.whole_files import write_whole
+from musclewire.signals.writing import write_columns
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -152,9 +152,7 @@ class Recording:
         Raises CallerError for another suffix or a folder that cannot be written to, MissingExtraError for
         .parquet without pyarrow.
         """
-        path = Path(path)
-        write = _writer_for(path)
-        write_whole(path, lambda temporary: write(self, temporary))
+        write_columns(self.columns, self.metadata, Path(path))
 
     def __repr__(self) -> str:
         """Say in one line how much there is, of what, and how it ended."""
@@ -206,24 +204,6 @@ def _check_rows_are_ordered(columns: Mapping[str, FloatArray]) -> None:
             f"needs time_s, or {', '.join(BRANCH_TABLE)} for a printed loop, or {', '.join(ISOBAR_TABLE)} for isobars"
         )
         raise RecordingError(f"a recording {needs}; got {', '.join(columns) or 'no columns'}")
-
-
-def _writer_for(path: Path) -> Callable[[Recording, Path], None]:
-    # Imported here: h5py and pyarrow take longer to load than everything else in this room.
-    suffix = path.suffix.lower()
-    if suffix in {".h5", ".hdf5"}:
-        from musclewire.signals.hdf5 import fill_hdf5
-
-        return fill_hdf5
-    if suffix == ".csv":
-        from musclewire.signals.text_tables import fill_csv
-
-        return fill_csv
-    if suffix == ".parquet":
-        from musclewire.signals.parquet import fill_parquet
-
-        return fill_parquet
-    raise CallerError(f"{path}: cannot save as '{suffix}'; end the name in .h5, .hdf5, .csv or .parquet")
 
 
 def _html_row(name: str, values: FloatArray) -> str:

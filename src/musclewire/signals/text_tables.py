@@ -5,7 +5,7 @@ from __future__ import annotations
 import codecs
 import csv
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from musclewire.errors import RecordingError
 from musclewire.signals.headers import numbered_headers
 from musclewire.signals.metadata import MetadataValue, entry_from_text, value_to_text
-from musclewire.signals.recording import Recording
 
 __all__ = ["TextTable", "read_text_table", "fill_csv"]
 
@@ -93,14 +92,14 @@ def read_text_table(path: Path) -> TextTable:
     return TextTable(str(path), separator, headers, rows, line_numbers, _metadata(comments))
 
 
-def fill_csv(recording: Recording, path: Path) -> None:
-    """Write ``recording`` to ``path``: metadata as comments, our names, every number to the last bit."""
+def fill_csv(columns: Mapping[str, NDArray[np.float64]], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+    """Write columns to ``path``: metadata as comments, our names, every number to the last bit."""
     with path.open("w", encoding="utf-8", newline="\n") as file:
-        for key, value in recording.metadata.items():
+        for key, value in metadata.items():
             file.write(f"# {key} = {value_to_text(key, value)}\n")
-        file.write(",".join(recording.names) + "\n")
-        columns = [recording[name].tolist() for name in recording.names]
-        file.writelines(",".join(map(repr, row)) + "\n" for row in zip(*columns, strict=True))
+        file.write(",".join(columns) + "\n")
+        numbers = [values.tolist() for values in columns.values()]
+        file.writelines(",".join(map(repr, row)) + "\n" for row in zip(*numbers, strict=True))
 
 
 def _text(path: Path) -> str:

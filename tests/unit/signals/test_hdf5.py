@@ -7,7 +7,7 @@ import pytest
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.signals import Recording, RecordingWriter, read_recording
-from musclewire.signals.hdf5 import read_hdf5, write_hdf5
+from musclewire.signals.reading import read_hdf5
 
 NAMES = ("time_s", "wire_voltage_v", "shunt_voltage_v")
 
@@ -154,7 +154,7 @@ def test_a_run_killed_before_its_first_block_reads_as_no_rows_and_is_no_use(tmp_
 
 
 def test_a_file_that_is_still_being_written_is_said_to_be(tmp_path):
-    reader = "import sys; from musclewire.signals.hdf5 import read_hdf5; read_hdf5(sys.argv[1])"
+    reader = "import sys; from musclewire.signals.reading import read_hdf5; read_hdf5(sys.argv[1])"
     with RecordingWriter(tmp_path / "run.h5", NAMES, {}):
         command = [sys.executable, "-c", reader, str(tmp_path / "run.h5")]
         answer = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -210,10 +210,10 @@ def test_half_a_file_is_damaged_and_never_a_traceback(tmp_path):
         assert "\n" not in str(caught.value)
 
 
-def test_write_hdf5_replaces_a_file_in_one_step_and_leaves_nothing_beside_it(tmp_path):
+def test_saving_replaces_a_file_in_one_step_and_leaves_nothing_beside_it(tmp_path):
     first = Recording({"time_s": [0.0, 1.0]})
     second = Recording({"time_s": [0.0, 2.0]}, {"rig": None, "note": "", "pulse": True, "count": 3})
-    write_hdf5(first, tmp_path / "run.h5")
-    write_hdf5(second, tmp_path / "run.h5")
+    first.save(tmp_path / "run.h5")
+    second.save(tmp_path / "run.h5")
     assert read_hdf5(tmp_path / "run.h5") == second
     assert [file.name for file in tmp_path.iterdir()] == ["run.h5"]
