@@ -27,8 +27,7 @@ from musclewire.export.c import loop_checksum
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.serial.configuration import SerialConfiguration
 from musclewire.rigs.serial.rig import SerialRig
-from musclewire.sensing.model import SensingModel
-from musclewire.sensing.model_file import load_model
+from musclewire.sensing.model import SensingModel, load_model
 from musclewire.signals.recording import Recording
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -23,8 +23,8 @@ from pathlib import Path
 from typing import Any
 
 from musclewire.errors import CallerError
-from musclewire.sensing.model import SensingModel
-from musclewire.sensing.model_file import load_model, save_model
+from musclewire.sensing.model import SensingModel, load_model
+from musclewire.sensing.model_file import save_model
 
 DOCUMENTS, QUICK_DOCUMENTS = 100_000, 5_000
 ODD_VALUES: list[Any] = [

@@ -25,8 +25,7 @@ from musclewire.experiment.closed_loop import RANGE_AS_PERCENT_STRAIN
 from musclewire.export.c import write_library
 from musclewire.parameters.validation import validated
 from musclewire.rigs.mounted import MountedWire
-from musclewire.sensing.model import SensingModel
-from musclewire.sensing.model_file import load_model
+from musclewire.sensing.model import SensingModel, load_model
 
 FIRMWARE = Path(__file__).resolve().parent
 MODEL = FIRMWARE / "models" / "paper-100um.json"

@@ -22,7 +22,8 @@ from musclewire.export.c import write_library
 from musclewire.export.c.header import _comment
 from musclewire.export.c.numbers import check_single, literal
 from musclewire.export.c.precision import single_estimates
-from musclewire.sensing.model_file import load_model, save_model
+from musclewire.sensing.model import load_model
+from musclewire.sensing.model_file import save_model
 from tools import require_tool
 
 ROOT = Path(__file__).resolve().parents[2]

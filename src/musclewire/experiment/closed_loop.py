@@ -19,8 +19,9 @@ from musclewire.experiment.run import Decision, OnSample, run_on_rig
 from musclewire.experiment.staircases import staircase_within
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.protocol import Metadata, Rig
+from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.known_load import KnownSpring, force_model
-from musclewire.sensing.model import SHOWN_AS, SensingModel
+from musclewire.sensing.model import SensingModel
 from musclewire.sensing.resistance import wire_resistance
 from musclewire.sensing.tracking import SegmentState, SegmentTracker
 from musclewire.signals.commands import Command, Drive

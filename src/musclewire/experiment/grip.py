@@ -18,8 +18,8 @@ from musclewire.experiment.open_loop import Waveform
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.contact import AirMoves, ContactDetector
+from musclewire.sensing.curve import evaluate
 from musclewire.sensing.grip_force import fall_by_cooling
-from musclewire.sensing.polynomials import evaluate
 from musclewire.sensing.resistance import wire_resistance
 from musclewire.signals.commands import Command, Drive
 from musclewire.signals.recording import MetadataValue, Recording

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from musclewire.controllers.references import Reference, Staircase, Step
 from musclewire.errors import RecordingError
 from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity
-from musclewire.sensing.model import SHOWN_AS
+from musclewire.sensing.curve import SHOWN_AS
 from musclewire.signals.recording import Recording
 
 __all__ = [

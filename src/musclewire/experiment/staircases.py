@@ -6,7 +6,8 @@ import math
 
 from musclewire.controllers.references import Staircase, staircase
 from musclewire.errors import CallerError
-from musclewire.sensing.model import SHOWN_AS, SensingModel
+from musclewire.sensing.curve import SHOWN_AS
+from musclewire.sensing.model import SensingModel
 
 __all__ = ["staircase_within"]
 

@@ -7,13 +7,11 @@ clock, a rig or the simulator.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from musclewire.sensing.branches import Branch, single_valued
+from musclewire.sensing.curve import ArrayEstimate, Estimate, ResistanceCurve, evaluate, normalised_resistance
 from musclewire.sensing.fitting import fit_branches, fit_loop, fit_segments
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
-from musclewire.sensing.model import ArrayEstimate, Estimate, SensingModel
-from musclewire.sensing.polynomials import evaluate, normalised_resistance
+from musclewire.sensing.model import SensingModel, load_model
 from musclewire.sensing.recalibration import ResistanceExtremes, find_resistance_extremes, recalibrated
 from musclewire.sensing.resistance import (
     ArrayReading,
@@ -23,9 +21,6 @@ from musclewire.sensing.resistance import (
 )
 from musclewire.sensing.segments import LoopSegments, find_loops, find_segments
 from musclewire.sensing.tracking import SegmentState, SegmentTracker
-
-if TYPE_CHECKING:
-    from os import PathLike
 
 __all__ = [
     "ResistanceReading",
@@ -42,6 +37,7 @@ __all__ = [
     "normalised_resistance",
     "evaluate",
     "SensingModel",
+    "ResistanceCurve",
     "Estimate",
     "ArrayEstimate",
     "fit_loop",
@@ -54,11 +50,3 @@ __all__ = [
     "SegmentTracker",
     "SegmentState",
 ]
-
-
-def load_model(path: str | PathLike[str]) -> SensingModel:
-    """Read a model file written by ``SensingModel.save``; CallerError in one line when it is not one."""
-    # Only files need pydantic, which takes longer to import than all the rest.
-    from musclewire.sensing.model_file import load_model as load
-
-    return load(path)

@@ -33,7 +33,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.errors import CallerError
-from musclewire.sensing.polynomials import check_resistance_range, evaluate
+from musclewire.sensing.curve import check_resistance_range, evaluate
 
 __all__ = ["THRESHOLD", "AirMoves", "ContactDetector", "ContactState", "FreeClosing"]
 

@@ -12,19 +12,23 @@ import numpy.typing as npt
 
 from musclewire.errors import CallerError, FitRejectedError, RecordingError, nearest_hint
 from musclewire.sensing.branches import Branch, checked_branch, single_valued
+from musclewire.sensing.curve import (
+    QUANTITY_UNITS,
+    SHOWN_AS,
+    average,
+    check_resistance_range,
+    evaluate,
+    normalised_resistance,
+)
 from musclewire.sensing.gaps import hysteresis_gap
-from musclewire.sensing.model import QUANTITY_UNITS, SHOWN_AS, SensingModel
+from musclewire.sensing.model import SensingModel
 from musclewire.sensing.polynomials import (
     FitPoints,
     PolynomialFit,
-    average,
     check_order,
-    check_resistance_range,
     choose_order,
-    evaluate,
     fit_points,
     fit_polynomial,
-    normalised_resistance,
 )
 from musclewire.sensing.segments import LoopSegments, find_segments
 

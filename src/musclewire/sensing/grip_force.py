@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from musclewire.errors import CallerError
 from musclewire.sensing.contact import ContactState
-from musclewire.sensing.polynomials import evaluate
+from musclewire.sensing.curve import evaluate
 
 __all__ = ["GripCurve", "fall_by_cooling"]
 

@@ -1,366 +1,99 @@
-"""The self-sensing model: strain from resistance, and the resistance a strain requires (Eqs. 3 to 5)."""
+"""The self-sensing model as users hold it: a fitted curve that can be saved, shown and read again."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from math import inf, isfinite, sqrt
-from typing import TYPE_CHECKING, Any, NamedTuple, cast, overload
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-import numpy.typing as npt
-
-from musclewire.errors import CallerError, nearest_hint
-from musclewire.sensing.polynomials import average, check_resistance_range, evaluate
+from musclewire.sensing import model_view
+from musclewire.sensing.fit_report import FittedCurve
 
 if TYPE_CHECKING:
     from os import PathLike
 
     from matplotlib.axes import Axes
 
-__all__ = ["MODEL_FORMAT", "MODEL_VERSION", "QUANTITY_UNITS", "ArrayEstimate", "Estimate", "SensingModel"]
-
-FloatArray = npt.NDArray[np.float64]
-Pairs = tuple[tuple[float, float], ...]
-
-MODEL_FORMAT = "musclewire-sensing-model"
-MODEL_VERSION = 1
-QUANTITY_UNITS = {"strain": "1", "displacement": "m", "force": "N"}
-# How each quantity is shown to people: factor from SI, and unit.
-SHOWN_AS = {"strain": (100.0, "%"), "displacement": (1e3, "mm"), "force": (1.0, "N")}
-
-# A resistance this far outside the valid range, in normalised resistance, still reads as its end.
-MARGIN = 0.02
-# A wanted quantity this share of the range beyond it is taken for the end itself: data are rounded.
-QUANTITY_MARGIN = 0.005
-DERIVATIVE_CHECKS = 201
-# No wire has numbers near this in SI units, and the arithmetic of an estimate is far from overflowing.
-LARGEST_NUMBER = 1e12
+__all__ = ["SensingModel", "load_model"]
 
 
-class Estimate(NamedTuple):
-    """Estimated quantity, its standard deviation, and whether the resistance lay in the valid range."""
+@dataclass(frozen=True, repr=False)
+class SensingModel(FittedCurve):
+    """Strain (or displacement, force) from resistance, the report of its fit, and how both are kept and shown.
 
-    value: float
-    std: float
-    valid: bool
-
-
-class ArrayEstimate(NamedTuple):
-    """Estimates of many resistances; all three of the shape of the resistances."""
-
-    value: FloatArray
-    std: FloatArray
-    valid: npt.NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class SensingModel:
-    """Polynomials from normalised resistance to strain (or displacement, force), with their valid range.
-
-    Source: Lan and Fan 2010, Eqs. 3 to 5: heating g_h, cooling g_c and their mean g_a, of lambda (normalised
-    resistance: 0 at ``resistance_min_ohm``, 1 at ``resistance_max_ohm``). Coefficients are ascending powers.
-    Between ``normalised_min`` and ``normalised_max`` g_a falls strictly, so it can be inverted; outside,
-    resistances are read as the nearer end and marked invalid. All quantities are SI: strain is a fraction,
-    displacement in metres, force in newtons. ``rmse_*`` are root mean square errors over resistance: of each
-    branch against its samples and of the average against both. ``hysteresis_gap`` is Eq. 2 as a fraction.
-
-    Raises CallerError when the parts contradict each other.
+    The numbers an estimator runs by are those of :class:`~musclewire.sensing.curve.ResistanceCurve`, what the fit says
+    of them those of :class:`~musclewire.sensing.fit_report.FittedCurve`; ``model_file`` and ``model_view`` write and
+    draw them and know nothing of this class, which only makes them methods.
     """
 
-    resistance_min_ohm: float
-    resistance_max_ohm: float
-    heating_coefficients: tuple[float, ...]
-    cooling_coefficients: tuple[float, ...]
-    normalised_min: float
-    normalised_max: float
-    quantity: str = "strain"
-    hysteresis_gap: float = 0.0
-    rmse_heating: float = 0.0
-    rmse_cooling: float = 0.0
-    rmse_average: float = 0.0
-    samples: int = 0
-    heating_standard_errors: tuple[float, ...] = ()
-    cooling_standard_errors: tuple[float, ...] = ()
-    resistance_noise_ohm: float = 0.0
-    warnings: tuple[str, ...] = ()
-    wire: Mapping[str, str | float] = field(default_factory=dict, hash=False)
-    created_by: str = "musclewire"
-    source: str = ""
-    heating_samples: Pairs = field(default=(), repr=False)
-    cooling_samples: Pairs = field(default=(), repr=False)
-    average_coefficients: tuple[float, ...] = field(init=False, repr=False, compare=False)
-    quantity_min: float = field(init=False, repr=False, compare=False)
-    quantity_max: float = field(init=False, repr=False, compare=False)
-    # Set once for the estimate, which runs at every tick of a loop: plain floats, highest powers first.
-    _per_ohm: float = field(init=False, repr=False, compare=False)
-    _both_falling: Pairs = field(init=False, repr=False, compare=False)
-    _residual_variance: float = field(init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        """Derive g_a and the range of the quantity, and check that the parts agree."""
-        check_resistance_range(self.resistance_min_ohm, self.resistance_max_ohm)
-        mean = average(self.heating_coefficients, self.cooling_coefficients)
-        object.__setattr__(self, "average_coefficients", mean)
-        self._check()
-        both = zip(self.heating_coefficients, self.cooling_coefficients, strict=True)
-        object.__setattr__(self, "_both_falling", tuple(both)[::-1])
-        object.__setattr__(self, "_per_ohm", 1.0 / (self.resistance_max_ohm - self.resistance_min_ohm))
-        object.__setattr__(self, "_residual_variance", (self.rmse_heating**2 + self.rmse_cooling**2) / 2.0)
-        object.__setattr__(self, "quantity_min", evaluate(mean, self.normalised_max))
-        object.__setattr__(self, "quantity_max", evaluate(mean, self.normalised_min))
-
-    def _check(self) -> None:
-        """Raise CallerError where the parts contradict each other."""
-        if self.quantity not in QUANTITY_UNITS:
-            hint = nearest_hint(str(self.quantity), QUANTITY_UNITS)
-            raise CallerError(f"quantity {self.quantity!r} is unknown{hint}")
-        if len(self.average_coefficients) < 2 or not all(map(isfinite, self.average_coefficients)):
-            raise CallerError("a sensing model needs at least 2 finite coefficients a branch (order 1)")
-        largest = max(map(abs, (*self.heating_coefficients, *self.cooling_coefficients)))
-        if largest > LARGEST_NUMBER:
-            raise CallerError(f"a coefficient of {largest:.3g} is beyond {LARGEST_NUMBER:g}: no wire has it, fit again")
-        low, high = self.normalised_min, self.normalised_max
-        if not -0.5 <= low < high <= 1.5:
-            raise CallerError(f"valid range of normalised resistance {low} to {high}: must rise within -0.5 to 1.5")
-        numbers = (self.hysteresis_gap, self.rmse_heating, self.rmse_cooling, self.rmse_average)
-        if not all(0.0 <= number <= LARGEST_NUMBER for number in (*numbers, self.resistance_noise_ohm, self.samples)):
-            raise CallerError(
-                f"gap, root mean square errors, noise and samples of a model must be from 0 to {LARGEST_NUMBER:g}"
-            )
-        slope = evaluate(_derivative(self.average_coefficients), np.linspace(low, high, DERIVATIVE_CHECKS))
-        if not (slope[1:-1] < 0.0).all():
-            raise CallerError(
-                f"the average polynomial does not fall throughout its valid range {low:.4f} to {high:.4f} of "
-                "normalised resistance: it cannot be inverted, fit again"
-            )
-
-    @property
-    def order(self) -> int:
-        """Order of the polynomials."""
-        return len(self.heating_coefficients) - 1
-
-    @property
-    def unit(self) -> str:
-        """SI unit of the quantity ("1" for strain)."""
-        return QUANTITY_UNITS[self.quantity]
-
-    @property
-    def strain_gap(self) -> float:
-        """The hysteresis gap of Eq. 2 (or Eq. 9 for displacement), a fraction."""
-        return self.hysteresis_gap
-
-    @property
-    def valid_resistance_ohm(self) -> tuple[float, float]:
-        """Least and most resistance of the valid range, in ohm."""
-        span = self.resistance_max_ohm - self.resistance_min_ohm
-        low = self.resistance_min_ohm + self.normalised_min * span
-        return low, self.resistance_min_ohm + self.normalised_max * span
-
-    @overload
-    def estimate(self, resistance_ohm: float, resistance_std_ohm: float | None = ...) -> Estimate: ...
-    @overload
-    def estimate(self, resistance_ohm: FloatArray, resistance_std_ohm: float | None = ...) -> ArrayEstimate: ...
-    def estimate(
-        self, resistance_ohm: float | FloatArray, resistance_std_ohm: float | None = None
-    ) -> Estimate | ArrayEstimate:
-        """Estimate the quantity from one resistance (float) or from an array of any shape.
-
-        The value is g_a (Eq. 5) with the resistance clipped to the valid range. The standard deviation adds
-        in squares: half the distance of the branches, the branches' residual, and the resistance noise times
-        the slope (``resistance_std_ohm``, by default that of the recording the model was fitted to), to which
-        a resistance beyond the valid range adds its distance; it is at most the whole range. ``valid`` is
-        False where the resistance lies outside the valid range by more than 2 % of the span, or is not
-        finite. What is not finite reads as fully contracted, as does the 0.0 ohm of "no current": a loop
-        that ignores ``valid`` then cools.
-        """
-        noise = self.resistance_noise_ohm if resistance_std_ohm is None else resistance_std_ohm
-        if isinstance(resistance_ohm, float | int):
-            return self._estimate_one(float(resistance_ohm), noise)
-        return self._estimate_many(np.asarray(resistance_ohm, dtype=np.float64), noise)
-
-    def _estimate_one(self, resistance_ohm: float, noise_ohm: float) -> Estimate:
-        """Scalar path: one Horner pass for both branches and the slope of their sum, in plain floats."""
-        per_ohm = self._per_ohm
-        share = (resistance_ohm - self.resistance_min_ohm) * per_ohm
-        low, high = self.normalised_min, self.normalised_max
-        valid = low - MARGIN <= share <= high + MARGIN
-        if not isfinite(share):
-            return Estimate(self.quantity_max, self.quantity_max - self.quantity_min, False)
-        inside = low if share < low else high if share > high else share
-        heating = cooling = slope = 0.0
-        for h, c in self._both_falling:
-            slope = slope * inside + heating + cooling
-            heating = heating * inside + h
-            cooling = cooling * inside + c
-        half = (heating - cooling) / 2.0
-        strayed = slope / 2.0 * (abs(share - inside) + noise_ohm * per_ohm)
-        variance = self._residual_variance
-        std = min(sqrt(half * half + variance + strayed * strayed), self.quantity_max - self.quantity_min)
-        return Estimate((heating + cooling) / 2.0, std, valid)
-
-    def _estimate_many(self, resistance_ohm: FloatArray, noise_ohm: float) -> ArrayEstimate:
-        """Array path of ``_estimate_one``."""
-        per_ohm = self._per_ohm
-        share = (resistance_ohm - self.resistance_min_ohm) * per_ohm
-        low, high = self.normalised_min, self.normalised_max
-        valid = (share >= low - MARGIN) & (share <= high + MARGIN)
-        finite = np.isfinite(share)
-        inside = np.clip(np.where(finite, share, low), low, high)
-        heating = evaluate(self.heating_coefficients, inside)
-        cooling = evaluate(self.cooling_coefficients, inside)
-        slope = evaluate(_derivative(self.average_coefficients), inside)
-        strayed = slope * (np.abs(np.where(finite, share, low) - inside) + noise_ohm * per_ohm)
-        variance = self._residual_variance
-        std = np.sqrt(((heating - cooling) / 2.0) ** 2 + variance + strayed**2)
-        full = self.quantity_max - self.quantity_min
-        std = np.where(finite, np.minimum(std, full), full)
-        return ArrayEstimate((heating + cooling) / 2.0, std, valid)
-
-    @overload
-    def value(self, resistance_ohm: float) -> float: ...
-    @overload
-    def value(self, resistance_ohm: FloatArray) -> FloatArray: ...
-    def value(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
-        """The quantity of this model, g_a of the clipped resistance (Eq. 5); scalar or any shape."""
-        return self._branch_value(self.average_coefficients, resistance_ohm)
-
-    @overload
-    def strain(self, resistance_ohm: float) -> float: ...
-    @overload
-    def strain(self, resistance_ohm: FloatArray) -> FloatArray: ...
-    def strain(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
-        """Strain (fraction, contraction positive), g_a of the clipped resistance (Eq. 5).
-
-        Raises CallerError when the model is one of displacement or force: there use ``value``.
-        """
-        self._check_strain()
-        return self._branch_value(self.average_coefficients, resistance_ohm)
-
-    @overload
-    def strain_heating(self, resistance_ohm: float) -> float: ...
-    @overload
-    def strain_heating(self, resistance_ohm: FloatArray) -> FloatArray: ...
-    def strain_heating(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
-        """Strain on the heating branch, g_h (Eq. 4); otherwise as ``strain``."""
-        self._check_strain()
-        return self._branch_value(self.heating_coefficients, resistance_ohm)
-
-    @overload
-    def strain_cooling(self, resistance_ohm: float) -> float: ...
-    @overload
-    def strain_cooling(self, resistance_ohm: FloatArray) -> FloatArray: ...
-    def strain_cooling(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
-        """Strain on the cooling branch, g_c (Eq. 4); otherwise as ``strain``."""
-        self._check_strain()
-        return self._branch_value(self.cooling_coefficients, resistance_ohm)
-
-    @overload
-    def resistance_ohm(self, strain: float) -> float: ...
-    @overload
-    def resistance_ohm(self, strain: FloatArray) -> FloatArray: ...
-    def resistance_ohm(self, strain: float | FloatArray) -> float | FloatArray:
-        """Resistance a strain requires (or displacement, force): the inverse of g_a, Table 2's second row.
-
-        Scalar or any shape. A value within 0.5 % of the range beyond either end gives that end.
-        Raises CallerError when a value lies further outside, saying the range.
-        """
-        wanted = np.asarray(strain, dtype=np.float64)
-        room = QUANTITY_MARGIN * (self.quantity_max - self.quantity_min)
-        outside = ~((wanted >= self.quantity_min - room) & (wanted <= self.quantity_max + room))
-        if outside.any():
-            raise CallerError(self._out_of_range(float(wanted[outside].flat[0])))
-        share = self._inverse(np.clip(wanted, self.quantity_min, self.quantity_max))
-        span = self.resistance_max_ohm - self.resistance_min_ohm
-        result = self.resistance_min_ohm + share * span
-        return float(result) if result.ndim == 0 else result
-
-    def _inverse(self, wanted: FloatArray) -> FloatArray:
-        """Normalised resistance of each wanted quantity: Newton steps, bisection where they fail."""
-        low = np.full(wanted.shape, self.normalised_min)
-        high = np.full(wanted.shape, self.normalised_max)
-        derivative = _derivative(self.average_coefficients)
-        share = (low + high) / 2.0
-        for _ in range(80):
-            excess = evaluate(self.average_coefficients, share) - wanted
-            # g_a falls: too large a quantity means the resistance is too low.
-            low = np.where(excess >= 0.0, share, low)
-            high = np.where(excess <= 0.0, share, high)
-            slope = evaluate(derivative, share)
-            newton = share - excess / np.where(slope < 0.0, slope, -inf)
-            middle = (low + high) / 2.0
-            following = np.where((newton > low) & (newton < high) & (slope < 0.0), newton, middle)
-            if np.all((np.abs(following - share) <= 1e-15) | (high - low <= 1e-15)):
-                return cast(FloatArray, following)
-            share = following
-        return cast(FloatArray, share)
-
-    @overload
-    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float) -> float: ...
-    @overload
-    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: FloatArray) -> FloatArray: ...
-    @overload
-    def _branch_value(
-        self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray
-    ) -> float | FloatArray: ...
-    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray) -> float | FloatArray:
-        """A polynomial of the clipped normalised resistance; what is not finite reads as fully contracted."""
-        low, high = self.normalised_min, self.normalised_max
-        share = (resistance_ohm - self.resistance_min_ohm) * self._per_ohm
-        if isinstance(share, float):
-            return evaluate(coefficients, min(max(low, share), high) if isfinite(share) else low)
-        return evaluate(coefficients, np.clip(np.where(np.isfinite(share), share, low), low, high))
-
-    def _check_strain(self) -> None:
-        if self.quantity != "strain":
-            raise CallerError(f"this is a model of {self.quantity}, not of strain: use value() or estimate()")
-
-    def _out_of_range(self, wanted: float) -> str:
-        factor, unit = SHOWN_AS[self.quantity]
-        return (
-            f"{self.quantity} {factor * wanted:.4g} {unit} is outside the model's valid range "
-            f"{factor * self.quantity_min:.4g} to {factor * self.quantity_max:.4g} {unit}: "
-            "choose a value within, or fit a loop that reaches further"
-        )
-
     def save(self, path: str | PathLike[str]) -> None:
-        """Write the model as JSON, whole or not at all; CallerError when the folder cannot be written."""
+        """Write the model as JSON, whole or not at all.
+
+        Parameters
+        ----------
+        path
+            File to write; one that exists is replaced.
+
+        Raises
+        ------
+        CallerError
+            If the file cannot be written there.
+        """
+        # Only files need pydantic, which takes longer to import than all the rest.
         from musclewire.sensing.model_file import save_model
 
         save_model(self, path)
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw strain against resistance: samples where kept, both branches, their mean; return the axes."""
-        from musclewire.sensing.model_view import plot_model
+        """Draw strain against resistance: samples if they were kept, both branches, their mean.
 
-        return plot_model(self, axes)
+        Parameters
+        ----------
+        axes
+            Where to draw; new axes without.
+
+        Returns
+        -------
+        The axes.
+        """
+        return model_view.plot_model(self, axes)
 
     def report(self) -> dict[str, Any]:
-        """The numbers of ``musclewire fit --json``; percentages are of strain, or of the largest quantity."""
-        from musclewire.sensing.model_view import report
-
-        return report(self)
+        """Return the numbers of ``musclewire fit --json``; percentages are of strain, or of the largest quantity."""
+        return model_view.report(self)
 
     def summary(self) -> str:
-        """What the model is and how well it holds, in a few lines of text."""
-        from musclewire.sensing.model_view import summary
-
-        return summary(self)
+        """Return what the model is and how well it holds, in a few lines of text."""
+        return model_view.summary(self)
 
     def __repr__(self) -> str:
-        """One line: quantity, order, resistances, gap."""
+        """Return quantity, order, resistances and gap in one line."""
         return (
             f"SensingModel({self.quantity}, order {self.order}, {self.resistance_min_ohm:.4f} to "
             f"{self.resistance_max_ohm:.4f} ohm, gap {100 * self.hysteresis_gap:.3f} %)"
         )
 
     def _repr_html_(self) -> str:
-        """Table for notebooks."""
-        from musclewire.sensing.model_view import html
-
-        return html(self)
+        """Return a table for notebooks."""
+        return model_view.html(self)
 
 
-def _derivative(coefficients: tuple[float, ...]) -> tuple[float, ...]:
-    """Ascending coefficients of the derivative."""
-    return tuple(power * coefficient for power, coefficient in enumerate(coefficients))[1:]
+def load_model(path: str | PathLike[str]) -> SensingModel:
+    """Read a model file written by ``SensingModel.save``.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    The model.
+
+    Raises
+    ------
+    CallerError
+        In one line, if the file is missing, damaged, inconsistent or no model file.
+    """
+    from musclewire.sensing.model_file import read_fields
+
+    return SensingModel(**read_fields(path))

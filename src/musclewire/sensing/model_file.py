@@ -13,12 +13,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.sensing.model import MODEL_FORMAT, MODEL_VERSION, SensingModel
+from musclewire.sensing.fit_report import FittedCurve
 
 if TYPE_CHECKING:
     from os import PathLike
 
-__all__ = ["LARGEST_FILE_BYTES", "load_model", "save_model"]
+__all__ = ["LARGEST_FILE_BYTES", "MODEL_FORMAT", "MODEL_VERSION", "read_fields", "save_model"]
+
+MODEL_FORMAT = "musclewire-sensing-model"
+MODEL_VERSION = 1
 
 LARGEST_FILE_BYTES = 1_000_000
 # The range of the quantity is written for the file's reader; on loading it must agree with the polynomials.
@@ -69,7 +72,7 @@ class ModelFile(BaseModel):
 DERIVED = {"format", "version", "order", "unit", "quantity_min", "quantity_max"}
 
 
-def save_model(model: SensingModel, path: str | PathLike[str]) -> None:
+def save_model(model: FittedCurve, path: str | PathLike[str]) -> None:
     """Write the model as JSON, whole or not at all; CallerError when the folder cannot be written."""
     target = Path(path)
     text = json.dumps(_contents(model), indent=1, allow_nan=False) + "\n"
@@ -90,8 +93,8 @@ def save_model(model: SensingModel, path: str | PathLike[str]) -> None:
             temporary.unlink(missing_ok=True)
 
 
-def load_model(path: str | PathLike[str]) -> SensingModel:
-    """Read a model file; CallerError in one line when it is missing, foreign, damaged or inconsistent."""
+def read_fields(path: str | PathLike[str]) -> dict[str, Any]:
+    """Return the fields of the model in a file; CallerError in one line when it is missing, damaged or inconsistent."""
     source = Path(path)
     document = _document(source)
     unknown = sorted(set(document) - set(ModelFile.model_fields))
@@ -103,12 +106,12 @@ def load_model(path: str | PathLike[str]) -> SensingModel:
         contents = ModelFile.model_validate_json(json.dumps(document))
     except ValidationError as error:
         raise CallerError(f"model file {source}: {_first(error)}") from error
+    fields = _fields(contents)
     try:
-        model = _model(contents)
-        _check_derived(model, contents)
+        _check_derived(FittedCurve(**fields), contents)
     except CallerError as error:
         raise CallerError(f"model file {source}: {error}") from error
-    return model
+    return fields
 
 
 def _document(source: Path) -> dict[str, Any]:
@@ -135,7 +138,7 @@ def _document(source: Path) -> dict[str, Any]:
     return document
 
 
-def _contents(model: SensingModel) -> dict[str, Any]:
+def _contents(model: FittedCurve) -> dict[str, Any]:
     return {
         "format": MODEL_FORMAT,
         "version": MODEL_VERSION,
@@ -159,15 +162,12 @@ def _note(value: Any) -> str | float:
     return str(value)
 
 
-def _model(contents: ModelFile) -> SensingModel:
+def _fields(contents: ModelFile) -> dict[str, Any]:
     fields = {name: value for name, value in contents.model_dump().items() if name not in DERIVED}
-    for name, value in fields.items():
-        if isinstance(value, list):
-            fields[name] = tuple(value)
-    return SensingModel(**fields)
+    return {name: tuple(value) if isinstance(value, list) else value for name, value in fields.items()}
 
 
-def _check_derived(model: SensingModel, contents: ModelFile) -> None:
+def _check_derived(model: FittedCurve, contents: ModelFile) -> None:
     """What the file says of order, unit, ranges and errors must agree with its polynomials."""
     if (contents.order, contents.unit) != (model.order, model.unit):
         raise CallerError(

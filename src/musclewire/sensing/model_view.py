@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from musclewire.sensing.model import SHOWN_AS, SensingModel
-from musclewire.sensing.polynomials import evaluate
+from musclewire.sensing.curve import SHOWN_AS, evaluate
+from musclewire.sensing.fit_report import FittedCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,7 +19,7 @@ __all__ = ["html", "plot_model", "report", "rows", "summary"]
 NOTE_UNITS = (("_n_per_m", 1.0, "N/m"), ("_ohm", 1.0, "ohm"), ("_m", 1e3, "mm"), ("_n", 1.0, "N"), ("_v", 1.0, "V"))
 
 
-def report(model: SensingModel) -> dict[str, Any]:
+def report(model: FittedCurve) -> dict[str, Any]:
     """Numbers of ``musclewire fit --json``: gap in percent of the largest quantity, errors in percent strain.
 
     For displacement and force the errors are in percent of the largest quantity.
@@ -39,7 +39,7 @@ def report(model: SensingModel) -> dict[str, Any]:
     }
 
 
-def rows(model: SensingModel) -> list[tuple[str, str]]:
+def rows(model: FittedCurve) -> list[tuple[str, str]]:
     """What a reader wants to know, as pairs of name and text."""
     factor, unit = SHOWN_AS[model.quantity]
     low, high = model.valid_resistance_ohm
@@ -74,20 +74,20 @@ def note(name: str, value: str | float) -> tuple[str, str]:
     return name.replace("_", " "), value if isinstance(value, str) else f"{value:.4g}"
 
 
-def summary(model: SensingModel) -> str:
+def summary(model: FittedCurve) -> str:
     """The rows as aligned text."""
     pairs = rows(model)
     width = max(len(name) for name, _ in pairs)
     return "\n".join(f"{name:<{width}}  {text}" for name, text in pairs)
 
 
-def html(model: SensingModel) -> str:
+def html(model: FittedCurve) -> str:
     """The rows as an HTML table, with everything that came from a file escaped."""
     body = "".join(f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows(model))
     return f"<table><caption>Sensing model</caption>{body}</table>"
 
 
-def plot_model(model: SensingModel, axes: Axes | None = None) -> Axes:
+def plot_model(model: FittedCurve, axes: Axes | None = None) -> Axes:
     """Draw the quantity against resistance as in Lan and Fan 2010, Fig. 9, and return the axes."""
     if axes is None:
         from matplotlib import pyplot
@@ -101,14 +101,14 @@ def plot_model(model: SensingModel, axes: Axes | None = None) -> Axes:
         if pairs:
             resistance, quantity = np.array(pairs).T
             axes.plot(resistance, factor * quantity, ".", color=colour, alpha=0.4, label=f"{name}, measured")
-    share = np.linspace(model.normalised_min, model.normalised_max, 300)
-    resistance = model.resistance_min_ohm + share * (model.resistance_max_ohm - model.resistance_min_ohm)
+    fraction = np.linspace(model.normalised_min, model.normalised_max, 300)
+    resistance = model.resistance_min_ohm + fraction * (model.resistance_max_ohm - model.resistance_min_ohm)
     for coefficients, name, style in (
         (model.heating_coefficients, "heating polynomial", "r-"),
         (model.cooling_coefficients, "cooling polynomial", "b-"),
         (model.average_coefficients, "average", "k--"),
     ):
-        axes.plot(resistance, factor * evaluate(coefficients, share), style, label=name)
+        axes.plot(resistance, factor * evaluate(coefficients, fraction), style, label=name)
     axes.set_xlabel("wire resistance [ohm]")
     axes.set_ylabel(f"{model.quantity} [{unit}]")
     axes.set_title(f"Self-sensing model, gap {100 * model.hysteresis_gap:.2f} %")

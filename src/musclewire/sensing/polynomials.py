@@ -1,29 +1,25 @@
-"""Normalised resistance and the polynomials of the self-sensing model (Eqs. 3 to 5)."""
+"""Fit the polynomials of a resistance curve to points (Lan and Fan 2010, Eq. 4), and choose their order."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
-from typing import cast, overload
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.sensing.branches import Branch
+from musclewire.sensing.curve import normalised_resistance
 
 __all__ = [
     "LARGEST_ORDER",
     "FitPoints",
     "PolynomialFit",
-    "average",
-    "check_resistance_range",
     "choose_order",
-    "evaluate",
     "fit_points",
     "fit_polynomial",
-    "normalised_resistance",
 ]
 
 FloatArray = npt.NDArray[np.float64]
@@ -36,52 +32,6 @@ SLICES = 200
 LARGEST_WEIGHT = 4.0
 FOLDS = 5
 BLOCKS_PER_FOLD = 6
-
-
-@overload
-def normalised_resistance(resistance_ohm: float, resistance_min_ohm: float, resistance_max_ohm: float) -> float: ...
-@overload
-def normalised_resistance(
-    resistance_ohm: FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
-) -> FloatArray: ...
-def normalised_resistance(
-    resistance_ohm: float | FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
-) -> float | FloatArray:
-    """Place of a resistance between the least and the most of segment B-C: 0 at C (hot), 1 at B (cold).
-
-    Source: Lan and Fan 2010, Eq. 3, lambda = (R - R_min) / (R_max - R_min). Any shape; values outside
-    [0, 1] are not clipped. Raises CallerError unless 0 < R_min < R_max.
-    """
-    check_resistance_range(resistance_min_ohm, resistance_max_ohm)
-    return (resistance_ohm - resistance_min_ohm) / (resistance_max_ohm - resistance_min_ohm)
-
-
-def check_resistance_range(resistance_min_ohm: float, resistance_max_ohm: float) -> None:
-    """Raise CallerError unless 0 < R_min < R_max and both are finite."""
-    if not 0.0 < resistance_min_ohm < resistance_max_ohm < inf:
-        raise CallerError(
-            f"least resistance {resistance_min_ohm} ohm and most resistance {resistance_max_ohm} ohm: "
-            "both must be positive and finite, the least below the most"
-        )
-
-
-@overload
-def evaluate(coefficients: Sequence[float], normalised_resistance: float) -> float: ...
-@overload
-def evaluate(coefficients: Sequence[float], normalised_resistance: FloatArray) -> FloatArray: ...
-def evaluate(coefficients: Sequence[float], normalised_resistance: float | FloatArray) -> float | FloatArray:
-    """Value of a polynomial given by ascending power coefficients, by Horner's rule; any shape (Eq. 4)."""
-    total: float | FloatArray = 0.0 * normalised_resistance
-    for coefficient in reversed(coefficients):
-        total = total * normalised_resistance + coefficient
-    return total
-
-
-def average(heating: Sequence[float], cooling: Sequence[float]) -> tuple[float, ...]:
-    """Coefficients of g_a = (g_h + g_c) / 2 (Lan and Fan 2010, Eq. 5); CallerError on unequal orders."""
-    if len(heating) != len(cooling):
-        raise CallerError(f"heating has {len(heating)} coefficients and cooling {len(cooling)}: fit both alike")
-    return tuple((h + c) / 2.0 for h, c in zip(heating, cooling, strict=True))
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from musclewire.errors import RecordingError
 from musclewire.sensing.branches import LONGEST_WINDOW_SHARE
+from musclewire.sensing.curve import check_resistance_range
 from musclewire.sensing.model import SensingModel
-from musclewire.sensing.polynomials import check_resistance_range
 from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
 __all__ = ["ResistanceExtremes", "find_resistance_extremes", "recalibrated"]

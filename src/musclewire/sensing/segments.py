@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.sensing.branches import Branch
-from musclewire.sensing.model import SHOWN_AS
+from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.smoothing import noise_level
 from musclewire.sensing.turning import (
     LEAST_SWING,

@@ -17,7 +17,8 @@ from musclewire.controllers.fuzzy import pack_rules
 from musclewire.controllers.protection import Event, ProtectionLimits, State, protection_table
 from musclewire.controllers.protection import protect as protection_rules
 from musclewire.errors import CallerError
-from musclewire.sensing.model import MARGIN, SensingModel
+from musclewire.sensing.curve import MARGIN
+from musclewire.sensing.model import SensingModel
 from musclewire.sensing.resistance import wire_resistance
 
 __all__ = ["ACTIONS", "CONTROL_HEADINGS", "Constant", "Constants", "collect", "control_numbers"]

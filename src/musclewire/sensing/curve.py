@@ -1,0 +1,388 @@
+"""The resistance curve of a wire: strain from resistance, and the resistance a strain requires (Eqs. 3 to 5).
+
+What an estimator computes with at every tick: a few numbers and plain arithmetic, the same for one resistance and for
+an array of them. What the fit that found these numbers reports is in ``fit_report``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import inf, isfinite, sqrt
+from typing import NamedTuple, TypeVar, cast, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from musclewire.errors import CallerError, nearest_hint
+
+__all__ = [
+    "QUANTITY_UNITS",
+    "SHOWN_AS",
+    "ArrayEstimate",
+    "Estimate",
+    "ResistanceCurve",
+    "average",
+    "check_resistance_range",
+    "evaluate",
+    "normalised_resistance",
+]
+
+FloatArray = npt.NDArray[np.float64]
+Pairs = tuple[tuple[float, float], ...]
+Number = TypeVar("Number", float, npt.NDArray[np.float64])
+
+QUANTITY_UNITS = {"strain": "1", "displacement": "m", "force": "N"}
+# How each quantity is shown to people: factor from SI, and unit.
+SHOWN_AS = {"strain": (100.0, "%"), "displacement": (1e3, "mm"), "force": (1.0, "N")}
+
+# A resistance this far outside the valid range, in normalised resistance, still reads as its end.
+MARGIN = 0.02
+# A wanted quantity this fraction of the range beyond it is taken for the end itself: data are rounded.
+QUANTITY_MARGIN = 0.005
+DERIVATIVE_CHECKS = 201
+# No wire has numbers near this in SI units, and the arithmetic of an estimate is far from overflowing.
+MAX_NUMBER = 1e12
+
+
+@overload
+def normalised_resistance(resistance_ohm: float, resistance_min_ohm: float, resistance_max_ohm: float) -> float: ...
+@overload
+def normalised_resistance(
+    resistance_ohm: FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
+) -> FloatArray: ...
+def normalised_resistance(
+    resistance_ohm: float | FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
+) -> float | FloatArray:
+    """Place of a resistance between the least and the most of segment B-C: 0 at C (hot), 1 at B (cold).
+
+    Source: Lan and Fan 2010, Eq. 3, lambda = (R - R_min) / (R_max - R_min). Any shape; values outside
+    [0, 1] are not clipped. Raises CallerError unless 0 < R_min < R_max.
+    """
+    check_resistance_range(resistance_min_ohm, resistance_max_ohm)
+    return (resistance_ohm - resistance_min_ohm) / (resistance_max_ohm - resistance_min_ohm)
+
+
+def check_resistance_range(resistance_min_ohm: float, resistance_max_ohm: float) -> None:
+    """Raise CallerError unless 0 < R_min < R_max and both are finite."""
+    if not 0.0 < resistance_min_ohm < resistance_max_ohm < inf:
+        raise CallerError(
+            f"least resistance {resistance_min_ohm} ohm and most resistance {resistance_max_ohm} ohm: "
+            "both must be positive and finite, the least below the most"
+        )
+
+
+@overload
+def evaluate(coefficients: Sequence[float], normalised_resistance: float) -> float: ...
+@overload
+def evaluate(coefficients: Sequence[float], normalised_resistance: FloatArray) -> FloatArray: ...
+def evaluate(coefficients: Sequence[float], normalised_resistance: float | FloatArray) -> float | FloatArray:
+    """Value of a polynomial given by ascending power coefficients, by Horner's rule; any shape (Eq. 4)."""
+    total: float | FloatArray = 0.0 * normalised_resistance
+    for coefficient in reversed(coefficients):
+        total = total * normalised_resistance + coefficient
+    return total
+
+
+def average(heating: Sequence[float], cooling: Sequence[float]) -> tuple[float, ...]:
+    """Coefficients of g_a = (g_h + g_c) / 2 (Lan and Fan 2010, Eq. 5); CallerError on unequal orders."""
+    if len(heating) != len(cooling):
+        raise CallerError(f"heating has {len(heating)} coefficients and cooling {len(cooling)}: fit both alike")
+    return tuple((h + c) / 2.0 for h, c in zip(heating, cooling, strict=True))
+
+
+class Estimate(NamedTuple):
+    """Estimated quantity, its standard deviation, and whether the resistance lay in the valid range."""
+
+    value: float
+    std: float
+    valid: bool
+
+
+class ArrayEstimate(NamedTuple):
+    """Estimates of many resistances; all three of the shape of the resistances."""
+
+    value: FloatArray
+    std: FloatArray
+    valid: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ResistanceCurve:
+    """Polynomials from normalised resistance to strain (or displacement, force), with their valid range.
+
+    Source: Lan and Fan 2010, Eqs. 3 to 5: heating g_h, cooling g_c and their mean g_a, of lambda (normalised
+    resistance: 0 at ``resistance_min_ohm``, 1 at ``resistance_max_ohm``). Between ``normalised_min`` and
+    ``normalised_max`` g_a falls strictly, so it can be inverted; outside, resistances are read as the nearer end and
+    marked invalid. All quantities are SI: strain is a fraction, displacement in metres, force in newtons.
+
+    Parameters
+    ----------
+    resistance_min_ohm, resistance_max_ohm
+        Resistance [ohm] at point C (hot) and at point B (cold).
+    heating_coefficients, cooling_coefficients
+        Ascending powers of g_h and g_c in lambda; both of one order, at least 1.
+    normalised_min, normalised_max
+        Ends of the valid range of lambda.
+    quantity
+        "strain", "displacement" or "force".
+    rmse_heating, rmse_cooling
+        Root mean square errors of the branches against the samples they were fitted to, in the quantity's unit.
+    resistance_noise_ohm
+        Standard deviation of one resistance reading [ohm]; 0 if it is unknown.
+
+    Raises
+    ------
+    CallerError
+        If the parts contradict each other.
+    """
+
+    resistance_min_ohm: float
+    resistance_max_ohm: float
+    heating_coefficients: tuple[float, ...]
+    cooling_coefficients: tuple[float, ...]
+    normalised_min: float
+    normalised_max: float
+    quantity: str = "strain"
+    rmse_heating: float = 0.0
+    rmse_cooling: float = 0.0
+    resistance_noise_ohm: float = 0.0
+    average_coefficients: tuple[float, ...] = field(init=False, repr=False, compare=False)
+    quantity_min: float = field(init=False, repr=False, compare=False)
+    quantity_max: float = field(init=False, repr=False, compare=False)
+    # Set once for the estimate, which runs at every tick of a loop: plain floats, highest powers first.
+    _per_ohm: float = field(init=False, repr=False, compare=False)
+    _both_falling: Pairs = field(init=False, repr=False, compare=False)
+    _residual_variance: float = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        """Derive g_a and the range of the quantity, and check that the parts agree."""
+        check_resistance_range(self.resistance_min_ohm, self.resistance_max_ohm)
+        mean = average(self.heating_coefficients, self.cooling_coefficients)
+        object.__setattr__(self, "average_coefficients", mean)
+        self._check()
+        both = zip(self.heating_coefficients, self.cooling_coefficients, strict=True)
+        object.__setattr__(self, "_both_falling", tuple(both)[::-1])
+        object.__setattr__(self, "_per_ohm", 1.0 / (self.resistance_max_ohm - self.resistance_min_ohm))
+        object.__setattr__(self, "_residual_variance", (self.rmse_heating**2 + self.rmse_cooling**2) / 2.0)
+        object.__setattr__(self, "quantity_min", evaluate(mean, self.normalised_max))
+        object.__setattr__(self, "quantity_max", evaluate(mean, self.normalised_min))
+
+    def _check(self) -> None:
+        """Raise CallerError where the parts contradict each other."""
+        if self.quantity not in QUANTITY_UNITS:
+            hint = nearest_hint(str(self.quantity), QUANTITY_UNITS)
+            raise CallerError(f"quantity {self.quantity!r} is unknown{hint}")
+        if len(self.average_coefficients) < 2 or not all(map(isfinite, self.average_coefficients)):
+            raise CallerError("a sensing model needs at least 2 finite coefficients a branch (order 1)")
+        largest = max(map(abs, (*self.heating_coefficients, *self.cooling_coefficients)))
+        if largest > MAX_NUMBER:
+            raise CallerError(f"a coefficient of {largest:.3g} is beyond {MAX_NUMBER:g}: no wire has it, fit again")
+        low, high = self.normalised_min, self.normalised_max
+        if not -0.5 <= low < high <= 1.5:
+            raise CallerError(f"valid range of normalised resistance {low} to {high}: must rise within -0.5 to 1.5")
+        require_in_range((self.rmse_heating, self.rmse_cooling, self.resistance_noise_ohm))
+        slope = evaluate(_derivative(self.average_coefficients), np.linspace(low, high, DERIVATIVE_CHECKS))
+        if not (slope[1:-1] < 0.0).all():
+            raise CallerError(
+                f"the average polynomial does not fall throughout its valid range {low:.4f} to {high:.4f} of "
+                "normalised resistance: it cannot be inverted, fit again"
+            )
+
+    @property
+    def order(self) -> int:
+        """Order of the polynomials."""
+        return len(self.heating_coefficients) - 1
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the quantity ("1" for strain)."""
+        return QUANTITY_UNITS[self.quantity]
+
+    @property
+    def valid_resistance_ohm(self) -> tuple[float, float]:
+        """Least and most resistance of the valid range, in ohm."""
+        span = self.resistance_max_ohm - self.resistance_min_ohm
+        low = self.resistance_min_ohm + self.normalised_min * span
+        return low, self.resistance_min_ohm + self.normalised_max * span
+
+    @overload
+    def estimate(self, resistance_ohm: float, resistance_std_ohm: float | None = ...) -> Estimate: ...
+    @overload
+    def estimate(self, resistance_ohm: FloatArray, resistance_std_ohm: float | None = ...) -> ArrayEstimate: ...
+    def estimate(
+        self, resistance_ohm: float | FloatArray, resistance_std_ohm: float | None = None
+    ) -> Estimate | ArrayEstimate:
+        """Estimate the quantity from one resistance (float) or from an array of any shape.
+
+        The value is g_a (Eq. 5) with the resistance clipped to the valid range. The standard deviation adds
+        in squares: half the distance of the branches, the branches' residual, and the resistance noise times
+        the slope (``resistance_std_ohm``, by default that of the recording the model was fitted to), to which
+        a resistance beyond the valid range adds its distance; it is at most the whole range. ``valid`` is
+        False where the resistance lies outside the valid range by more than 2 % of the span, or is not
+        finite. What is not finite reads as fully contracted, as does the 0.0 ohm of "no current": a loop
+        that ignores ``valid`` then cools.
+        """
+        noise = self.resistance_noise_ohm if resistance_std_ohm is None else resistance_std_ohm
+        if isinstance(resistance_ohm, float | int):
+            return self._estimate_one(float(resistance_ohm), noise)
+        return self._estimate_many(np.asarray(resistance_ohm, dtype=np.float64), noise)
+
+    def _branches(self, inside: Number) -> tuple[Number, Number, Number]:
+        """Return g_h, g_c and the slope of their sum at a normalised resistance: one pass by Horner's rule."""
+        heating = cooling = slope = 0.0 * inside
+        for h, c in self._both_falling:
+            slope = slope * inside + heating + cooling
+            heating = heating * inside + h
+            cooling = cooling * inside + c
+        return heating, cooling, slope
+
+    def _estimate_one(self, resistance_ohm: float, noise_ohm: float) -> Estimate:
+        """Return the estimate of one resistance, in plain floats."""
+        per_ohm = self._per_ohm
+        fraction = (resistance_ohm - self.resistance_min_ohm) * per_ohm
+        low, high = self.normalised_min, self.normalised_max
+        valid = low - MARGIN <= fraction <= high + MARGIN
+        if not isfinite(fraction):
+            return Estimate(self.quantity_max, self.quantity_max - self.quantity_min, False)
+        inside = low if fraction < low else high if fraction > high else fraction
+        heating, cooling, slope = self._branches(inside)
+        half = (heating - cooling) / 2.0
+        strayed = slope / 2.0 * (abs(fraction - inside) + noise_ohm * per_ohm)
+        std = sqrt(half * half + self._residual_variance + strayed * strayed)
+        return Estimate((heating + cooling) / 2.0, min(std, self.quantity_max - self.quantity_min), valid)
+
+    def _estimate_many(self, resistance_ohm: FloatArray, noise_ohm: float) -> ArrayEstimate:
+        """Return the estimates of an array: the same arithmetic as for one resistance, so the same bits."""
+        per_ohm = self._per_ohm
+        fraction = (resistance_ohm - self.resistance_min_ohm) * per_ohm
+        low, high = self.normalised_min, self.normalised_max
+        valid = (fraction >= low - MARGIN) & (fraction <= high + MARGIN)
+        finite = np.isfinite(fraction)
+        known = np.where(finite, fraction, low)
+        inside = np.clip(known, low, high)
+        heating, cooling, slope = self._branches(inside)
+        half = (heating - cooling) / 2.0
+        strayed = slope / 2.0 * (np.abs(known - inside) + noise_ohm * per_ohm)
+        std = np.sqrt(half * half + self._residual_variance + strayed * strayed)
+        full = self.quantity_max - self.quantity_min
+        return ArrayEstimate((heating + cooling) / 2.0, np.where(finite, np.minimum(std, full), full), valid)
+
+    @overload
+    def value(self, resistance_ohm: float) -> float: ...
+    @overload
+    def value(self, resistance_ohm: FloatArray) -> FloatArray: ...
+    def value(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
+        """The quantity of this model, g_a of the clipped resistance (Eq. 5); scalar or any shape."""
+        return self._branch_value(self.average_coefficients, resistance_ohm)
+
+    @overload
+    def strain(self, resistance_ohm: float) -> float: ...
+    @overload
+    def strain(self, resistance_ohm: FloatArray) -> FloatArray: ...
+    def strain(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
+        """Strain (fraction, contraction positive), g_a of the clipped resistance (Eq. 5).
+
+        Raises CallerError when the model is one of displacement or force: there use ``value``.
+        """
+        self._check_strain()
+        return self._branch_value(self.average_coefficients, resistance_ohm)
+
+    @overload
+    def strain_heating(self, resistance_ohm: float) -> float: ...
+    @overload
+    def strain_heating(self, resistance_ohm: FloatArray) -> FloatArray: ...
+    def strain_heating(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
+        """Strain on the heating branch, g_h (Eq. 4); otherwise as ``strain``."""
+        self._check_strain()
+        return self._branch_value(self.heating_coefficients, resistance_ohm)
+
+    @overload
+    def strain_cooling(self, resistance_ohm: float) -> float: ...
+    @overload
+    def strain_cooling(self, resistance_ohm: FloatArray) -> FloatArray: ...
+    def strain_cooling(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
+        """Strain on the cooling branch, g_c (Eq. 4); otherwise as ``strain``."""
+        self._check_strain()
+        return self._branch_value(self.cooling_coefficients, resistance_ohm)
+
+    @overload
+    def resistance_ohm(self, strain: float) -> float: ...
+    @overload
+    def resistance_ohm(self, strain: FloatArray) -> FloatArray: ...
+    def resistance_ohm(self, strain: float | FloatArray) -> float | FloatArray:
+        """Resistance a strain requires (or displacement, force): the inverse of g_a, Table 2's second row.
+
+        Scalar or any shape. A value within 0.5 % of the range beyond either end gives that end.
+        Raises CallerError when a value lies further outside, saying the range.
+        """
+        wanted = np.asarray(strain, dtype=np.float64)
+        room = QUANTITY_MARGIN * (self.quantity_max - self.quantity_min)
+        outside = ~((wanted >= self.quantity_min - room) & (wanted <= self.quantity_max + room))
+        if outside.any():
+            raise CallerError(self._out_of_range(float(wanted[outside].flat[0])))
+        fraction = self._inverse(np.clip(wanted, self.quantity_min, self.quantity_max))
+        span = self.resistance_max_ohm - self.resistance_min_ohm
+        result = self.resistance_min_ohm + fraction * span
+        return float(result) if result.ndim == 0 else result
+
+    def _inverse(self, wanted: FloatArray) -> FloatArray:
+        """Normalised resistance of each wanted quantity: Newton steps, bisection where they fail."""
+        low = np.full(wanted.shape, self.normalised_min)
+        high = np.full(wanted.shape, self.normalised_max)
+        derivative = _derivative(self.average_coefficients)
+        fraction = (low + high) / 2.0
+        for _ in range(80):
+            excess = evaluate(self.average_coefficients, fraction) - wanted
+            # g_a falls: too large a quantity means the resistance is too low.
+            low = np.where(excess >= 0.0, fraction, low)
+            high = np.where(excess <= 0.0, fraction, high)
+            slope = evaluate(derivative, fraction)
+            newton = fraction - excess / np.where(slope < 0.0, slope, -inf)
+            middle = (low + high) / 2.0
+            following = np.where((newton > low) & (newton < high) & (slope < 0.0), newton, middle)
+            if np.all((np.abs(following - fraction) <= 1e-15) | (high - low <= 1e-15)):
+                return cast(FloatArray, following)
+            fraction = following
+        return cast(FloatArray, fraction)
+
+    @overload
+    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float) -> float: ...
+    @overload
+    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: FloatArray) -> FloatArray: ...
+    @overload
+    def _branch_value(
+        self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray
+    ) -> float | FloatArray: ...
+    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray) -> float | FloatArray:
+        """A polynomial of the clipped normalised resistance; what is not finite reads as fully contracted."""
+        low, high = self.normalised_min, self.normalised_max
+        fraction = (resistance_ohm - self.resistance_min_ohm) * self._per_ohm
+        if isinstance(fraction, float):
+            return evaluate(coefficients, min(max(low, fraction), high) if isfinite(fraction) else low)
+        return evaluate(coefficients, np.clip(np.where(np.isfinite(fraction), fraction, low), low, high))
+
+    def _check_strain(self) -> None:
+        if self.quantity != "strain":
+            raise CallerError(f"this is a model of {self.quantity}, not of strain: use value() or estimate()")
+
+    def _out_of_range(self, wanted: float) -> str:
+        factor, unit = SHOWN_AS[self.quantity]
+        return (
+            f"{self.quantity} {factor * wanted:.4g} {unit} is outside the model's valid range "
+            f"{factor * self.quantity_min:.4g} to {factor * self.quantity_max:.4g} {unit}: "
+            "choose a value within, or fit a loop that reaches further"
+        )
+
+
+def _derivative(coefficients: tuple[float, ...]) -> tuple[float, ...]:
+    """Ascending coefficients of the derivative."""
+    return tuple(power * coefficient for power, coefficient in enumerate(coefficients))[1:]
+
+
+def require_in_range(numbers: Sequence[float]) -> None:
+    """Raise CallerError unless each number is from 0 to ``MAX_NUMBER``."""
+    if not all(0.0 <= number <= MAX_NUMBER for number in numbers):
+        raise CallerError(
+            f"gap, root mean square errors, noise and samples of a model must be from 0 to {MAX_NUMBER:g}"
+        )

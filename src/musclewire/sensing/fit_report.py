@@ -1,0 +1,62 @@
+"""What a fit reports beside the curve it found: errors, samples, warnings, the wire, where it all came from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from musclewire.sensing.curve import Pairs, ResistanceCurve, require_in_range
+
+__all__ = ["FittedCurve"]
+
+
+@dataclass(frozen=True)
+class FittedCurve(ResistanceCurve):
+    """A resistance curve and the report of the fit that found it: data, and nothing that writes or draws.
+
+    Parameters
+    ----------
+    hysteresis_gap
+        Distance of the branches over their largest quantity, Eq. 2 (Eq. 9 for displacement), a fraction.
+    rmse_average
+        Root mean square error of the average against the samples of both branches, in the quantity's unit.
+    samples
+        Samples of the recording that the fit used.
+    heating_standard_errors, cooling_standard_errors
+        Standard errors of the coefficients; empty if they are unknown.
+    warnings
+        What the fit found doubtful, one sentence each.
+    wire
+        Notes on the wire and its rig by name: "wire", "wire_length_m", for example.
+    created_by, source
+        Program and recording the curve comes from.
+    heating_samples, cooling_samples
+        Some pairs of resistance [ohm] and quantity for a figure; empty without.
+
+    Raises
+    ------
+    CallerError
+        If the parts contradict each other.
+    """
+
+    hysteresis_gap: float = 0.0
+    rmse_average: float = 0.0
+    samples: int = 0
+    heating_standard_errors: tuple[float, ...] = ()
+    cooling_standard_errors: tuple[float, ...] = ()
+    warnings: tuple[str, ...] = ()
+    wire: Mapping[str, str | float] = field(default_factory=dict, hash=False)
+    created_by: str = "musclewire"
+    source: str = ""
+    heating_samples: Pairs = field(default=(), repr=False)
+    cooling_samples: Pairs = field(default=(), repr=False)
+
+    def __post_init__(self) -> None:
+        """Check the curve and the report."""
+        super().__post_init__()
+        require_in_range((self.hysteresis_gap, self.rmse_average, self.samples))
+
+    @property
+    def strain_gap(self) -> float:
+        """The hysteresis gap of Eq. 2 (or Eq. 9 for displacement), a fraction."""
+        return self.hysteresis_gap
