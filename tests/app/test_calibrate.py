@@ -52,6 +52,7 @@ def isobars(tmp_path_factory: pytest.TempPathFactory) -> Path:
 BY_NUMBER = ("-c", "wire_temperature_k=#1:degC", "-c", "reference_strain=#2:%", "-c", "stress_pa=#3:MPa")
 
 
+@pytest.mark.slow
 def test_from_a_loop_to_a_wire_file_that_does_the_same_loop(
     loop: Path, musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -144,6 +145,7 @@ def test_a_strain_that_no_wire_does_ends_with_exit_code_1_and_files(
     assert sorted(item.name for item in tmp_path.iterdir()) == ["hot.txt", "w.html", "w.toml"]
 
 
+@pytest.mark.slow
 def test_a_mapping_by_number_is_for_the_files_without_headers(
     isobars: Path, musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:
@@ -165,6 +167,7 @@ def descents_in(journal: Path) -> int:
     return max(len(journal.read_text().splitlines()) - 1, 0) if journal.exists() else 0
 
 
+@pytest.mark.slow
 def test_an_interrupted_search_goes_on_and_ends_with_the_same_wire_to_the_bit(isobars: Path, tmp_path: Path) -> None:
     asked = (isobars, *BY_NUMBER, "--starts", "4", "--jumps", "6", "--seed", "4", "--json")
     journal = tmp_path / "stopped.toml.search"

@@ -73,6 +73,7 @@ def test_columns_that_bend_themselves_are_found_out(musclewire: Callable[..., An
     assert "warning: it does not hold: endpoint, plane stress" in answer.err
 
 
+@pytest.mark.slow
 def test_the_finger_that_comes_along_grips_foam_and_is_compared(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     figure = tmp_path / "finger.svg"
     asked = ("--finger", "lan-fan-2010", "--foam", "50 N/m", "--clearance", "4 mm", "--compare")

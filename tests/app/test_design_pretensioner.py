@@ -17,6 +17,7 @@ SMALL = ("--beams", "2", "--half-length", "6 mm", "--pitch", "3 mm", "--thicknes
 THIN = ("--beams", "2", "--half-length", "10 mm", "--pitch", "5 mm", "--thickness", "0.5 mm")
 
 
+@pytest.mark.slow
 def test_the_papers_stiffness_becomes_a_part_with_drawings_figure_and_file(
     musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:
@@ -113,6 +114,7 @@ def test_materials_are_listed(musclewire: Callable[..., Any]) -> None:
     assert "spring-steel" in musclewire(*COMMAND, "--list").out
 
 
+@pytest.mark.slow
 def test_a_material_of_ones_own_is_read_from_its_file(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     from musclewire.parameters.materials import folder_of_materials
 

@@ -48,6 +48,7 @@ def test_target_and_error_are_said(musclewire: Callable[..., Any], learned: Path
     assert "target missed by" in said
 
 
+@pytest.mark.slow
 def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name() -> None:
     from musclewire.app.report.grip_figure import plot_grip
     from musclewire.experiment.closings import learn_gripper
@@ -87,6 +88,7 @@ def test_another_object_may_be_put_in(musclewire: Callable[..., Any], learned: P
     assert said["opening_m"] == pytest.approx(7e-3, abs=0.5e-3)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_answer(musclewire: Callable[..., Any]) -> None:
     first, second = (musclewire("grip", "--seed", "3", "--json").out for _ in range(2))
     assert first == second

@@ -15,6 +15,7 @@ import pytest
 from musclewire.signals import read_recording
 
 PATIENCE_S = 120.0  # a cold machine compiles first
+SIGNALS = [(signal.SIGINT, 130), pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow)]
 
 
 def rows_on_disk(path: Path) -> int:
@@ -47,7 +48,7 @@ def wait_for_rows(process: subprocess.Popen[str], path: Path, rows: int) -> None
         pytest.fail(f"the run ended by itself: {process.communicate()}")
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), SIGNALS)
 def test_a_paced_run_stopped_by_a_signal_ends_safe_and_readable(
     number: signal.Signals, code: int, tmp_path: Path
 ) -> None:
@@ -65,6 +66,7 @@ def test_a_paced_run_stopped_by_a_signal_ends_safe_and_readable(
     assert len(recording) >= 20
 
 
+@pytest.mark.slow
 def test_an_impatient_second_ctrl_c_changes_nothing(tmp_path: Path) -> None:
     path = tmp_path / "loop.h5"
     process = start("characterize", "simulated", "--real-time", "-o", path)
@@ -77,7 +79,7 @@ def test_an_impatient_second_ctrl_c_changes_nothing(tmp_path: Path) -> None:
     assert read_recording(path).metadata["ended"] == "interrupted"
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), SIGNALS)
 def test_a_demo_stopped_by_a_signal_keeps_what_it_recorded(number: signal.Signals, code: int, tmp_path: Path) -> None:
     process = start("demo", "--json", "--out", tmp_path / "demo")
     wait_for_rows(process, tmp_path / "demo" / "loop-3.2V.h5", 200)

@@ -49,6 +49,7 @@ def test_steps_that_cannot_be_are_one_line_and_exit_code_2(musclewire: Any, mode
     assert says in answer.err.strip().splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_a_pretensioners_file_stands_in_a_rig_file_for_its_stiffness(musclewire: Any, tmp_path: Path) -> None:
     made = musclewire("design", "pretensioner", "--stiffness", "386.2 N/m", "-o", tmp_path / "p.toml")
     assert made.code == 0

@@ -23,7 +23,9 @@ BY_THE_CLOCK = {"clock_rate", "arrival_jitter_s"}
 TRUE_WIRE_V, TRUE_SHUNT_V = 0.3 * 17.28 / 18.28, 0.3 / 18.28
 
 
-@pytest.mark.parametrize("name", RIGS)
+@pytest.mark.parametrize(
+    "name", [*NIDAQ_RIGS, *(pytest.param(name, marks=pytest.mark.emulated) for name in SERIAL_RIGS)]
+)
 def test_a_sound_rig_passes_and_gets_no_more_than_its_sense_voltage(name: str) -> None:
     with RIGS[name]() as rig:
         found = examine(rig, hold_s=2.0)
@@ -42,6 +44,7 @@ def examined(wiring: NiDaqConfiguration, errors: dict[str, tuple[float, float]],
         return examine(rig)
 
 
+@pytest.mark.emulated
 def test_what_a_card_reads_wrong_is_found_and_written_into_its_rig_file(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     shutil.copy(FOLDER / "ni-pci-6229.toml", path)

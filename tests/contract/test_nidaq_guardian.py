@@ -61,7 +61,7 @@ class Bench:
         return time.monotonic() - began - taken_s
 
 
-@pytest.fixture(params=NAMES)
+@pytest.fixture(params=[NAMES[0], pytest.param(NAMES[1], marks=pytest.mark.emulated)])
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
@@ -113,6 +113,7 @@ def test_a_killed_host_leaves_no_voltage_on_the_card(bench: Bench) -> None:
     assert bench.output_v() == 0.0
 
 
+@pytest.mark.emulated
 def test_after_a_killed_host_the_card_is_free_again(bench: Bench, name: str) -> None:
     bench.host.kill()
     bench.seconds_until(lambda volts: volts == 0.0, 0.3)
@@ -147,6 +148,7 @@ def test_a_host_that_closes_after_its_guardian_was_killed_switches_off_by_itself
     assert rig.server.card.outputs_v["ao0"] == 0.0
 
 
+@pytest.mark.emulated
 def test_a_card_that_cannot_be_reached_at_the_end_is_an_error_and_not_called_off(name: str) -> None:
     rig = at_seam(name, paced=True)
     rig.exchange(rig.sense_voltage_v)
@@ -194,6 +196,7 @@ def test_a_forgotten_rig_is_switched_off() -> None:
     assert card.outputs_v["ao0"] == 0.0
 
 
+@pytest.mark.emulated
 def test_a_server_that_is_cut_off_is_a_lost_device_and_does_not_hang_the_program(name: str) -> None:
     """A stopped server answers as a cut network does: not at all."""
     command = [sys.executable, "-m", "emulation.daq_server", "--card", name]

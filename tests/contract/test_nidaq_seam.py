@@ -39,6 +39,7 @@ def refusal(name: str, **changed: object) -> str:
     return str(caught.value)
 
 
+@pytest.mark.emulated
 @pytest.mark.parametrize("name", NAMES)
 def test_a_sample_is_the_mean_of_the_readings_of_its_period(name: str) -> None:
     """Of the noise and the steps of one reading, 40 readings leave a sixth."""
@@ -104,6 +105,7 @@ def test_readings_that_were_overwritten_are_a_stalled_host(monkeypatch: pytest.M
     assert caught.value.event is Event.COMMAND_MISSING
 
 
+@pytest.mark.emulated
 @pytest.mark.parametrize("name", NAMES)
 def test_a_card_that_is_pulled_out_is_lost_and_says_so(name: str) -> None:
     with at_seam(name, paced=True) as rig:
@@ -127,6 +129,7 @@ def test_a_reset_by_another_program_ends_the_run_off(name: str) -> None:
         assert output_v(rig) == 0.0
 
 
+@pytest.mark.emulated
 def test_a_server_that_ends_is_a_lost_device() -> None:
     rig = at_seam("ni-usb-6001")
     rig.exchange(1.0)
@@ -203,6 +206,7 @@ def test_errors_of_a_channel_are_there_for_the_doctor_to_find() -> None:
     assert sample.wire_voltage_v == pytest.approx(1.01 * (2.0 - sample.shunt_voltage_v) + 0.004, abs=2e-3)
 
 
+@pytest.mark.emulated
 def test_the_server_prints_the_line_that_a_rig_file_needs() -> None:
     command = [sys.executable, "-m", "emulation.daq_server", "--pace", "free", "--port", "0"]
     root = Path(__file__).parents[2]

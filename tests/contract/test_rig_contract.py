@@ -69,7 +69,16 @@ METADATA_KEYS = {
 }
 
 
-@pytest.fixture(params=sorted([*RIGS, *REPLAY_RIGS]))
+# Each of these tests starts a card's server or a board's emulator.
+EMULATED = {*NIDAQ_RIGS, *SERIAL_RIGS}
+
+
+@pytest.fixture(
+    params=[
+        pytest.param(name, marks=pytest.mark.emulated) if name in EMULATED else name
+        for name in sorted([*RIGS, *REPLAY_RIGS])
+    ]
+)
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

@@ -41,7 +41,11 @@ def name_of(page: Path) -> str:
 WITH_CODE = [page for page in PAGES if any(language in {"python", "sh"} for language, _ in blocks(page))]
 
 
-@pytest.mark.parametrize("page", WITH_CODE, ids=name_of)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=() if page.name == "README.md" else pytest.mark.documented) for page in WITH_CODE],
+    ids=name_of,
+)
 def test_every_block_of_the_page_runs(page: Path, tmp_path: Path) -> None:
     namespace = tmp_path / ".namespace.py"
     python = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"

@@ -107,18 +107,21 @@ CALLS = {
 MAY_NOT_HOLD = ("catalogue",)
 
 
+@pytest.mark.documented
 @pytest.mark.parametrize("name", SECTIONS)
 def test_the_json_has_the_keys_as_said(name: str, folder: Path) -> None:
     document = json.loads(run(folder, *name.split(), *CALLS[name], "--json", may_not_hold=name in MAY_NOT_HOLD))
     assert set(document) == json_keys(SECTIONS[name])
 
 
+@pytest.mark.documented
 def test_the_steps_have_the_keys_as_said(folder: Path) -> None:
     step = json.loads(run(folder, "control", "simulated", "model.json", "--json"))["steps"][0]
     assert set(step) == {"target_pct", "direction", "mae_pct", "estimate_mae_pct", "tracking_mae_pct"}
     assert all(f"`{key}`" in SECTIONS["demo"] for key in step)
 
 
+@pytest.mark.documented
 @pytest.mark.parametrize(
     ("code", "arguments"),
     [

@@ -55,6 +55,7 @@ def test_every_parameter_of_the_alloy_the_wires_and_the_bench_is_on_the_page() -
     assert {name for group in groups for name, _ in group.items()} <= listed
 
 
+@pytest.mark.documented
 def test_the_simulated_numbers_on_the_page_are_those_of_the_shipped_wire(draw: ModuleType) -> None:
     text = PHYSICS.read_text("utf-8")
     fresh = draw.with_blocks(text, draw.physics_numbers.blocks(draw.physics_runs.loops_of_the_sweep()))

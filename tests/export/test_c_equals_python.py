@@ -76,6 +76,7 @@ def test_the_exercise_reaches_every_event_that_two_voltages_can_show(exported: L
     assert len(FAULTS) == 13
 
 
+@pytest.mark.slow
 @given(data=st.data())
 @settings(max_examples=8, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
 def test_any_model_with_any_settings_equals_python_in_both_precisions(

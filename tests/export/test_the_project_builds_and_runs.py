@@ -44,7 +44,9 @@ def test_the_cmake_project_builds_and_its_golden_vectors_hold(exported: Librarie
     assert "100% tests passed" in run("ctest", "--test-dir", tmp_path, "--output-on-failure")
 
 
-@pytest.mark.parametrize("rule_base", RULE_BASES)
+@pytest.mark.parametrize(
+    "rule_base", [RULE_BASES[0], *(pytest.param(name, marks=pytest.mark.slow) for name in RULE_BASES[1:])]
+)
 def test_golden_vectors_and_a_long_run_under_sanitizers(exported: Libraries, tmp_path: Path, rule_base: str) -> None:
     gcc = require_tool("gcc", "gcc libc6-dev")
     one = exported(rule_base)
@@ -84,7 +86,13 @@ def test_no_compiler_and_no_optimisation_changes_a_bit(
 
 
 @pytest.mark.parametrize("double", [False, True], ids=["single", "double"])
-@pytest.mark.parametrize("target", CORTEX_M, ids=[target.name for target in CORTEX_M])
+@pytest.mark.parametrize(
+    "target",
+    [
+        pytest.param(target, id=target.name, marks=() if target.name == "cortex-m4f" else pytest.mark.emulated)
+        for target in CORTEX_M
+    ],
+)
 def test_an_emulated_processor_gives_the_bits_of_this_machine(
     exported: Libraries, tmp_path: Path, target: object, double: bool
 ) -> None:
@@ -199,6 +207,7 @@ def musclewire(*arguments: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_library_and_says_what_it_costs(tmp_path: Path) -> None:
     model = usual_model()
     save_model(model, tmp_path / "model.json")

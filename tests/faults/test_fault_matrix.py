@@ -7,7 +7,7 @@ samples: such a run proves nothing either way and is tried again, five times in 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -30,8 +30,17 @@ LOCKSTEP_PATIENCE_S, CLOCK_PATIENCE_S = 15.0, 0.25
 Boards = Callable[[str], EmulatedBoard]
 
 
+# Of the faults tried on the firmware in its emulator, those that every run of the tests tries.
+ALWAYS = ("the wire breaks", "a bridge of 4 ohm over the wire", "a script raises an exception")
+
+
 def rows(*runs: str) -> list[pytest.ParameterSet]:
-    return [pytest.param(row, id=row.name) for row in MATRIX if row.run in runs and row.inject != "other version"]
+    chosen = [row for row in MATRIX if row.run in runs and row.inject != "other version"]
+    return [pytest.param(row, id=row.name, marks=group_of(row)) for row in chosen]
+
+
+def group_of(row: FaultRow) -> Sequence[pytest.MarkDecorator]:
+    return () if row.run == "simulated" or row.name in ALWAYS else (pytest.mark.emulated,)
 
 
 @pytest.fixture(scope="module")
@@ -114,6 +123,7 @@ def test_a_fault_in_a_script_s_run(boards: Boards, row: FaultRow, tmp_path: Path
         assert outcome.exit_code == 3, outcome.said
 
 
+@pytest.mark.emulated
 @pytest.mark.parametrize("row", rows("command"))
 def test_a_fault_in_a_command_s_run(boards: Boards, row: FaultRow, tmp_path: Path) -> None:
     board = boards("clock")
@@ -143,6 +153,7 @@ def test_a_fault_in_a_command_s_run(boards: Boards, row: FaultRow, tmp_path: Pat
         assert recording.metadata["ended"] not in (None, "", "done")
 
 
+@pytest.mark.emulated
 def test_another_version_of_the_protocol_is_refused_before_anything_is_driven(
     boards: Boards, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -15,6 +15,8 @@ from tests.firmware.conftest import ARM, HELLO, IDENTITY, INJECT, STREAM, TARGET
 from tests.firmware.test_the_emulated_board import COMMAND_MISSING, STATED_S, WATCHDOG, off_after_s, running
 from tests.tools import require_tool
 
+pytestmark = pytest.mark.emulated
+
 STEP_V = 5.0 / 1023
 
 

@@ -64,6 +64,7 @@ def off_after_s(board: EmulatedBoard, since_s: float) -> float:
     return float(driven[-1] - since_s) if driven.size else 0.0
 
 
+@pytest.mark.emulated
 def test_a_board_says_who_it_is_arms_drives_and_goes_off(board: EmulatedBoard, host: Host) -> None:
     assert host.command(HELLO) == 0
     (identity,) = host.wait_for(IDENTITY)[-1:]
@@ -76,6 +77,7 @@ def test_a_board_says_who_it_is_arms_drives_and_goes_off(board: EmulatedBoard, h
     assert board.log()["output_voltage_v"][-1] == 0.0
 
 
+@pytest.mark.emulated
 def test_without_commands_the_drive_is_held_then_sensed_then_off(board: EmulatedBoard, host: Host) -> None:
     since_s = running(host, 2.0)
     assert off_after_s(board, since_s) < STATED_S
@@ -89,6 +91,7 @@ def test_without_commands_the_drive_is_held_then_sensed_then_off(board: Emulated
     assert (host.samples()[-1].state, host.samples()[-1].event) == (4, COMMAND_MISSING)
 
 
+@pytest.mark.emulated
 def test_a_stuck_loop_is_off_before_half_a_second_and_the_board_says_what_it_was(
     board: EmulatedBoard, host: Host
 ) -> None:
@@ -101,6 +104,7 @@ def test_a_stuck_loop_is_off_before_half_a_second_and_the_board_says_what_it_was
     assert (identity[3], identity[30]) == (2, WATCHDOG)
 
 
+@pytest.mark.emulated
 def test_a_reset_in_a_run_is_off_at_once_and_told(board: EmulatedBoard, host: Host) -> None:
     running(host)
     since_s = time.monotonic()
@@ -111,6 +115,7 @@ def test_a_reset_in_a_run_is_off_at_once_and_told(board: EmulatedBoard, host: Ho
     assert (identity[3], identity[30]) == (1, POWER_LOST)
 
 
+@pytest.mark.emulated
 def test_without_power_nothing_drives_and_with_it_nothing_drives_either(board: EmulatedBoard, host: Host) -> None:
     running(host)
     since_s = time.monotonic()
@@ -123,6 +128,7 @@ def test_without_power_nothing_drives_and_with_it_nothing_drives_either(board: E
     assert host.wait_for(IDENTITY)[-1][3] == 0
 
 
+@pytest.mark.emulated
 def test_an_unplugged_line_is_silence(board: EmulatedBoard, host: Host) -> None:
     running(host)
     since_s = time.monotonic()
@@ -130,6 +136,7 @@ def test_an_unplugged_line_is_silence(board: EmulatedBoard, host: Host) -> None:
     assert off_after_s(board, since_s) < STATED_S
 
 
+@pytest.mark.emulated
 def test_a_storm_of_broken_frames_is_off(board: EmulatedBoard, host: Host) -> None:
     running(host)
     since_s = time.monotonic()
@@ -141,6 +148,7 @@ def test_a_storm_of_broken_frames_is_off(board: EmulatedBoard, host: Host) -> No
     assert host.samples()[-1].event == LINK_CORRUPTED
 
 
+@pytest.mark.emulated
 def test_a_paused_processor_leaves_its_output_and_is_not_believed_afterwards(board: EmulatedBoard, host: Host) -> None:
     """Where the clock of the processor itself stops, its watchdog stops too: the text says so, the test shows it."""
     running(host)
@@ -165,6 +173,7 @@ def lockstep_run(elf: Path, seed: int) -> tuple[list[Sample], np.ndarray]:
         return host.samples(), np.column_stack([log[name] for name in log if name != "clock_s"])
 
 
+@pytest.mark.emulated
 def test_in_lockstep_a_run_is_the_same_again_for_the_same_seed(elf: Path) -> None:
     first, second, other = (lockstep_run(elf, seed) for seed in (3, 3, 4))
     # The target is no number in an open loop; NaN equals nothing.
@@ -182,6 +191,7 @@ def test_samples_are_what_truly_was_at_the_wire(elf: Path) -> None:
     assert [sample.shunt_voltage_v for sample in samples] == pytest.approx(list(shunt_v), rel=1e-3)
 
 
+@pytest.mark.emulated
 def test_the_board_closes_the_loop_by_itself(elf: Path) -> None:
     with EmulatedBoard(elf=elf, pace="lockstep") as board:
         host = Host(board)
@@ -213,6 +223,7 @@ def kept(board: EmulatedBoard, host: Host) -> tuple[set[int], int]:
     return {sample.state for sample in host.samples()}, conversions
 
 
+@pytest.mark.emulated
 def test_a_keep_is_enough_and_a_stream_of_every_tick_loses_no_frame(board: EmulatedBoard, host: Host) -> None:
     for _ in range(TRIES):
         states, conversions = kept(board, host)

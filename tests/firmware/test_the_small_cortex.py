@@ -18,6 +18,8 @@ from tests.tools import require_tool
 
 from musclewire.rigs.serial.frames import Frame, FrameParser, encode_frame
 
+pytestmark = pytest.mark.emulated
+
 ARM, IDENTITY, EVENT, TRIPPED, SAMPLE_LATE = 2, 0x81, 0x83, 4, 19
 # Priorities in a Cortex-M4 (Arm DDI 0403): of exceptions 12 to 15, SysTick the last; of interrupts 36 to 39.
 SYSTEM_PRIORITIES, LINE_PRIORITIES = 0xE000ED20, 0xE000E424

@@ -17,6 +17,8 @@ from musclewire.app.report.paper_figures import FIGURES
 from musclewire.experiment.reproduce import all_checks
 from musclewire.parameters.known_failures import known_failures
 
+pytestmark = pytest.mark.slow
+
 
 def reproduce(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "musclewire", "reproduce", "--json", "--out", str(folder), *arguments]

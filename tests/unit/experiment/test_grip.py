@@ -42,6 +42,7 @@ def test_the_gripper_comes_with_moving_air_and_foam() -> None:
     assert not with_object("gripper", None).surroundings.still
 
 
+@pytest.mark.slow
 def test_twenty_free_closings_in_draughts_raise_no_alarm(knowledge: GripperKnowledge) -> None:
     runs = [gripped(knowledge, None, seed) for seed in range(20)]
     assert [run.contact_s for run in runs] == [None] * 20
@@ -174,6 +175,7 @@ def test_a_pretension_measured_anew_and_a_rig_that_says_less_are_no_other_grippe
     knowledge.gripper.require_same(replace(knowledge.gripper, finger=None, leg_length_m=None))
 
 
+@pytest.mark.slow
 def test_of_unknown_stiffness_the_force_is_nearly_right_in_the_mean_over_objects_and_weather(
     knowledge: GripperKnowledge,
 ) -> None:

@@ -14,7 +14,7 @@ COURSE = {course.name: course for course in COURSES}
 TEMPERATURE, CONTRACTION, RESISTANCE = range(3)
 
 
-@pytest.mark.parametrize("course", ["slow loop", "fast step", "sudden start"])
+@pytest.mark.parametrize("course", [pytest.param("slow loop", marks=pytest.mark.slow), "fast step", "sudden start"])
 def test_the_error_of_the_time_step_is_of_first_order(course: str) -> None:
     """Temperature, contraction and resistance, root mean square over the course: order one is what the scheme has."""
     found = step_distances(COURSE[course], nanokelvins=2)
@@ -31,11 +31,13 @@ def test_even_the_worst_sample_of_a_sudden_start_comes_right(course: str) -> Non
     assert (order >= 0.7).all(), order
 
 
+@pytest.mark.slow
 def test_at_the_default_step_the_slow_loop_is_right_to_a_hundredth_of_a_percent_of_strain() -> None:
     found = step_distances(COURSE["slow loop"], nanokelvins=2)
     assert found.largest[STEPS_S.index(1e-3), CONTRACTION] < 1e-4
 
 
+@pytest.mark.slow
 def test_more_grains_lead_to_one_loop_faster_than_in_proportion() -> None:
     """Classes as intervals are a piecewise linear distribution: between order one and two."""
     found = grain_distances(COURSE["slow loop"])

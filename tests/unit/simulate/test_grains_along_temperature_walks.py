@@ -113,6 +113,7 @@ def nested_loop(wire: WireConstants, stress_pa: float, outer: float, inner: floa
     assert_same_grains(passed[6], passed[2])
 
 
+@pytest.mark.slow
 @settings(derandomize=True, deadline=None, max_examples=120)
 @given(kind=KINDS, stress_pa=STRESSES_PA, turns=st.tuples(*[EIGHTHS_OF_A_KELVIN] * 3))
 def test_closed_nested_loops_return_to_their_points(kind: str, stress_pa: float, turns: tuple[int, int, int]) -> None:

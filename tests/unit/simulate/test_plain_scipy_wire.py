@@ -39,7 +39,11 @@ CASES = {
     "fast without friction": (FAST, "broad", 0.0),
     "fast with a sudden start": (FAST, "narrow", 0.0),
 }
-FAST_CASES = sorted(name for name in CASES if name != "slow")
+FAST_CASES = [
+    "fast without friction",
+    pytest.param("fast", marks=pytest.mark.slow),
+    pytest.param("fast with a sudden start", marks=pytest.mark.slow),
+]
 FINE_STEP_S = 5e-5
 # A nanokelvin decides which way a step's prediction overshoots where a transformation starts; see test_convergence.py.
 NANOKELVINS = 4
@@ -72,6 +76,7 @@ def off(case: str, dt_s: float) -> dict[str, Array]:
     return dict(zip(COLUMNS, np.array(differences).transpose(2, 0, 1), strict=True))
 
 
+@pytest.mark.slow
 def test_the_slow_loop_at_the_default_step_is_that_of_scipy() -> None:
     found = off("slow", 1e-3)
     assert np.ptp(plain("slow")[:, 1]) > 0.03, "the wire must contract for this to say anything"
@@ -97,7 +102,7 @@ def test_a_fast_step_at_the_default_step_is_that_of_scipy_but_where_a_transforma
     assert found["strain"].max() < 1e-3
 
 
-@pytest.mark.parametrize("case", sorted(CASES))
+@pytest.mark.parametrize("case", [*FAST_CASES, pytest.param("slow", marks=pytest.mark.slow)])
 def test_with_a_twentieth_of_the_step_the_kernel_is_where_scipy_is_at_every_time(case: str) -> None:
     """No exception for sudden starts. The convection table, linear every 2 K, is worth a hundredth of a kelvin."""
     found = off(case, FINE_STEP_S)

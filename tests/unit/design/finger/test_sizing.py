@@ -55,6 +55,7 @@ def test_a_stiffer_finger_is_thicker_and_one_with_more_travel_has_its_tendon_fur
     assert further.tendon_offset_m > 1.2 * first.tendon_offset_m
 
 
+@pytest.mark.slow
 def test_all_lengths_and_the_stiffness_four_times_as_large_make_a_finger_four_times_as_large() -> None:
     lengths = [
         name for name in vars(PAPER) if name.endswith("_m") and name not in ("least_thickness_m", "stiffness_n_per_m")

@@ -42,7 +42,17 @@ def deviation_of(calibration: Calibration, name: str) -> float:
     return next(item.std / item.prior_std for item in calibration.estimates if item.name == name)
 
 
-@pytest.mark.parametrize("names", [("loop",), ("isobars",), ("cooling",), ("loop", "isobars"), ("loop", "cooling")])
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("loop",),
+        *(
+            pytest.param(names, marks=pytest.mark.slow)
+            for names in [("isobars",), ("cooling",), ("loop", "isobars"), ("loop", "cooling")]
+        ),
+    ],
+    ids=" and ".join,
+)
 def test_the_wire_is_found_again_and_its_intervals_hold_it(names: tuple[str, ...]) -> None:
     calibration = found(*names)
     assert calibration.holds
@@ -65,6 +75,7 @@ def log_ratio(calibration: Calibration, above: str, below: str) -> tuple[float, 
     return float(np.log(one.value / other.value)), float(np.sqrt(variance))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("heat", ["specific_heat_j_per_kg_k", "latent_heat_j_per_kg"])
 def test_a_cooling_curve_tells_heat_over_convection_better_than_either(heat: str) -> None:
     value, deviation = log_ratio(found("cooling"), heat, "convection_factor")
@@ -74,6 +85,7 @@ def test_a_cooling_curve_tells_heat_over_convection_better_than_either(heat: str
     assert deviation < 0.85 * item.std / item.value
 
 
+@pytest.mark.slow
 def test_a_loop_and_a_cooling_curve_together_tell_convection() -> None:
     both = found("loop", "cooling")
     item = next(item for item in both.estimates if item.name == "convection_factor")
@@ -84,6 +96,7 @@ def test_a_loop_and_a_cooling_curve_together_tell_convection() -> None:
     )
 
 
+@pytest.mark.slow
 def test_isobars_bring_what_advice_said_they_would() -> None:
     """Outside check: the advice is computed from a derivative alone, this from measuring and calibrating again."""
     before, after = found("loop"), found("loop", "isobars")
@@ -99,6 +112,7 @@ def test_isobars_bring_what_advice_said_they_would() -> None:
     assert max(shares) <= 1.0
 
 
+@pytest.mark.slow
 def test_advice_speaks_only_of_what_is_not_told_yet_and_never_of_what_was_measured() -> None:
     for names in (("loop",), ("isobars",), ("loop", "isobars")):
         calibration = found(*names)
@@ -124,6 +138,7 @@ def fit_of(recording: Recording) -> Fit:
     return Fit(found("loop").fit.candidates, observations_of({"loop": recording})[0])
 
 
+@pytest.mark.slow
 def test_after_isobars_alone_a_loop_with_current_would_tell_resistivities() -> None:
     best = found("isobars").advice[0]
     assert best.title == "A slow loop with current"
@@ -158,6 +173,7 @@ def test_a_rig_with_the_wire_found_does_the_loop_that_was_measured(tmp_path: Pat
     assert np.sqrt(np.mean(strain_off**2)) < 5e-4
 
 
+@pytest.mark.slow
 def test_it_prints_something_useful_and_plots(tmp_path: Path) -> None:
     calibration = found("loop", "isobars")
     text = str(calibration)
@@ -175,6 +191,7 @@ def test_it_prints_something_useful_and_plots(tmp_path: Path) -> None:
         calibration.report(tmp_path / "mine.pdf")
 
 
+@pytest.mark.slow
 def test_what_the_model_cannot_follow_is_said_not_to_hold() -> None:
     """Strain that creeps by half a percent over a loop is nothing this model knows."""
     loop = RECORDINGS["loop"]
@@ -187,6 +204,7 @@ def test_what_the_model_cannot_follow_is_said_not_to_hold() -> None:
     assert "the fit does not hold" in str(calibration)
 
 
+@pytest.mark.slow
 def test_one_recording_may_come_bare_and_several_as_a_list() -> None:
     one = calibrate(RECORDINGS["isobars"], settings=settings_of_effort("quick"))
     same = calibrate([RECORDINGS["isobars"]], settings=settings_of_effort("quick"))
