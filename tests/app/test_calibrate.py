@@ -129,6 +129,7 @@ def test_zero_and_invert_make_a_wrong_way_round_sensor_right(loop: Path, tmp_pat
     assert np.array_equal(turned["force_n"], measured["force_n"])
 
 
+@pytest.mark.slow
 def test_a_strain_that_no_wire_does_ends_with_exit_code_1_and_files(
     isobars: Path, musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:

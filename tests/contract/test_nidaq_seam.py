@@ -51,6 +51,7 @@ def test_a_sample_is_the_mean_of_the_readings_of_its_period(name: str) -> None:
     assert statistics.stdev(found[10:]) == pytest.approx(one_reading_v / 40**0.5, rel=0.3)
 
 
+@pytest.mark.emulated
 @pytest.mark.parametrize("name", NAMES)
 def test_no_reading_of_a_sample_was_taken_under_another_drive(name: str) -> None:
     """Wire and shunt add up to the drive in the first sample after a step, to a millivolt."""
@@ -69,6 +70,7 @@ def test_gain_and_offset_of_the_output_reach_the_card(name: str) -> None:
         assert sample.wire_voltage_v + sample.shunt_voltage_v == pytest.approx(2.1, abs=1e-3)
 
 
+@pytest.mark.emulated
 @pytest.mark.parametrize("name", NAMES)
 def test_a_host_that_is_late_skips_whole_periods_and_the_times_say_so(name: str) -> None:
     with at_seam(name, paced=True) as rig:
@@ -84,6 +86,7 @@ def test_a_host_that_is_late_skips_whole_periods_and_the_times_say_so(name: str)
     assert late >= 1
 
 
+@pytest.mark.emulated
 def test_a_driven_wire_goes_off_when_the_samples_come_too_late() -> None:
     with at_seam("ni-usb-6001", paced=True) as rig:
         rig.exchange(2.0)
@@ -94,6 +97,7 @@ def test_a_driven_wire_goes_off_when_the_samples_come_too_late() -> None:
     assert caught.value.event in (Event.COMMAND_MISSING, Event.SAMPLE_LATE)
 
 
+@pytest.mark.emulated
 def test_readings_that_were_overwritten_are_a_stalled_host(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rig_module, "BUFFER_S", 0.2)
     with at_seam("ni-usb-6001", paced=True) as rig:

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from export_parts import RULE_BASES, Exported, limits_for, usual_model
 
+from musclewire.app.main import run as command_line
 from musclewire.export.c.compilers import TARGETS
 from musclewire.export.c.figures import emulated, linked, target_figures
 from musclewire.export.c.host import host_hash
@@ -70,7 +71,14 @@ def test_golden_vectors_and_a_long_run_under_sanitizers(exported: Libraries, tmp
 
 
 @pytest.mark.parametrize("double", [False, True], ids=["single", "double"])
-@pytest.mark.parametrize("flags", [["gcc", "-O0"], ["gcc", "-O3", "-march=native"], ["clang", "-O2"]], ids=" ".join)
+@pytest.mark.parametrize(
+    "flags",
+    [
+        pytest.param(["gcc", "-O0"], id="gcc -O0", marks=pytest.mark.slow),
+        pytest.param(["gcc", "-O3", "-march=native"], id="gcc -O3 -march=native"),
+        pytest.param(["clang", "-O2"], id="clang -O2"),
+    ],
+)
 def test_no_compiler_and_no_optimisation_changes_a_bit(
     exported: Libraries, tmp_path: Path, flags: list[str], double: bool
 ) -> None:
@@ -207,6 +215,11 @@ def musclewire(*arguments: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+def run_here(*arguments: object) -> int:
+    """Run the command in this process and return its exit code."""
+    return command_line(["export", "c", *(str(argument) for argument in arguments)])
+
+
 @pytest.mark.slow
 def test_the_command_writes_the_library_and_says_what_it_costs(tmp_path: Path) -> None:
     model = usual_model()
@@ -232,23 +245,22 @@ def test_the_command_writes_the_library_and_says_what_it_costs(tmp_path: Path) -
     ],
 )
 def test_wrong_use_is_one_line_and_nothing_is_written(
-    tmp_path: Path, arguments: tuple[str, str], complaint: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, str], complaint: str
 ) -> None:
     save_model(usual_model(), tmp_path / "model.json")
     (tmp_path / "gains.toml").write_text("kp_rang = [0.0, 0.1]\n")
     given = [str(tmp_path / "gains.toml") if text == "SETTINGS" else text for text in arguments]
-    done = musclewire(tmp_path / "model.json", "-o", tmp_path / "library", *given)
-    assert done.returncode == 2
-    assert complaint in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1
+    assert run_here(tmp_path / "model.json", "-o", tmp_path / "library", *given) == 2
+    said = capsys.readouterr().err
+    assert complaint in said
+    assert len(said.strip().splitlines()) == 1
     assert not (tmp_path / "library").exists()
 
 
-def test_a_model_of_another_wire_is_refused(tmp_path: Path) -> None:
+def test_a_model_of_another_wire_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     save_model(usual_model(wire={"wire": "flexinol-0.20-lt"}), tmp_path / "model.json")
-    done = musclewire(tmp_path / "model.json", "-o", tmp_path / "library")
-    assert done.returncode == 2
-    assert "fit one for this wire" in done.stderr
+    assert run_here(tmp_path / "model.json", "-o", tmp_path / "library") == 2
+    assert "fit one for this wire" in capsys.readouterr().err
 
 
 def test_the_limits_of_these_tests_can_belong_to_a_wire() -> None:

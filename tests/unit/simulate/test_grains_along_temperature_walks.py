@@ -139,6 +139,7 @@ def test_loops_where_r_phase_and_martensite_compete_return_to_their_points(
     nested_loop(WIRES[kind], stress_pa, outer, inner, innermost)
 
 
+@pytest.mark.slow
 @settings(derandomize=True, deadline=None, max_examples=40)
 @given(kind=KINDS, stress_pa=STRESSES_PA, turns=st.lists(EIGHTHS_OF_A_KELVIN, min_size=1, max_size=6))
 def test_a_wider_excursion_wipes_out_what_lies_inside(kind: str, stress_pa: float, turns: list[int]) -> None:
