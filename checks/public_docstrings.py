@@ -1,0 +1,390 @@
+"""Check that the docstring of every public object answers what a caller needs to know, in numpydoc's form.
+
+    python checks/public_docstrings.py [--report-only] [--list] [NAME ...]
+
+Public is what stands in ``musclewire.__all__`` or in a room (its ``__init__`` or, for a room of one file, its
+``__all__``), every method of a protocol, every equation of ``physics``, and what the pages of ``docs/`` name. Of a
+public class its own public methods count, too. What is asked of each:
+
+- a summary of one line that ends with a period, known sections in numpydoc's order;
+- each parameter under ``Parameters``, in the signature's order, described (of a pydantic model a field's description
+  counts); its type is in the annotation and is not repeated; a name with a unit suffix has that unit in brackets, as
+  ``[V]``;
+- ``Returns`` if something is returned, with the unit that the function's name ends in; without parameters a summary
+  that begins with "Return" says it;
+- ``Raises`` with every error that the body raises by name, each with its reason;
+- the source of a published equation.
+
+A property is complete with its summary. With NAME only what begins with it is judged.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import enum
+import importlib
+import inspect
+import re
+import sys
+import textwrap
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache, cached_property
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from numpydoc.docscrape import NumpyDocString, Parameter, get_doc_object
+from numpydoc.validate import validate
+
+import musclewire
+
+ROOT = Path(__file__).resolve().parents[1]
+SOURCES = ROOT / "src" / "musclewire"
+PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
+# Pages of keys and options, in which a bare name is one of these and not a function.
+KEY_PAGES = frozenset({"command_line.md", "files.md"})
+
+# numpydoc's own checks that we hold; types are in annotations, and summaries in the house's form.
+NUMPYDOC_CHECKS = frozenset({"GL03", "GL06", "GL07", "GL08", "SS01", "SS02", "SS03", "SS06"})
+# Unit suffixes of names and how docstrings spell them, longest first.
+UNITS = {
+    "w_per_m2_k": "W/(m2 K)", "w_per_m_k": "W/(m K)", "n_per_m": "N/m", "ohm_per_m": "ohm/m", "pa_per_k": "Pa/K",
+    "j_per_kg_k": "J/(kg K)", "j_per_kg": "J/kg", "j_per_k": "J/K", "w_per_k": "W/K", "kg_per_m3": "kg/m3",
+    "ohm_m": "ohm m", "pa_s": "Pa s", "v_per_s": "V/s", "per_k": "1/K", "per_pa": "1/Pa", "per_s": "1/s", "m2": "m2",
+    "ohm": "ohm", "pct": "%", "degc": "degC", "kg": "kg", "pa": "Pa", "hz": "Hz", "us": "us", "ns": "ns", "ms": "ms",
+    "v": "V", "a": "A", "m": "m", "n": "N", "s": "s", "k": "K", "w": "W", "j": "J",
+}  # fmt: skip
+# What a source of an equation looks like.
+SOURCE = re.compile(r"doi|Eqs?\. |NASA|TOR-|Reuss|Source|References")
+# What is not complete yet, by the beginning of its name: it is reported and does not fail. It only becomes shorter.
+STILL_INCOMPLETE: tuple[str, ...] = tuple(
+    f"musclewire.{room}"
+    for room in ("compiled", "controllers", "errors", "experiment", "export", "identify", "pages", "parameters",
+                 "physics", "registry", "rigs", "sensing", "signals", "simulate")
+)  # fmt: skip
+# Rooms whose every function is a published equation.
+EQUATIONS = "musclewire.physics"
+
+
+@dataclass(frozen=True)
+class Public:
+    """A public object: its full name, itself as found in its class or module, and why it is public."""
+
+    name: str
+    item: Any
+    why: str
+
+    @property
+    def is_property(self) -> bool:
+        """Whether it is read like an attribute."""
+        return isinstance(self.item, (property, cached_property))
+
+    @cached_property
+    def function(self) -> Callable[..., Any]:
+        """The Python function or class itself, out of what wraps it."""
+        item = self.item
+        if isinstance(item, (staticmethod, classmethod)):
+            item = item.__func__
+        if isinstance(item, property):
+            item = item.fget
+        if isinstance(item, cached_property):
+            item = item.func
+        found: Callable[..., Any] = inspect.unwrap(item)
+        return found
+
+    @cached_property
+    def doc(self) -> NumpyDocString:
+        """The docstring, parsed."""
+        return NumpyDocString(inspect.getdoc(self.function) or "")
+
+    @property
+    def text(self) -> str:
+        """The docstring in one line."""
+        return " ".join((inspect.getdoc(self.function) or "").split())
+
+    @cached_property
+    def everything(self) -> list[str]:
+        """The names of all parameters, of ``*args`` and ``**kwargs`` too."""
+        function = self.function
+        if inspect.isclass(function) and (issubclass(function, (enum.Enum, BaseException)) or is_protocol(function)):
+            return []
+        found = list(inspect.signature(function).parameters)
+        is_method = inspect.isfunction(function) and found and found[0] in ("self", "cls")
+        return found[1:] if is_method else found
+
+    @cached_property
+    def parameters(self) -> list[str]:
+        """The names of the parameters that must be described."""
+        if not self.everything:
+            return []
+        fields = getattr(self.function, "model_fields", {})  # of a pydantic model, with a description and a unit each
+        in_schema = {name for name, field in fields.items() if field.description}
+        given = inspect.signature(self.function).parameters
+        starred = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+        named = [name for name in self.everything if not name.startswith("_") and name not in in_schema]
+        return [name for name in named if given[name].kind not in starred]
+
+
+# --- What is public ---------------------------------------------------------------------------------------------------
+
+
+def is_protocol(item: Any) -> bool:
+    """Return whether a class is a protocol."""
+    return bool(getattr(item, "_is_protocol", False))
+
+
+@cache
+def modules() -> tuple[ModuleType, ...]:
+    """Return all modules of musclewire that can be imported here."""
+    found = []
+    for path in sorted(SOURCES.rglob("*.py")):
+        parts = path.relative_to(SOURCES.parent).with_suffix("").parts
+        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+        if not name.endswith("__main__"):
+            found.append(importlib.import_module(name))
+    return tuple(found)
+
+
+@cache
+def defined() -> dict[str, list[tuple[str, Any]]]:
+    """Return the public classes and functions by their bare name: full name and object."""
+    found: dict[str, list[tuple[str, Any]]] = {}
+    for module in modules():
+        for name, item in vars(module).items():
+            real = inspect.unwrap(item) if callable(item) else item
+            ours = inspect.isclass(real) or inspect.isfunction(real)
+            if ours and real.__module__ == module.__name__ and not name.startswith("_") and real.__name__ == name:
+                found.setdefault(name, []).append((f"{module.__name__}.{name}", item))
+    return found
+
+
+def home(item: Any) -> tuple[str, Any] | None:
+    """Return full name and object of one of our classes or functions; None for anything else."""
+    real = inspect.unwrap(item) if callable(item) else item
+    if not (inspect.isclass(real) or inspect.isfunction(real)) or not real.__module__.startswith("musclewire"):
+        return None
+    return f"{real.__module__}.{real.__qualname__}", item
+
+
+def by_rooms() -> Iterator[tuple[Any, str]]:
+    """Yield what the package and its rooms offer."""
+    for name in musclewire.__all__:
+        yield getattr(musclewire, name), "musclewire"
+    for module in modules():
+        if module.__name__.count(".") == 1 and not module.__name__.endswith("__init__"):
+            for name in getattr(module, "__all__", [n for n in imported_names(module) if not n.startswith("_")]):
+                yield getattr(module, name), module.__name__
+        if module.__name__.startswith(EQUATIONS + "."):
+            for name in module.__all__:
+                yield getattr(module, name), EQUATIONS
+
+
+def imported_names(module: ModuleType) -> list[str]:
+    """Return the names that a room's ``__init__`` imports from its own files."""
+    tree = ast.parse(inspect.getsource(module) if module.__file__ else "")
+    return [
+        item.asname or item.name
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(module.__name__)
+        for item in node.names
+    ]
+
+
+def by_protocols() -> Iterator[tuple[Any, str]]:
+    """Yield every protocol."""
+    for places in defined().values():
+        for _, item in places:
+            if inspect.isclass(item) and is_protocol(item):
+                yield item, "a protocol"
+
+
+def by_pages() -> Iterator[tuple[Any, str]]:
+    """Yield what the pages name: `Class`, `Class.method`, `function()`, `musclewire.a.b`, `mw.name`, and imports."""
+    for page in PAGES:
+        for word in set(words_of(page.read_text("utf-8"))):
+            found = None if page.name in KEY_PAGES and not re.search(r"[.()]", word) else resolved(word)
+            if found is not None:
+                yield found, page.relative_to(ROOT).as_posix()
+
+
+def words_of(text: str) -> Iterator[str]:
+    """Yield the names in a page that may be ours."""
+    yield from re.findall(r"`([A-Za-z_][\w.]*(?:\(\))?)[^`\n]*`", text)
+    for block in re.findall(r"```python\n(.*?)```", text, re.S):
+        yield from re.findall(r"\b(?:musclewire|mw)\.[\w.]+", block)
+        for home_name, names in re.findall(r"from (musclewire[\w.]*) import ([\w, ]+)", block):
+            yield from (f"{home_name}.{name.strip()}" for name in names.split(","))
+
+
+def resolved(word: str) -> Any:
+    """Return the object a page means by a name, None if it is not one of ours or could be several."""
+    called, word = word.endswith("()"), word.removesuffix("()")
+    first, *rest = word.split(".")
+    if first in ("mw", "musclewire") and rest:
+        return attribute(musclewire, rest)
+    places = defined().get(first, [])
+    plain = re.fullmatch(r"[a-z]+", first) or unit_of(first)
+    if len(places) != 1 or (plain and not called and not rest):
+        return None
+    return attribute(places[0][1], rest)
+
+
+def attribute(item: Any, names: list[str]) -> Any:
+    """Return an attribute of an attribute ..., importing modules on the way; None if there is none."""
+    for name in names:
+        if inspect.ismodule(item) and not hasattr(item, name):
+            try:
+                importlib.import_module(f"{item.__name__}.{name}")
+            except ImportError:
+                return None
+        item = inspect.getattr_static(item, name, None) if inspect.isclass(item) else getattr(item, name, None)
+    return item
+
+
+def public_objects() -> dict[str, Public]:
+    """Return all public objects by full name, methods of public classes included."""
+    found: dict[str, Public] = {}
+    for source in (by_rooms(), by_protocols(), by_pages()):
+        for item, why in source:
+            if isinstance(item, (property, cached_property)):
+                continue  # its class is named with it, or it is none of ours
+            place = home(item)
+            if place is None or place[0] in found:
+                continue
+            found[place[0]] = Public(*place, why)
+            if inspect.isclass(item):
+                for name, one in methods_of(item):
+                    found[f"{place[0]}.{name}"] = Public(f"{place[0]}.{name}", one, why)
+    return found
+
+
+def methods_of(owner: type) -> Iterator[tuple[str, Any]]:
+    """Yield the public methods and properties that a class defines itself, in written form."""
+    for name, item in vars(owner).items():
+        is_method = isinstance(item, (property, cached_property, staticmethod, classmethod)) or inspect.isfunction(item)
+        if is_method and not name.startswith("_"):
+            real = Public(name, item, "").function
+            if getattr(real, "__module__", "") == owner.__module__:
+                yield name, item
+
+
+# --- What each must say -----------------------------------------------------------------------------------------------
+
+
+def problems_of(public: Public) -> list[str]:
+    """Return what a docstring lacks, in words."""
+    if not inspect.getdoc(public.function):
+        return ["no docstring"]
+    found = [text for code, text in validate(get_doc_object(public.function))["errors"] if code in NUMPYDOC_CHECKS]
+    name = public.name.rsplit(".", 1)[1]
+    if public.is_property:
+        return found + unit_problem(name, public.text, "the summary")
+    found += parameter_problems(public)
+    if not inspect.isclass(public.function) and returns_something(public.function):
+        returned = " ".join(" ".join((one.name, one.type, *one.desc)) for one in public.doc["Returns"])
+        if not public.parameters and public.text.startswith("Return "):
+            returned = returned or public.text
+        found += unit_problem(name, returned, "Returns") if returned else ["no Returns"]
+    found += raise_problems(public)
+    if public.name.startswith(EQUATIONS) and not SOURCE.search(public.text):
+        found.append("no source of the equation")
+    return found
+
+
+def parameter_problems(public: Public) -> list[str]:
+    """Return what the section Parameters lacks: each parameter of the signature in its order, described, with unit."""
+    described: dict[str, Parameter] = {}
+    for one in public.doc["Parameters"]:
+        described |= {name.strip(): one for name in one.name.split(",")}
+    found = [f"parameter '{name}' is not described" for name in public.parameters if name not in described]
+    found += [f"there is no parameter '{name}'" for name in described if name.lstrip("*") not in public.everything]
+    common = [name for name in described if name in public.parameters]
+    if common != [name for name in public.parameters if name in common]:
+        found.append("parameters are in another order than in the signature")
+    for name, one in described.items():
+        if one.type:
+            found.append(f"parameter '{name}' repeats a type ('{one.type}'): it is in the annotation")
+        text = " ".join(one.desc)
+        found += unit_problem(name, text, f"parameter '{name}'") if text else [f"parameter '{name}': no description"]
+    return found
+
+
+def unit_of(name: str) -> str | None:
+    """Return the unit that a name ends in, as docstrings spell it; None for a name without one."""
+    endings = [ending for ending in UNITS if name.endswith(f"_{ending}")]
+    return UNITS[max(endings, key=len)] if endings else None
+
+
+def unit_problem(name: str, text: str, place: str) -> list[str]:
+    """Return that a text does not state the unit of a name."""
+    unit = unit_of(name)
+    return [] if unit is None or f"[{unit}]" in text else [f"{place} does not state the unit [{unit}]"]
+
+
+def returns_something(function: Callable[..., Any]) -> bool:
+    """Return whether a function is annotated to return anything but None."""
+    return str(getattr(function, "__annotations__", {}).get("return", "None")) not in ("None", "NoReturn")
+
+
+def raise_problems(public: Public) -> list[str]:
+    """Return which errors a body raises by name that the section Raises does not explain."""
+    explained = {one.type: one.desc for one in public.doc["Raises"]}
+    found = [f"does not say when it raises {name}" for name in raised_by(public.function) if name not in explained]
+    return found + [f"Raises {name}: no reason" for name, why in explained.items() if not why]
+
+
+def raised_by(item: Callable[..., Any]) -> list[str]:
+    """Return the names of the error classes in the raise statements of a function, or of a class's construction."""
+    if inspect.isclass(item):
+        makers = (vars(item).get(name) for name in ("__init__", "__post_init__"))
+        files = {sys.modules[item.__module__].__file__}  # not generated ones, nor typing's for a protocol
+        written = [maker for maker in makers if inspect.isfunction(maker) and maker.__code__.co_filename in files]
+        return sorted({name for maker in written for name in raised_by(maker)})
+    tree = ast.parse(textwrap.dedent(inspect.getsource(item)))
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Raise) and node.exc is not None:
+            error = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
+            name = getattr(error, "id", "")
+            if name.endswith(("Error", "Interrupt", "Stop")) and name[0].isupper():
+                found.add(name)
+    return sorted(found)
+
+
+# --- The report -------------------------------------------------------------------------------------------------------
+
+
+def report(incomplete: dict[str, list[str]], public: dict[str, Public]) -> str:
+    """Return what is missing per object, counted by room, and the percentage that is complete."""
+    lines = [f"{name} ({public[name].why})\n    " + "\n    ".join(found) for name, found in incomplete.items()]
+    rooms = Counter(name.split(".")[1] for name in incomplete)
+    if rooms:
+        lines.append("incomplete: " + ", ".join(f"{room} {count}" for room, count in rooms.most_common()))
+    complete = len(public) - len(incomplete)
+    lines.append(f"{complete} of {len(public)} public docstrings are complete, {100 * complete / len(public):.1f} %")
+    return "\n".join(lines)
+
+
+def main() -> int:
+    """Print what is missing; return the exit code."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="NAME", help="judge only what begins with it: musclewire.sensing")
+    parser.add_argument("--report-only", action="store_true", help="end with exit code 0 whatever is missing")
+    parser.add_argument("--list", action="store_true", help="list the public objects instead")
+    arguments = parser.parse_args()
+    chosen = {name: one for name, one in sorted(public_objects().items())
+              if not arguments.names or name.startswith(tuple(arguments.names))}  # fmt: skip
+    if arguments.list:
+        print("\n".join(f"{name} ({one.why})" for name, one in chosen.items()))
+        return 0
+    incomplete = {name: found for name, one in chosen.items() if (found := problems_of(one))}
+    print(report(incomplete, chosen))
+    held = [name for name in incomplete if not name.startswith(STILL_INCOMPLETE or ("-",))]
+    return 1 if held and not arguments.report_only else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
