@@ -24,7 +24,7 @@ from musclewire.controllers.rules import (
 )
 from musclewire.errors import CallerError, NumericsError
 
-__all__ = ["FuzzyRatios", "RatioSurface", "infer_ratios", "infer_surface", "input_grades", "pack_rules"]
+__all__ = ["FuzzyRatios", "RatioSurface", "infer_ratios", "infer_surface", "input_grades", "packed_rules"]
 
 ALPHA_WEAKEST, ALPHA_STRONGEST = 5.0, 2.0  # the range of Zhao's alpha; a smaller alpha integrates more
 
@@ -55,7 +55,7 @@ def infer_ratios(rule_base: RuleBase, error_ratio: float, change_ratio: float) -
 
     if math.isnan(error_ratio) or math.isnan(change_ratio):
         raise NumericsError(f"fuzzy inputs are {error_ratio} and {change_ratio}; NaN has no place in a rule table")
-    return FuzzyRatios(*kernels.infer(pack_rules(rule_base), float(error_ratio), float(change_ratio)))
+    return FuzzyRatios(*kernels.infer(packed_rules(rule_base), float(error_ratio), float(change_ratio)))
 
 
 def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: ArrayLike) -> RatioSurface:
@@ -78,7 +78,7 @@ def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: Arr
         raise NumericsError("fuzzy inputs hold NaN, which has no place in a rule table")
     ratios = np.empty((3, errors.size))
     kernels.infer_many(
-        pack_rules(rule_base),
+        packed_rules(rule_base),
         np.ascontiguousarray(errors.ravel()),
         np.ascontiguousarray(changes.ravel()),
         ratios,
@@ -93,29 +93,30 @@ def input_grades(rule_base: RuleBase, ratio: float) -> dict[str, float]:
     if not rule_base.input_sets:
         return {}
     grades = np.empty(len(SET_NAMES))
-    kernels.grade_inputs(pack_rules(rule_base), float(ratio), grades)
+    kernels.grade_inputs(packed_rules(rule_base)[0], float(ratio), grades)
     return {name: float(grade) for name, grade in zip(SET_NAMES, grades, strict=True)}
 
 
-def pack_rules(rule_base: RuleBase) -> NDArray[np.float64]:
-    """Return a rule base as the flat array the compiled kernels read; its layout stands in ``kernels``."""
+def packed_rules(rule_base: RuleBase) -> NDArray[np.void]:
+    """Return a rule base as the structured array of length 1 that the compiled kernels read (``kernels.RULES``)."""
     from musclewire.controllers import kernels
 
-    values = np.zeros(kernels.RULE_VALUES)
-    rules = rule_base.rules
-    values[kernels.AT_KIND] = {
+    packed = np.zeros(1, kernels.RULES)
+    row, rules = packed[0], rule_base.rules
+    row["inference"] = {
         "constant": kernels.CONSTANT,
         "product-weighted-sum": kernels.PRODUCT_WEIGHTED_SUM,
         "min-max-centroid": kernels.MIN_MAX_CENTROID,
     }[rules.inference]
-    values[kernels.AT_MIRRORED] = {"no": 0.0, "positive-error": 1.0, "negative-error": -1.0}[rule_base.mirrored]
-    values[kernels.AT_TABLES : kernels.AT_OUTPUT_SETS] = np.stack(_tables(rules)).ravel()
+    row["mirrored"] = {"no": 0.0, "positive-error": 1.0, "negative-error": -1.0}[rule_base.mirrored]
+    row["kp_table"], row["ki_table"], row["kd_table"] = _tables(rules)
     if not isinstance(rules, ConstantRules):
         sets = [_set_values(rule_base.input_sets[name]) for name in SET_NAMES]
-        values[kernels.AT_INPUT_SETS : kernels.AT_TABLES] = np.ravel(sets)
+        row["set_shapes"] = [shape for shape, *_ in sets]
+        row["set_points"] = [points for _, *points in sets]
     if isinstance(rules, MamdaniRules):
-        values[kernels.AT_OUTPUT_SETS :] = _sampled_output_sets(rules).ravel()
-    return values
+        row["output_sets"] = _sampled_output_sets(rules)
+    return packed
 
 
 def _tables(rules: ZhaoRules | MamdaniRules | ConstantRules) -> list[NDArray[np.float64]]:
@@ -133,7 +134,7 @@ def _set_indices(table: tuple[tuple[SetName, ...], ...]) -> NDArray[np.float64]:
     return np.array([[float(SET_NAMES.index(cell)) for cell in row] for row in table])
 
 
-def _set_values(fuzzy_set: MembershipSet) -> tuple[float, float, float, float]:
+def _set_values(fuzzy_set: MembershipSet) -> tuple[int, float, float, float]:
     from musclewire.controllers import kernels
 
     shape = {"triangle": kernels.TRIANGLE, "z": kernels.FALLING, "s": kernels.RISING}[fuzzy_set.shape]

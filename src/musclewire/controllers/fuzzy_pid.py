@@ -38,13 +38,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
-from musclewire.controllers.fuzzy import pack_rules
+from musclewire.controllers.fuzzy import packed_rules
 from musclewire.controllers.limits import DriveLimits
 from musclewire.controllers.rules import DEFAULT_RULE_BASE, RuleBase, load_rule_base
 from musclewire.controllers.schema import StrictModel
 from musclewire.errors import CallerError, NumericsError
 
-__all__ = ["ControllerState", "FuzzyPid", "FuzzyPidSettings", "StepResult", "pack_settings"]
+__all__ = ["ControllerState", "FuzzyPid", "FuzzyPidSettings", "StepResult", "packed_settings"]
 
 Range: TypeAlias = tuple[Annotated[float, Field(ge=0.0)], Annotated[float, Field(ge=0.0)]]
 Positive: TypeAlias = Annotated[float, Field(gt=0.0)]
@@ -144,8 +144,8 @@ class FuzzyPid:
         self.limits = limits
         self.rule_base = rule_base or load_rule_base(self.settings.rule_base)
         self._tick: Any = kernels.tick
-        self._setting_values = pack_settings(self.settings, limits)
-        self._rule_values = pack_rules(self.rule_base)
+        self._setting_row = packed_settings(self.settings, limits)
+        self._rule_row = packed_rules(self.rule_base)
         self.step(self.start(limits.sense_voltage_v, 0.0, 0.0), 0.0, 0.0, 1.0)
 
     def __repr__(self) -> str:
@@ -188,7 +188,7 @@ class FuzzyPid:
         if dt_s <= 0.0:
             raise CallerError(f"controller step with dt_s {dt_s}: the time since the last step must be above zero")
         drive, error, measured, measured_rate, error_rate, known, kp, ki, kd = self._tick(
-            *state, target, measured, dt_s, self._setting_values, self._rule_values
+            tuple(state), target, measured, dt_s, self._setting_row, self._rule_row
         )
         if not math.isfinite(measured_rate + error_rate):
             raise NumericsError(f"controller step with target {target}, measured {measured} overflows; check the units")
@@ -200,19 +200,15 @@ class FuzzyPid:
         return state._replace(measured_rate=0.0, error_rate=0.0, rates_known=False)
 
 
-def pack_settings(settings: FuzzyPidSettings, limits: DriveLimits) -> NDArray[np.float64]:
-    """Return settings and limits as the flat array the compiled tick reads (layout: ``kernels``)."""
-    return np.array(
-        [
-            *settings.kp_range,
-            *settings.ki_range,
-            *settings.kd_range,
-            settings.input_scale,
-            settings.error_unit,
-            settings.error_range,
-            settings.change_range,
-            settings.derivative_filter_s,
-            limits.sense_voltage_v,
-            limits.maximum_voltage_v,
-        ]
-    )
+def packed_settings(settings: FuzzyPidSettings, limits: DriveLimits) -> NDArray[np.void]:
+    """Return settings and limits as the structured array of length 1 that the tick reads (``kernels.SETTINGS``)."""
+    from musclewire.controllers import kernels
+
+    packed = np.zeros(1, kernels.SETTINGS)
+    row = packed[0]
+    for gain in ("kp", "ki", "kd"):
+        row[f"{gain}_minimum"], row[f"{gain}_maximum"] = getattr(settings, f"{gain}_range")
+    for name in ("input_scale", "error_unit", "error_range", "change_range", "derivative_filter_s"):
+        row[name] = getattr(settings, name)
+    row["sense_voltage_v"], row["maximum_voltage_v"] = limits.sense_voltage_v, limits.maximum_voltage_v
+    return packed

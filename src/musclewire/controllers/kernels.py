@@ -1,14 +1,16 @@
 """The arithmetic of one controller tick, compiled: memberships, inference, Eq. 6 and the velocity-form PID.
 
 Everything stands in this one file, in strict IEEE arithmetic and without allocation of unknown size, so that
-a C translation can equal it to the bit. What a rule base or a set of settings says arrives as one flat array
-of floats each, because every array handed over from Python costs about 60 ns of the tick.
-``fuzzy.pack_rules`` and ``fuzzy_pid.pack_settings`` write these arrays; the offsets below are their layout.
+a C translation can equal it to the bit. What a rule base or a set of settings says arrives as a structured array of
+length 1, whose fields ``RULES`` and ``SETTINGS`` name: every array handed over from Python costs about 60 ns of the
+tick, so there are two and not nine. (A field is read as ``row["name"]``, which Numba and plain NumPy both understand.)
+``fuzzy.packed_rules`` and ``fuzzy_pid.packed_settings`` fill them.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,30 +18,40 @@ from numpy.typing import NDArray
 from musclewire.compiled import compiled
 
 Floats = NDArray[np.float64]
+# A structured array of length 1, or its only row; mypy knows no fields of either.
+Rows = NDArray[np.void]
+Row = Any
 
 UNIVERSE_END = 3.0  # the published tables live on -3..3; integer corners keep both directions exactly alike
 UNIVERSE_POINTS = 101
-CONSTANT, PRODUCT_WEIGHTED_SUM, MIN_MAX_CENTROID = 0.0, 1.0, 2.0
-TRIANGLE, FALLING, RISING = 0.0, 1.0, 2.0
+CONSTANT, PRODUCT_WEIGHTED_SUM, MIN_MAX_CENTROID = 0, 1, 2
+TRIANGLE, FALLING, RISING = 0, 1, 2
 
-# Layout of the rule array: kind, mirrored (+1 or -1: the half of the tables that is read; 0: all), then 7
-# sets (shape and three points), 3 tables, 7 sampled output sets.
-AT_KIND = 0
-AT_MIRRORED = 1
-AT_INPUT_SETS = 2
-AT_TABLES = AT_INPUT_SETS + 7 * 4
-AT_OUTPUT_SETS = AT_TABLES + 3 * 7 * 7
-RULE_VALUES = AT_OUTPUT_SETS + 7 * UNIVERSE_POINTS
-
-# Layout of the settings array.
-AT_KP_MINIMUM, AT_KP_MAXIMUM, AT_KI_MINIMUM, AT_KI_MAXIMUM, AT_KD_MINIMUM, AT_KD_MAXIMUM = 0, 1, 2, 3, 4, 5
-AT_INPUT_SCALE, AT_ERROR_UNIT, AT_ERROR_RANGE, AT_CHANGE_RANGE, AT_DERIVATIVE_FILTER = 6, 7, 8, 9, 10
-AT_SENSE_VOLTAGE, AT_MAXIMUM_VOLTAGE = 11, 12
-SETTING_VALUES = 13
+RULES = np.dtype(
+    [
+        ("inference", np.int64),  # CONSTANT, PRODUCT_WEIGHTED_SUM or MIN_MAX_CENTROID
+        ("mirrored", np.float64),  # +1 or -1: the half of the tables that is read; 0: all of them
+        ("set_shapes", np.int64, 7),  # TRIANGLE, FALLING or RISING of each input set
+        ("set_points", np.float64, (7, 3)),
+        ("kp_table", np.float64, (7, 7)),  # error down, change of error across
+        ("ki_table", np.float64, (7, 7)),
+        ("kd_table", np.float64, (7, 7)),
+        ("output_sets", np.float64, (7, UNIVERSE_POINTS)),  # sampled
+    ]
+)
+SETTINGS = np.dtype(
+    [
+        (name, np.float64)
+        for name in (
+            "kp_minimum", "kp_maximum", "ki_minimum", "ki_maximum", "kd_minimum", "kd_maximum", "input_scale",
+            "error_unit", "error_range", "change_range", "derivative_filter_s", "sense_voltage_v", "maximum_voltage_v",
+        )
+    ]
+)  # fmt: skip
 
 
 @compiled
-def membership(shape: float, first: float, second: float, third: float, x: float) -> float:
+def membership(shape: int, first: float, second: float, third: float, x: float) -> float:
     """Return the grade in [0, 1] of ``x`` in one set; z and s shapes use ``first`` and ``second`` only."""
     if shape == TRIANGLE:
         if x <= first or x >= third:
@@ -61,22 +73,23 @@ def membership(shape: float, first: float, second: float, third: float, x: float
 
 
 @compiled
-def grade_inputs(rules: Floats, ratio: float, grades: Floats) -> None:
+def grade_inputs(rule: Row, ratio: float, grades: Floats) -> None:
     """Write the grades of an input in [-1, 1] (clipped) in the seven input sets into ``grades``."""
     clipped = min(max(ratio, -1.0), 1.0)
     x = clipped * UNIVERSE_END
+    shapes, points = rule["set_shapes"], rule["set_points"]
     for index in range(7):
-        at = AT_INPUT_SETS + 4 * index
-        grades[index] = membership(rules[at], rules[at + 1], rules[at + 2], rules[at + 3], x)
+        grades[index] = membership(shapes[index], points[index, 0], points[index, 1], points[index, 2], x)
 
 
 @compiled
-def product_weighted_sum(rules: Floats, error_grades: Floats, change_grades: Floats) -> tuple[float, float, float]:
+def product_weighted_sum(rule: Row, error_grades: Floats, change_grades: Floats) -> tuple[float, float, float]:
     """Return (kp, ki, kd) ratios after Zhao, Tomizuka, Isaka 1993, doi 10.1109/21.260670.
 
     A rule fires with mu, the product of its two grades. Inverting mu_S = -ln(x)/4 and mu_B = -ln(1-x)/4
     gives what Small and Big mean at that mu; the integral table holds its ratio already.
     """
+    kp_table, ki_table, kd_table = rule["kp_table"], rule["ki_table"], rule["kd_table"]
     kp = ki = kd = 0.0
     for row in range(7):
         if error_grades[row] == 0.0:
@@ -85,17 +98,16 @@ def product_weighted_sum(rules: Floats, error_grades: Floats, change_grades: Flo
             mu = error_grades[row] * change_grades[column]
             if mu == 0.0:
                 continue
-            at = AT_TABLES + 7 * row + column
             small = math.exp(-4.0 * mu)
             big = 1.0 - small
-            kp += mu * (big if rules[at] == 1.0 else small)
-            ki += mu * rules[at + 49]
-            kd += mu * (big if rules[at + 98] == 1.0 else small)
+            kp += mu * (big if kp_table[row, column] == 1.0 else small)
+            ki += mu * ki_table[row, column]
+            kd += mu * (big if kd_table[row, column] == 1.0 else small)
     return min(max(kp, 0.0), 1.0), min(max(ki, 0.0), 1.0), min(max(kd, 0.0), 1.0)
 
 
 @compiled
-def fire_labels(rules: Floats, table: int, error_grades: Floats, change_grades: Floats, fired: Floats) -> None:
+def fire_labels(table: Floats, error_grades: Floats, change_grades: Floats, fired: Floats) -> None:
     """Write how strongly each output set of one table fires into ``fired``: min for and, max for or."""
     for label in range(7):
         fired[label] = 0.0
@@ -104,12 +116,12 @@ def fire_labels(rules: Floats, table: int, error_grades: Floats, change_grades: 
             continue
         for column in range(7):
             strength = min(error_grades[row], change_grades[column])
-            label = int(rules[AT_TABLES + 49 * table + 7 * row + column])
+            label = int(table[row, column])
             fired[label] = max(fired[label], strength)
 
 
 @compiled
-def centroid_ratio(rules: Floats, fired: Floats, joined: Floats) -> float:
+def centroid_ratio(output_sets: Floats, fired: Floats, joined: Floats) -> float:
     """Return (1 + x)/2 for the centroid x (in units of the universe) of the output sets cut at ``fired``.
 
     The joined set is piecewise linear between the 101 points, and its area and moment are exact: the two end
@@ -121,9 +133,8 @@ def centroid_ratio(rules: Floats, fired: Floats, joined: Floats) -> float:
         strength = fired[label]
         if strength == 0.0:
             continue
-        at = AT_OUTPUT_SETS + UNIVERSE_POINTS * label
         for point in range(UNIVERSE_POINTS):
-            grade = rules[at + point]
+            grade = output_sets[label, point]
             cut = grade if grade < strength else strength
             joined[point] = cut if cut > joined[point] else joined[point]
     spacing = 2.0 / (UNIVERSE_POINTS - 1)
@@ -138,33 +149,34 @@ def centroid_ratio(rules: Floats, fired: Floats, joined: Floats) -> float:
 
 
 @compiled
-def infer(rules: Floats, error_ratio: float, change_ratio: float) -> tuple[float, float, float]:
+def infer(rules: Rows, error_ratio: float, change_ratio: float) -> tuple[float, float, float]:
     """Return the (kp, ki, kd) ratios in [0, 1] for two inputs, each clipped to [-1, 1]."""
-    if rules[AT_KIND] == CONSTANT:
-        return rules[AT_TABLES], rules[AT_TABLES + 49], rules[AT_TABLES + 98]
-    half = rules[AT_MIRRORED]
+    rule = rules[0]
+    if rule["inference"] == CONSTANT:
+        return rule["kp_table"][0, 0], rule["ki_table"][0, 0], rule["kd_table"][0, 0]
+    half = rule["mirrored"]
     if half != 0.0:
         sign = half if error_ratio > 0.0 else (-half if error_ratio < 0.0 else 0.0)
         error_ratio, change_ratio = sign * error_ratio, sign * change_ratio
     error_grades = np.empty(7)
     change_grades = np.empty(7)
-    grade_inputs(rules, error_ratio, error_grades)
-    grade_inputs(rules, change_ratio, change_grades)
-    if rules[AT_KIND] == PRODUCT_WEIGHTED_SUM:
-        return product_weighted_sum(rules, error_grades, change_grades)
+    grade_inputs(rule, error_ratio, error_grades)
+    grade_inputs(rule, change_ratio, change_grades)
+    if rule["inference"] == PRODUCT_WEIGHTED_SUM:
+        return product_weighted_sum(rule, error_grades, change_grades)
     fired = np.empty(7)
     joined = np.empty(UNIVERSE_POINTS)
-    fire_labels(rules, 0, error_grades, change_grades, fired)
-    kp = centroid_ratio(rules, fired, joined)
-    fire_labels(rules, 1, error_grades, change_grades, fired)
-    ki = centroid_ratio(rules, fired, joined)
-    fire_labels(rules, 2, error_grades, change_grades, fired)
-    kd = centroid_ratio(rules, fired, joined)
+    fire_labels(rule["kp_table"], error_grades, change_grades, fired)
+    kp = centroid_ratio(rule["output_sets"], fired, joined)
+    fire_labels(rule["ki_table"], error_grades, change_grades, fired)
+    ki = centroid_ratio(rule["output_sets"], fired, joined)
+    fire_labels(rule["kd_table"], error_grades, change_grades, fired)
+    kd = centroid_ratio(rule["output_sets"], fired, joined)
     return kp, ki, kd
 
 
 @compiled
-def infer_many(rules: Floats, error_ratios: Floats, change_ratios: Floats, ratios: Floats) -> None:
+def infer_many(rules: Rows, error_ratios: Floats, change_ratios: Floats, ratios: Floats) -> None:
     """Write the three ratios for each pair of inputs into ``ratios``, shape (3, n)."""
     for index in range(error_ratios.shape[0]):
         kp, ki, kd = infer(rules, error_ratios[index], change_ratios[index])
@@ -181,46 +193,42 @@ def gain_from_ratio(ratio: float, minimum: float, maximum: float) -> float:
 
 @compiled
 def tick(
-    drive_voltage_v: float,
-    error: float,
+    state: tuple[float, float, float, float, float, bool],
+    target: float,
     measured: float,
-    measured_rate: float,
-    error_rate: float,
-    rates_known: bool,
-    new_target: float,
-    new_measured: float,
     dt_s: float,
-    settings: Floats,
-    rules: Floats,
+    settings: Rows,
+    rules: Rows,
 ) -> tuple[float, float, float, float, float, bool, float, float, float]:
-    """Advance the controller by one tick.
+    """Advance the controller by one tick; return the six numbers of its next state, and the three gains used.
 
-    The first six arguments are its state, and so are the first six results. The last three results are the
-    gains used. Errors and measurements are in the caller's unit; the paper's percent strain enters by the
-    error unit. See ``fuzzy_pid`` for the law and its reasons.
+    ``state`` is a plain tuple in the order of ``fuzzy_pid.ControllerState``. Errors and measurements are in the
+    caller's unit; the paper's percent strain enters by the error unit. See ``fuzzy_pid`` for the law and its reasons.
     """
-    new_error = new_target - new_measured
-    new_measured_rate = 0.0
-    new_error_rate = 0.0
+    drive_voltage_v, error_before, measured_before, measured_rate_before, error_rate_before, rates_known = state
+    setting = settings[0]
+    error = target - measured
+    measured_rate = 0.0
+    error_rate = 0.0
     if rates_known:
         # Backward Euler of a first-order lag: stable whatever the tick length, and no lag at all for a zero
         # constant.
-        share = dt_s / (settings[AT_DERIVATIVE_FILTER] + dt_s)
-        new_measured_rate = measured_rate + share * ((new_measured - measured) / dt_s - measured_rate)
-        new_error_rate = error_rate + share * ((new_error - error) / dt_s - error_rate)
-    unit = settings[AT_ERROR_UNIT]
+        weight = dt_s / (setting["derivative_filter_s"] + dt_s)
+        measured_rate = measured_rate_before + weight * ((measured - measured_before) / dt_s - measured_rate_before)
+        error_rate = error_rate_before + weight * ((error - error_before) / dt_s - error_rate_before)
+    unit = setting["error_unit"]
     kp_ratio, ki_ratio, kd_ratio = infer(
-        rules, new_error / unit / settings[AT_ERROR_RANGE], new_error_rate / unit / settings[AT_CHANGE_RANGE]
+        rules, error / unit / setting["error_range"], error_rate / unit / setting["change_range"]
     )
-    kp = gain_from_ratio(kp_ratio, settings[AT_KP_MINIMUM], settings[AT_KP_MAXIMUM])
-    ki = gain_from_ratio(ki_ratio, settings[AT_KI_MINIMUM], settings[AT_KI_MAXIMUM])
-    kd = gain_from_ratio(kd_ratio, settings[AT_KD_MINIMUM], settings[AT_KD_MAXIMUM])
-    proportional = kp * (new_error - error)
-    integral = ki * dt_s * new_error
-    derivative = kd * (new_measured_rate - measured_rate)
-    change_v = settings[AT_INPUT_SCALE] * (proportional + integral - derivative) / unit
+    kp = gain_from_ratio(kp_ratio, setting["kp_minimum"], setting["kp_maximum"])
+    ki = gain_from_ratio(ki_ratio, setting["ki_minimum"], setting["ki_maximum"])
+    kd = gain_from_ratio(kd_ratio, setting["kd_minimum"], setting["kd_maximum"])
+    proportional = kp * (error - error_before)
+    integral = ki * dt_s * error
+    derivative = kd * (measured_rate - measured_rate_before)
+    change_v = setting["input_scale"] * (proportional + integral - derivative) / unit
     drive = drive_voltage_v + change_v
     # In this order a drive that lost its meaning falls to the sense voltage, never to the maximum.
-    drive = drive if drive > settings[AT_SENSE_VOLTAGE] else settings[AT_SENSE_VOLTAGE]
-    drive = drive if drive < settings[AT_MAXIMUM_VOLTAGE] else settings[AT_MAXIMUM_VOLTAGE]
-    return drive, new_error, new_measured, new_measured_rate, new_error_rate, True, kp, ki, kd
+    drive = drive if drive > setting["sense_voltage_v"] else setting["sense_voltage_v"]
+    drive = drive if drive < setting["maximum_voltage_v"] else setting["maximum_voltage_v"]
+    return drive, error, measured, measured_rate, error_rate, True, kp, ki, kd

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from skfuzzy import control
 
 from musclewire.controllers import infer_ratios, infer_surface, kernels, load_rule_base, rule_base_names
-from musclewire.controllers.fuzzy import input_grades, pack_rules
+from musclewire.controllers.fuzzy import input_grades, packed_rules
 from musclewire.controllers.rules import SET_NAMES, MamdaniRules, MembershipSet, RuleBase, ZhaoRules
 from musclewire.errors import CallerError, NumericsError
 
@@ -234,7 +234,7 @@ def test_the_surface_equals_the_scalar_inference_to_the_bit(name: str) -> None:
 
 @given(names, ratios, ratios)
 def test_compiled_inference_equals_plain_python_to_the_bit(name: str, error: float, change: float) -> None:
-    values = pack_rules(load_rule_base(name))
+    values = packed_rules(load_rule_base(name))
     plain: Any = kernels.infer
     assert plain.py_func(values, error, change) == kernels.infer(values, error, change)
 

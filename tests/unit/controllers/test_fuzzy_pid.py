@@ -21,8 +21,8 @@ from musclewire.controllers import (
     parse_rule_base,
     rule_base_names,
 )
-from musclewire.controllers.fuzzy import pack_rules
-from musclewire.controllers.fuzzy_pid import pack_settings
+from musclewire.controllers.fuzzy import packed_rules
+from musclewire.controllers.fuzzy_pid import packed_settings
 from musclewire.errors import CallerError, NumericsError
 
 LIMITS = DriveLimits(sense_voltage_v=0.4, maximum_voltage_v=3.2)
@@ -235,10 +235,10 @@ def test_the_compiled_tick_equals_plain_python_to_the_bit(
 ) -> None:
     pid = controller(rule_base)
     state = pid.start(drive, before, target)
-    arguments = (target, measured, dt_s, pack_settings(pid.settings, LIMITS), pack_rules(pid.rule_base))
+    arguments = (target, measured, dt_s, packed_settings(pid.settings, LIMITS), packed_rules(pid.rule_base))
     plain: Any = kernels.tick
     result = pid.step(state, target, measured, dt_s)
-    assert plain.py_func(*state, *arguments) == (*result.state, result.kp, result.ki, result.kd)
+    assert plain.py_func(tuple(state), *arguments) == (*result.state, result.kp, result.ki, result.kd)
 
 
 def test_integers_are_numbers_too() -> None:

@@ -11,9 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase
-from musclewire.controllers import kernels as rule_layout
-from musclewire.controllers.fuzzy import pack_rules
+import numpy as np
+
+from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase, kernels
+from musclewire.controllers.fuzzy import packed_rules
 from musclewire.controllers.protection import Event, ProtectionLimits, State, protection_table
 from musclewire.controllers.protection import protect as protection_rules
 from musclewire.errors import CallerError
@@ -141,31 +142,28 @@ def _controller(settings: FuzzyPidSettings) -> list[Constant]:
 
 def _rules(rule_base: RuleBase) -> list[Constant]:
     inference = rule_base.rules.inference
-    values = [float(value) for value in pack_rules(rule_base)]
-    at = rule_layout.AT_TABLES
-    tables = {
-        name: tuple(values[at + 49 * index : at + 49 * (index + 1)]) for index, name in enumerate(("KP", "KI", "KD"))
-    }
+    row = packed_rules(rule_base)[0]
+    tables = {name: tuple(row[f"{name.lower()}_table"].ravel().tolist()) for name in ("KP", "KI", "KD")}
     kinds = [_integer(name.upper().replace("-", "_"), number) for name, number in INFERENCES.items()]
     found = [*kinds, _integer("INFERENCE", INFERENCES[inference], inference)]
     if inference == "constant":
         return [*found, *(_real(f"{name}_RATIO", table[0]) for name, table in tables.items())]
-    sets = values[rule_layout.AT_INPUT_SETS : rule_layout.AT_TABLES]
-    smooth = any(shape != rule_layout.TRIANGLE for shape in sets[::4])
+    sets = np.column_stack([row["set_shapes"], row["set_points"]])
+    smooth = bool((row["set_shapes"] != kernels.TRIANGLE).any())
     found += [
-        _integer("TRIANGLE", int(rule_layout.TRIANGLE)),
-        _integer("FALLING", int(rule_layout.FALLING)),
-        _integer("RISING", int(rule_layout.RISING)),
+        _integer("TRIANGLE", kernels.TRIANGLE),
+        _integer("FALLING", kernels.FALLING),
+        _integer("RISING", kernels.RISING),
         _integer("HAS_SMOOTH_SETS", int(smooth)),
-        _integer("MIRRORED", int(values[rule_layout.AT_MIRRORED]), "which half of the tables serves both directions"),
-        Constant("INPUT_SETS", tuple(sets), table=True, columns=4, meaning="shape and three points"),
+        _integer("MIRRORED", int(row["mirrored"]), "which half of the tables serves both directions"),
+        Constant("INPUT_SETS", tuple(sets.ravel().tolist()), table=True, columns=4, meaning="shape and three points"),
     ]
     for name, table in tables.items():
         real = name == "KI" and inference == "product-weighted-sum"
         found.append(Constant(f"{name}_TABLE", table, "real" if real else "integer", table=True))
     if inference == "min-max-centroid":
-        points = tuple(values[rule_layout.AT_OUTPUT_SETS :])
-        found.append(Constant("OUTPUT_SETS", points, table=True, columns=rule_layout.UNIVERSE_POINTS))
+        points = tuple(row["output_sets"].ravel().tolist())
+        found.append(Constant("OUTPUT_SETS", points, table=True, columns=kernels.UNIVERSE_POINTS))
     return found
 
 
