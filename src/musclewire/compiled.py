@@ -73,13 +73,34 @@ def _compile(function: Function, **options: Any) -> Function:
 
 
 def compiled(function: Function) -> Function:
-    """Compile ``function`` on its first call, in strict IEEE 754 arithmetic: the same digits as plain Python.
+    """Compile a function on its first call, in strict IEEE 754 arithmetic: the same digits as plain Python.
 
     It lets go of the interpreter while it runs, so that threads can run several wires at a time.
+
+    Parameters
+    ----------
+    function
+        A function of numbers, arrays and tuples, as Numba's nopython mode takes.
+
+    Returns
+    -------
+    The function, compiled; ``.py_func`` is the plain one.
     """
     return _compile(function)
 
 
 def compiled_inline(function: Function) -> Function:
-    """Like :func:`compiled`, and copied into each compiled caller: worth it for a few lines in an inner loop."""
+    """Compile as :func:`compiled` does, and copy the function into each compiled caller.
+
+    Worth it for a few lines in an inner loop.
+
+    Parameters
+    ----------
+    function
+        A function of numbers, arrays and tuples, as Numba's nopython mode takes.
+
+    Returns
+    -------
+    The function, compiled; ``.py_func`` is the plain one.
+    """
     return _compile(function, inline="always")

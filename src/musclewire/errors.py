@@ -71,7 +71,19 @@ class FitRejectedError(NumericsError):
 
 
 def nearest_hint(name: str, known: Iterable[str]) -> str:
-    """Return ``"; did you mean 'x'?"`` for the nearest known name, or the list of names when none is near."""
+    """Return the end of a message about an unknown name: the nearest known one, or all if none is near.
+
+    Parameters
+    ----------
+    name
+        What somebody wrote.
+    known
+        The names that would have been right.
+
+    Returns
+    -------
+    ``"; did you mean 'x'?"``, or ``"; known: ..."``, or "" if nothing is known.
+    """
     names = sorted(known)
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
     if near:

@@ -36,7 +36,19 @@ STYLE: Mapping[str, object] = {
 
 
 def svg(figure: Figure, name: str) -> str:
-    """Return a figure as an <svg> element; ``name`` keeps its ids apart from other figures in one page."""
+    """Return a figure as an <svg> element.
+
+    Parameters
+    ----------
+    figure
+        The figure; it gets a canvas for SVG.
+    name
+        Keeps the ids of the element apart from those of other figures in one page.
+
+    Returns
+    -------
+    The element as text, the same for the same figure.
+    """
     text = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
         FigureCanvasSVG(figure)
@@ -51,5 +63,17 @@ def style_sheet() -> str:
 
 
 def page_template(package: str, name: str) -> Template:
-    """Return the page template ``name`` that stands beside the modules of ``package``."""
+    """Return the page template beside the modules of a package.
+
+    Parameters
+    ----------
+    package
+        Full name of the package, as "musclewire.app.report".
+    name
+        The template's file name.
+
+    Returns
+    -------
+    The template, with ``$names`` to be substituted.
+    """
     return Template((files(package) / name).read_text("utf-8"))

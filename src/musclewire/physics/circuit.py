@@ -32,8 +32,12 @@ def series_resistance_ohm(wire_voltage_v: Voltage, shunt_voltage_v: Voltage, shu
     -------
     The resistance [ohm], of the shape of the voltages.
 
-    Source: Lan and Fan 2010, Eq. 1.
+    References
+    ----------
+    Lan and Fan 2010, Eq. 1.
 
+    Examples
+    --------
     >>> series_resistance_ohm(2.0, 0.125, 1.0)
     16.0
     """

@@ -24,13 +24,60 @@ __all__ = ["advantage_k", "cooled_grain", "heated_grain", "share_beyond"]
 def advantage_k(
     temperature_k: float, stress_pa: float, transformation_temperature_k: float, stress_rate_pa_per_k: float
 ) -> float:
-    """Return how far [K] a phase is favoured over austenite: T_0 + sigma/C - T (Clausius-Clapeyron)."""
+    """Return how far [K] a phase is favoured over austenite (Clausius-Clapeyron).
+
+    Parameters
+    ----------
+    temperature_k
+        T, temperature of the wire [K].
+    stress_pa
+        sigma, stress in the wire [Pa].
+    transformation_temperature_k
+        T_0, at which phase and austenite are in equilibrium without stress [K].
+    stress_rate_pa_per_k
+        C, the Clausius-Clapeyron slope of the phase [Pa/K], above 0.
+
+    Returns
+    -------
+    f = T_0 + sigma / C - T [K], positive if the phase is favoured.
+
+    References
+    ----------
+    The straight phase boundaries of Brinson 1993, J. Intell. Mater. Syst. Struct. 4, 229,
+    doi 10.1177/1045389X9300400213.
+
+    Examples
+    --------
+    >>> advantage_k(350.0, 150e6, 330.0, 7.5e6)
+    0.0
+    """
     return transformation_temperature_k + stress_pa / stress_rate_pa_per_k - temperature_k
 
 
 @compiled_inline
 def share_beyond(drive_k: float, inverse_width_per_k: float) -> float:
-    """Return the share of a grain for which a change is due, 0 to 1; ``drive_k`` is that of its middle."""
+    """Return the fraction of a grain for which a change is due, 0 to 1.
+
+    Parameters
+    ----------
+    drive_k
+        Thermodynamic driving force of the change at the grain's middle [K], less its barrier.
+    inverse_width_per_k
+        1 / width of the grain's interval of transformation temperatures [1/K].
+
+    Returns
+    -------
+    The fraction: 0.5 at a driving force of 0, and linear over the interval.
+
+    References
+    ----------
+    Source: our own limit of very many switches, decision 3 (grains as intervals).
+
+    Examples
+    --------
+    >>> share_beyond(0.25, 1.0)
+    0.75
+    """
     return min(max(drive_k * inverse_width_per_k + 0.5, 0.0), 1.0)
 
 
@@ -45,11 +92,44 @@ def cooled_grain(
     r_phase_inverse_width_per_k: float,
     preference_inverse_width_per_k: float,
 ) -> tuple[float, float]:
-    """Return a grain's martensite and R-phase shares after cooling or loading.
+    """Return a grain's fractions of martensite and R-phase after cooling or loading.
 
-    What leaves austenite stops at R-phase where that holds, and goes on to martensite where it does not. So both
-    shares only ever rise to a bound, whatever the state: order between states lasts, and with it return-point memory
-    (Sethna et al. 1993, doi 10.1103/PhysRevLett.70.3347).
+    Parameters
+    ----------
+    martensite
+        Fraction before, 0 to 1.
+    r_phase
+        Fraction before, 0 to 1 - ``martensite``.
+    a_to_m_drive_k
+        Thermodynamic driving force of austenite to martensite at the grain's middle, less its barrier [K].
+    a_to_r_drive_k
+        That of austenite to R-phase [K].
+    r_to_m_drive_k
+        That of R-phase to martensite [K].
+    martensite_inverse_width_per_k
+        1 / width of the grain's interval for martensite [1/K].
+    r_phase_inverse_width_per_k
+        The same for R-phase [1/K].
+    preference_inverse_width_per_k
+        The same for the change between R-phase and martensite [1/K].
+
+    Returns
+    -------
+    The fractions of martensite and of R-phase.
+
+    Notes
+    -----
+    What leaves austenite stops at R-phase if that is stable, and goes on to martensite if not. So both fractions only
+    ever rise to a bound, whatever the state: the order between states lasts, and with it return-point memory.
+
+    References
+    ----------
+    Sethna et al. 1993, doi 10.1103/PhysRevLett.70.3347, for the memory that order between states implies.
+
+    Examples
+    --------
+    >>> cooled_grain(0.0, 0.0, 0.0, -9.0, 9.0, 1.0, 1.0, 1.0)  # at its middle, and R-phase is not stable
+    (0.5, 0.0)
     """
     has_left_a = max(
         share_beyond(a_to_m_drive_k, martensite_inverse_width_per_k),
@@ -72,7 +152,40 @@ def heated_grain(
     r_phase_inverse_width_per_k: float,
     preference_inverse_width_per_k: float,
 ) -> tuple[float, float]:
-    """Return a grain's martensite and R-phase shares after heating or unloading: the mirror of cooling."""
+    """Return a grain's fractions of martensite and R-phase after heating or unloading: the mirror of cooling.
+
+    Parameters
+    ----------
+    martensite
+        Fraction before, 0 to 1.
+    r_phase
+        Fraction before, 0 to 1 - ``martensite``.
+    m_to_a_drive_k
+        Thermodynamic driving force of martensite to austenite at the grain's middle, less its barrier [K].
+    r_to_a_drive_k
+        That of R-phase to austenite [K].
+    m_to_r_drive_k
+        That of martensite to R-phase [K].
+    martensite_inverse_width_per_k
+        1 / width of the grain's interval for martensite [1/K].
+    r_phase_inverse_width_per_k
+        The same for R-phase [1/K].
+    preference_inverse_width_per_k
+        The same for the change between R-phase and martensite [1/K].
+
+    Returns
+    -------
+    The fractions of martensite and of R-phase.
+
+    References
+    ----------
+    As :func:`cooled_grain`: Sethna et al. 1993, doi 10.1103/PhysRevLett.70.3347.
+
+    Examples
+    --------
+    >>> heated_grain(1.0, 0.0, 0.0, 9.0, -9.0, 1.0, 1.0, 1.0)  # at its middle, and R-phase is not stable
+    (0.5, 0.0)
+    """
     has_left_m = max(
         share_beyond(m_to_a_drive_k, martensite_inverse_width_per_k),
         share_beyond(m_to_r_drive_k, preference_inverse_width_per_k),

@@ -32,14 +32,21 @@ class RecordingWriter:
 
     Parameters
     ----------
-    path: the file; an existing one is refused unless ``overwrite``
-    columns: names from ``COLUMNS``; every row gives all of them
-    metadata: as in ``Recording``; ``ended`` is written here, "running" until ``close``
-    block_rows: rows kept back before they are written and flushed together
+    path
+        The file.
+    columns
+        Names from ``COLUMNS``; every row gives all of them.
+    metadata
+        As in ``Recording``; ``ended`` is written here, "running" until :meth:`close`.
+    block_rows
+        Rows kept back before they are written and flushed together: 20 are a second at 20 Hz.
+    overwrite
+        Whether an existing file is replaced; refused otherwise.
 
     Raises
     ------
-    CallerError: an unknown or repeated column, no clock, a file that exists or cannot be made
+    CallerError
+        For an unknown or repeated column, no clock, ``block_rows`` under 1, or a file that exists or cannot be made.
     """
 
     def __init__(
@@ -79,21 +86,43 @@ class RecordingWriter:
         return self._ended
 
     def append(self, row: Mapping[str, float]) -> None:
-        """Keep one row; every ``block_rows`` rows are written and flushed. CallerError for a wrong row."""
+        """Keep one row; every ``block_rows`` rows are written and flushed.
+
+        Parameters
+        ----------
+        row
+            A number for each column, by name, SI.
+
+        Raises
+        ------
+        CallerError
+            For a row that lacks a column, names another or gives no number, or after :meth:`close`.
+        """
         if self._ended != "running":
             raise CallerError(f"{self._path}: the recording is closed ('{self._ended}'); start another one")
         self.append_values(_checked_row(row, self._names))
 
     def append_values(self, values: list[float]) -> None:
-        """Keep one row as a list that nobody changes any more, a number for each column in their order."""
+        """Keep one row as a list that nobody changes any more; the fast way in.
+
+        Parameters
+        ----------
+        values
+            A number for each column, in their order, SI. It is not checked.
+        """
         self._buffer.append(values)
         if len(self._buffer) >= self._block_rows:
             self._write_block()
 
     def close(self, ended: str = "done", metadata: Mapping[str, MetadataValue] | None = None) -> None:
-        """Write what is left, metadata that was not known before, and in one line why the recording ended.
+        """Write what is left, and why the recording ended. Closing twice does nothing.
 
-        Closing twice does nothing.
+        Parameters
+        ----------
+        ended
+            Why, in one line; "done" for a run that reached its end.
+        metadata
+            What was not known before.
         """
         if self._ended != "running":
             return

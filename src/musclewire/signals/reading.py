@@ -27,7 +27,23 @@ _STRAINS = frozenset({"reference_strain", "target_strain", "strain_heating", "st
 
 @dataclass(frozen=True)
 class Understanding:
-    """What a file was understood as: which header became which column, and what was left out."""
+    """What a file was understood as: which header became which column, and what was left out.
+
+    Parameters
+    ----------
+    path
+        The file.
+    layout
+        How the file is built, in words: "CSV, separated by semicolons".
+    row_count
+        Number of rows, n_times.
+    taken
+        The headers that became columns, with unit and factor.
+    ignored
+        The headers that did not, each with the reason.
+    metadata
+        What the file says about itself.
+    """
 
     path: str
     layout: str
@@ -65,17 +81,27 @@ def read_recording(
 
     Parameters
     ----------
-    path: the file
-    columns: NAME -> "HEADER" or "HEADER:UNIT" for headers that are not recognised by themselves, such as
+    path
+        The file.
+    columns
+        NAME -> "HEADER" or "HEADER:UNIT" for headers that are not recognised by themselves, such as
         ``{"wire_voltage_v": "Vw:mV"}``; HEADER may itself carry a unit, and ``#2`` is the second column whatever it is
-        called, also in a file without headers
-    metadata: added to what the file says, and preferred to it
+        called, also in a file without headers. None if all headers are recognised.
+    metadata
+        Added to what the file says, and preferred to it.
+
+    Returns
+    -------
+    The recording, its columns in SI units.
 
     Raises
     ------
-    RecordingError: the file cannot be used; one line with file, column and row
-    CallerError: a NAME in ``columns`` that is no column, or metadata no file could keep
-    MissingExtraError: .parquet without pyarrow
+    RecordingError
+        If the file cannot be used: one line with file, column and row.
+    CallerError
+        For a NAME in ``columns`` that is no column, or metadata that no file could keep.
+    MissingExtraError
+        For .parquet without pyarrow.
     """
     path = Path(path)
     table = _table(path)
@@ -100,15 +126,46 @@ def read_hdf5(path: str | Path) -> Recording:
 
 
 def has_headers(path: str | Path) -> bool:
-    """Tell whether a file names its columns. Raises RecordingError for one that cannot be read."""
+    """Return whether a file names its columns.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    False if its first line is numbers.
+
+    Raises
+    ------
+    RecordingError
+        If it cannot be read.
+    """
     headers = _table(Path(path)).headers
     return headers != numbered_headers(len(headers))
 
 
 def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> Understanding:
-    """Say what each header of the file is taken as, its unit and factor, and what is ignored.
+    """Return what each header of a file is taken as, its unit and factor, and what is ignored.
 
-    The numbers themselves are not judged. Raises as ``read_recording`` for the file and its headers.
+    The numbers themselves are not judged.
+
+    Parameters
+    ----------
+    path
+        The file.
+    columns
+        As in :func:`read_recording`.
+
+    Returns
+    -------
+    What was understood.
+
+    Raises
+    ------
+    RecordingError
+        If the file or its headers cannot be used.
     """
     path = Path(path)
     table = _table(path)

@@ -31,18 +31,23 @@ FloatArray = NDArray[np.float64]
 class Recording:
     """Columns of equal length in SI units, with metadata. It never changes; ``with_...`` makes another.
 
-    Parameters
-    ----------
-    columns: name -> values of shape (n_times,); the names and their units are those of ``COLUMNS``
-    metadata: wire, wire_length_m, shunt_resistance_ohm, pretension_n, rig, software_version, ..., ended
-
     A recording has a clock, ``time_s``, with two exceptions: a printed loop (``is_branch_table``), whose rows are
     resistances, and isobars (``is_isobar_table``), whose rows are temperatures in the order they were passed.
 
+    Parameters
+    ----------
+    columns
+        Name -> values of shape (n_times,); the names and their units are those of ``COLUMNS``.
+    metadata
+        What is known of the run: wire, wire_length_m, shunt_resistance_ohm, pretension_n, rig, ..., ended. Empty for a
+        foreign file that says nothing; :attr:`facts` reads them.
+
     Raises
     ------
-    CallerError: an unknown column name, or a metadata key or value no file could keep
-    RecordingError: columns of unequal length, or neither a clock nor a table that needs none
+    CallerError
+        For an unknown column name, or a metadata key or value that no file could keep.
+    RecordingError
+        If columns are of unequal length, or there is neither a clock nor a table that needs none.
     """
 
     columns: Mapping[str, FloatArray]
@@ -106,7 +111,7 @@ class Recording:
 
     @property
     def duration_s(self) -> float:
-        """Seconds from the first row to the last; 0 for fewer than two rows. RecordingError with no clock."""
+        """Time from the first row to the last [s]; 0 for fewer than two rows. RecordingError with no clock."""
         time_s = self["time_s"]
         return float(time_s[-1] - time_s[0]) if len(self) else 0.0
 
@@ -121,23 +126,74 @@ class Recording:
         return "time_s" not in self and all(name in self for name in ISOBAR_TABLE)
 
     def with_columns(self, columns: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> Recording:
-        """Return a recording in which these columns, each (n_times,), are added or replaced."""
+        """Return a recording in which columns are added or replaced.
+
+        Parameters
+        ----------
+        columns
+            Name -> values of shape (n_times,), SI.
+        **more
+            The same, by keyword.
+
+        Returns
+        -------
+        The other recording, with the same metadata.
+        """
         added = {**(columns or {}), **more}
         return Recording({**self.columns, **added}, self.metadata)  # type: ignore[dict-item]
 
     def with_metadata(self, metadata: Mapping[str, MetadataValue] | None = None, /, **more: MetadataValue) -> Recording:
-        """Return a recording in which these metadata are added or replaced."""
+        """Return a recording in which metadata are added or replaced.
+
+        Parameters
+        ----------
+        metadata
+            Key -> text, number, bool or None.
+        **more
+            The same, by keyword.
+
+        Returns
+        -------
+        The other recording, with the same columns.
+        """
         return Recording(self.columns, {**self.metadata, **(metadata or {}), **more})
 
     def between(self, start: int | None = None, stop: int | None = None) -> Recording:
-        """Return rows ``start`` to ``stop`` (not included), counted from 0 as in a Python slice."""
+        """Return some of the rows.
+
+        Parameters
+        ----------
+        start
+            First row, counted as in a Python slice; None is the first of all.
+        stop
+            Row behind the last; None is the end.
+
+        Returns
+        -------
+        A recording of rows ``start`` to ``stop``, not included.
+
+        Raises
+        ------
+        CallerError
+            If one is no whole number, as a time would be.
+        """
         for row in (start, stop):
             if row is not None and not isinstance(row, (int, np.integer)):
                 raise CallerError(f"between() counts rows, got {row!r}; use numpy.searchsorted on time_s for times")
         return Recording({name: values[start:stop] for name, values in self.columns.items()}, self.metadata)
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return a pandas DataFrame with the metadata in ``attrs``. MissingExtraError without pandas."""
+        """Return a pandas DataFrame with the metadata in ``attrs``.
+
+        Returns
+        -------
+        One row a sample, one column a column; copies.
+
+        Raises
+        ------
+        MissingExtraError
+            Without pandas.
+        """
         try:
             import pandas as pd
         except ImportError:
@@ -147,10 +203,19 @@ class Recording:
         return frame
 
     def save(self, path: str | Path) -> None:
-        """Write the recording by suffix: .h5 or .hdf5, .csv, .parquet. Whole or not at all; replaces a file.
+        """Write the recording, whole or not at all; a file of that name is replaced.
 
-        Raises CallerError for another suffix or a folder that cannot be written to, MissingExtraError for
-        .parquet without pyarrow.
+        Parameters
+        ----------
+        path
+            The file; its suffix says the format: .h5, .hdf5, .csv or .parquet.
+
+        Raises
+        ------
+        CallerError
+            For another suffix, or a folder that cannot be written to.
+        MissingExtraError
+            For .parquet without pyarrow.
         """
         write_columns(self.columns, self.metadata, Path(path))
 

@@ -8,11 +8,31 @@ __all__ = ["RawSample"]
 
 
 class RawSample(NamedTuple):
-    """What a rig hands back for one drive command: what its wires carry, nothing derived.
+    """What a rig returns for one command: what its wires carry, nothing derived.
 
-    ``displacement_m`` and ``force_n`` are reference instruments (an LVDT, a load cell) where the rig has them, at the
-    wire's connector; ``endpoint_displacement_m`` and ``endpoint_force_n`` others at the end of what it moves. They
-    are recorded and used to characterise and to judge; the closed loop never sees them.
+    Displacements and forces are reference instruments, None on a rig without. They are recorded and used to
+    characterise and to judge; the closed loop never sees them.
+
+    Parameters
+    ----------
+    time_s
+        When the sample was taken [s], by the rig's clock.
+    drive_voltage_v
+        Voltage that drove circuit and wire before the sample [V].
+    wire_voltage_v
+        Voltage across the wire [V].
+    shunt_voltage_v
+        Voltage across the shunt [V].
+    displacement_m
+        Contraction at the wire's connector [m]: an LVDT.
+    force_n
+        Force in the wire at its connector [N]: a load cell.
+    ambient_temperature_k
+        Temperature of the air [K].
+    endpoint_displacement_m
+        Displacement of the end of what the wire moves [m]: a laser on a fingertip.
+    endpoint_force_n
+        Force at that end [N]: a load cell between fingers.
     """
 
     time_s: float

@@ -33,7 +33,32 @@ class Table(Protocol):
         """The number of rows, n_times."""
 
     def numbers(self, index: int) -> NDArray[np.float64]:
-        """Return the column ``index`` as written, shape (n_times,); RecordingError for what is no number."""
+        """Return a column as written, in its own unit.
+
+        Parameters
+        ----------
+        index
+            Which column, from 0.
+
+        Returns
+        -------
+        Its numbers, shape (n_times,).
+
+        Raises
+        ------
+        RecordingError
+            If a cell holds no number; it names the line.
+        """
 
     def place(self, row: int) -> str:
-        """Say where row ``row`` (from 0) is found: "line 12"."""
+        """Return where a row is found in the file, in words: "line 12".
+
+        Parameters
+        ----------
+        row
+            Which row, from 0.
+
+        Returns
+        -------
+        The words.
+        """
