@@ -36,7 +36,7 @@ def test_a_perfect_run_without_an_instrument_ends_well_and_says_how_a_model_come
     assert answer.code == 0, answer.err
     assert "measures no movement" in answer.out
     assert "displacement_m" in answer.out
-    assert musclewire(*arguments, "--force", "--json").json["strain_gap_pct"] is None
+    assert musclewire(*arguments, "--overwrite", "--json").json["strain_gap_pct"] is None
 
 
 def test_a_recording_that_has_the_instrument_and_shows_no_loop_still_ends_with_one(

@@ -76,7 +76,7 @@ def test_columns_that_bend_themselves_are_found_out(musclewire: Callable[..., An
 @pytest.mark.slow
 def test_the_finger_that_comes_along_grips_foam_and_is_compared(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     figure = tmp_path / "finger.svg"
-    asked = ("--finger", "lan-fan-2010", "--foam", "50 N/m", "--clearance", "4 mm", "--compare")
+    asked = ("--finger", "lan-fan-2010", "--object-stiffness", "50 N/m", "--clearance", "4 mm", "--compare")
     answer = musclewire(*COMMAND, *asked, "--plot", figure, "--refined", "3", "--json")
     assert answer.code == 0, answer.err
     found = answer.json
@@ -134,8 +134,8 @@ GIVEN = ("--finger", "lan-fan-2010")
         ((*SIZED, "--material", "pon"), "did you mean 'pom'?"),
         ((*SIZED, "--wire", "paper-100um", "--wire-length", "5 cm"), "8.1 % short"),
         ((*GIVEN, "--travel", "0.8 mm"), "14.4 % less than the 6 mm asked for"),
-        ((*GIVEN, "--foam", "0 N/m"), "stiffness of the object is 0"),
-        ((*GIVEN, "--foam", "10 N/m", "--clearance", "-1 mm"), "clearance"),
+        ((*GIVEN, "--object-stiffness", "0 N/m"), "stiffness of the object is 0"),
+        ((*GIVEN, "--object-stiffness", "10 N/m", "--clearance", "-1 mm"), "clearance"),
         ((*GIVEN, "--friction", "5"), "not one of 0 to 1"),
         ((*GIVEN, "--endpoint", "0 mm"), "endpoint is 0"),
         ((*GIVEN, "--output", "finger.json"), "a finger is a .toml file"),
@@ -144,9 +144,12 @@ GIVEN = ("--finger", "lan-fan-2010")
         ((*GIVEN, "--depth", "5 mm"), "--depth and --finger exclude each other: a finger's file has all dimensions"),
         ((*GIVEN, "--column-width", "1 mm"), "--column-width and --finger exclude each other"),
         ((*GIVEN, "--material", "spring-steel"), "is of 2.6 GPa, and spring-steel has 179 GPa"),
-        ((*GIVEN, "--clearance", "3 mm"), "--clearance goes with --foam"),
-        ((*SIZED, "--wire-length", "5 cm"), "--wire-length goes with --wire"),
-        (("--thickness", "0.2 mm", "--offset", "1 mm", "--most-depth", "9 mm"), "--most-depth goes with --stiffness"),
+        ((*GIVEN, "--clearance", "3 mm"), "--clearance has an effect only with --object-stiffness"),
+        ((*SIZED, "--wire-length", "5 cm"), "--wire-length has an effect only with --wire"),
+        (
+            ("--thickness", "0.2 mm", "--offset", "1 mm", "--max-depth", "9 mm"),
+            "--max-depth has an effect only",
+        ),
         (("--finger", "lan-fan-2011"), "did you mean 'lan-fan-2010'?"),
         (("--thickness", "0.5 mm", "--offset", "1 mm"), "yields: a thinner beam"),
         (("--thickness", "0.1 mm", "--offset", "1 mm", "--process", "laser-cut"), "90 % thinner than the 1 mm"),

@@ -18,7 +18,7 @@ def learned(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_grip_is_found_told_recorded_and_drawn(musclewire: Callable[..., Any], learned: Path, tmp_path: Path) -> None:
     answer = musclewire(
-        "grip", "--stiffness", "200 N/m", "--learned", learned, "--plot", tmp_path / "grip.png",
+        "grip", "--known-stiffness", "200 N/m", "--learned", learned, "--plot", tmp_path / "grip.png",
         "-o", tmp_path / "grip.h5", "--json",
     )  # fmt: skip
     assert answer.code == 0, answer.err
@@ -36,13 +36,13 @@ def test_a_grip_is_found_told_recorded_and_drawn(musclewire: Callable[..., Any],
 def test_with_the_object_away_nothing_is_found_and_the_exit_code_says_so(
     musclewire: Callable[..., Any], learned: Path
 ) -> None:
-    answer = musclewire("grip", "--away", "--learned", learned)
+    answer = musclewire("grip", "--no-object", "--learned", learned)
     assert answer.code == 1
     assert "no contact" in answer.out
 
 
 def test_target_and_error_are_said(musclewire: Callable[..., Any], learned: Path) -> None:
-    said = musclewire("grip", "--stiffness", "200 N/m", "--learned", learned).out
+    said = musclewire("grip", "--known-stiffness", "200 N/m", "--learned", learned).out
     assert "target 0.3 N" in said
     assert "estimate off by" in said
     assert "target missed by" in said
@@ -67,7 +67,7 @@ def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name() -> N
 
 
 def test_what_another_gripper_learned_is_refused(musclewire: Callable[..., Any], learned: Path, tmp_path: Path) -> None:
-    musclewire("grip", "--stiffness", "200 N/m", "--learned", learned)
+    musclewire("grip", "--known-stiffness", "200 N/m", "--learned", learned)
     rig = tmp_path / "other.toml"
     rig.write_text(
         'wire = "finger-100um"\nbench = "finger"\n[settings]\nmaximum_voltage_v = 5.5\n'
@@ -101,9 +101,9 @@ def test_the_same_seed_gives_the_same_answer(musclewire: Callable[..., Any]) -> 
         (["grip", "no-such-rig"], "no rig"),
         (["grip", "--target", "0 N"], "above 0"),
         (["grip", "--target", "3 V"], "V"),
-        (["grip", "--stiffness", "-5 N/m"], "above 0"),
+        (["grip", "--known-stiffness", "-5 N/m"], "above 0"),
         (["grip", "--object-stiffness", "0 N/m"], "above 0"),
-        (["grip", "--away", "--clearance", "3 mm"], "--away"),
+        (["grip", "--no-object", "--clearance", "3 mm"], "--no-object"),
         (["grip", "--learned", "learned.txt"], ".json"),
         (["grip", "--learned", "nowhere/learned.json"], "nowhere"),
         (["grip", "-o", "grip.csv"], ".h5"),
@@ -123,12 +123,14 @@ def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[...
     loop, model = tmp_path / "loop.h5", tmp_path / "strain.json"
     assert musclewire("characterize", "simulated", "-o", loop).code == 0
     assert musclewire("fit", loop, "-o", model).code == 0
-    said = musclewire("control", "simulated", model, "--quantity", "force", "--stiffness", "588.6 N/m", "--json").json
+    said = musclewire(
+        "control", "simulated", model, "--quantity", "force", "--known-stiffness", "588.6 N/m", "--json"
+    ).json
     assert said["known_stiffness_n_per_m"] == 588.6
     assert said["known_friction_n"] == pytest.approx(0.056, abs=0.002)
     assert said["mae_max_pct"] <= 5.0
     assert len(said["steps"]) == 11
     without = musclewire("control", "simulated", model, "--quantity", "force")
-    assert (without.code, "--stiffness" in without.err) == (2, True)
-    wrong = musclewire("control", "simulated", model, "--stiffness", "588.6 N/m")
+    assert (without.code, "--known-stiffness" in without.err) == (2, True)
+    wrong = musclewire("control", "simulated", model, "--known-stiffness", "588.6 N/m")
     assert (wrong.code, "--quantity force" in wrong.err) == (2, True)

@@ -15,9 +15,9 @@ from musclewire.rigs.configuration import rig_names
     [
         (("characterize", "simulated", "-o", "x.h5", "--amplitude", "3"), "--amplitude"),
         (("pretension", "simulated", "--at", "1.9 N", "--at", "2"), "--at"),
-        (("fit", "lan-fan-2010-table-2", "--order", "3", "--length", "70"), "--length"),
+        (("fit", "lan-fan-2010-table-2", "--order", "3", "--leg-length", "70"), "--leg-length"),
         (("simulate", "--supply", "7"), "--supply"),
-        (("grip", "--stiffness", "200"), "--stiffness"),
+        (("grip", "--known-stiffness", "200"), "--known-stiffness"),
         (("design", "pretensioner", "--stiffness", "386.2 N/m", "--finger-stiffness", "1084"), "--finger-stiffness"),
         (("design", "finger", "--stiffness", "1084.4 N/m", "--column-width", "0.3"), "--column-width"),
         (("design", "finger", "--finger", "lan-fan-2010", "--wire", "x", "--wire-length", "7"), "--wire-length"),
@@ -54,7 +54,7 @@ def test_a_blocked_wire_is_recorded_with_a_warning_and_the_word_that_there_is_no
     assert answer.code == 1
     assert "no loop: the part 'blocked' holds the wire" in answer.out
     assert "warning: the wire pulls with up to 6." in answer.err
-    document = musclewire(*call, "--force", "--json").json
+    document = musclewire(*call, "--overwrite", "--json").json
     assert len(document["warnings"]) == 1
     assert document["strain_gap_pct"] is document["stroke_pct"] is None
     refused = musclewire("fit", tmp_path / "held.h5", "--quantity", "force")

@@ -26,7 +26,7 @@ def test_a_wire_of_the_catalogue_needs_nothing_else(musclewire: Callable[..., An
 
 def test_quantities_may_be_written_as_people_write_them(musclewire: Callable[..., Any]) -> None:
     said = musclewire(
-        "simulate", "--wire", "flexinol-0.15-ht", "--supply", "3300 mV", "--length", "12 cm", "--load", "100 gf",
+        "simulate", "--wire", "flexinol-0.15-ht", "--supply", "3300 mV", "--wire-length", "12 cm", "--load", "100 gf",
         "--spring", "0.2 N/mm", "--ambient", "300 K", "--shunt", "220 mohm", "--off-after", "0.5", "--json",
     ).json  # fmt: skip
     assert said["supply_v"] == pytest.approx(3.3)
@@ -47,7 +47,7 @@ def test_the_recording_and_the_figure_are_written(musclewire: Callable[..., Any]
     assert "wire_temperature_k" in run
     assert (tmp_path / "drive.png").read_bytes().startswith(b"\x89PNG")
     again = musclewire("simulate", "-o", tmp_path / "drive.h5")
-    assert (again.code, "--force" in again.err) == (2, True)
+    assert (again.code, "--overwrite" in again.err) == (2, True)
 
 
 def test_the_same_seed_gives_the_same_answer(musclewire: Callable[..., Any]) -> None:
@@ -82,7 +82,7 @@ def test_a_supply_too_small_for_the_current_says_so(musclewire: Callable[..., An
         (["--current", "5 V"], "'0.5 A'"),
         (["--load", "1 N", "--stress", "172 MPa"], "not both"),
         (["--wire", "paper-100um"], "--supply or --current"),
-        (["--length", "0 mm"], "length"),
+        (["--wire-length", "0 mm"], "length"),
         (["--off-after", "3", "--duration", "1"], "ends before"),
         (["--supply", "10 mV"], "to measure"),
         (["--load", "100 N"], "4.75"),
@@ -127,7 +127,7 @@ def test_the_catalogue_table_shows_all_sizes(musclewire: Callable[..., Any]) -> 
 
 
 def test_the_table_answers_for_every_wire_at_a_length(musclewire: Callable[..., Any]) -> None:
-    said = musclewire("simulate", "--table", "--length", "200 mm", "--json").json
+    said = musclewire("simulate", "--table", "--wire-length", "200 mm", "--json").json
     assert [row["wire"] for row in said["rows"]] == [name for name in names("wire") if name.startswith("flexinol-")]
     for row in said["rows"]:
         assert 0.0 < row["holding_current_a"] <= 1.001 * row["one_second_current_a"]

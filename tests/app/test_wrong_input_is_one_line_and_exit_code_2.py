@@ -30,10 +30,10 @@ def write_csv(path: Path, rows: list[list[float]], header: str = HEADER) -> Path
 
 def test_a_wire_measured_with_voltage_and_current_is_fitted(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     path = write_csv(tmp_path / "bench.csv", loop_rows())
-    answer = musclewire("fit", path, "--length", "70 mm", "-o", tmp_path / "m.json", "--json")
+    answer = musclewire("fit", path, "--leg-length", "70 mm", "-o", tmp_path / "m.json", "--json")
     assert answer.code == 0, answer.err
     assert answer.json["resistance_max_ohm"] > answer.json["resistance_min_ohm"] > 10.0
-    estimated = musclewire("estimate", tmp_path / "m.json", path, "--length", "70 mm", "--json")
+    estimated = musclewire("estimate", tmp_path / "m.json", path, "--leg-length", "70 mm", "--json")
     assert estimated.code == 0, estimated.err
     assert estimated.json["rms_pct"] < 5.0
 
@@ -65,7 +65,7 @@ CASES = {
 def test_a_recording_that_cannot_be_used(name: str, musclewire: Callable[..., Any], tmp_path: Path) -> None:
     rows, header, words = CASES[name]
     path = write_csv(tmp_path / "bench.csv", rows, header)
-    answer = musclewire("fit", path, "--length", "70 mm", "-o", tmp_path / "model.json", "--json")
+    answer = musclewire("fit", path, "--leg-length", "70 mm", "-o", tmp_path / "model.json", "--json")
     assert answer.code == 2
     assert answer.out == ""
     assert len(answer.err.strip().splitlines()) == 1
@@ -78,7 +78,7 @@ def test_a_recording_that_cannot_be_used(name: str, musclewire: Callable[..., An
 def test_displacement_without_a_length_says_how_to_give_one(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     answer = musclewire("fit", write_csv(tmp_path / "bench.csv", loop_rows()))
     assert answer.code == 2
-    assert "--length" in answer.err
+    assert "--leg-length" in answer.err
 
 
 def test_a_sensor_that_reads_absolute_and_backwards_is_turned_and_zeroed(
@@ -86,10 +86,10 @@ def test_a_sensor_that_reads_absolute_and_backwards_is_turned_and_zeroed(
 ) -> None:
     rows = [[time, volts, amps, 123.4 - moved] for time, volts, amps, moved in loop_rows()]
     path = write_csv(tmp_path / "laser.csv", rows)
-    plain = musclewire("fit", write_csv(tmp_path / "bench.csv", loop_rows()), "--length", "70 mm", "--json").json
-    refused = musclewire("fit", path, "--length", "70 mm")
+    plain = musclewire("fit", write_csv(tmp_path / "bench.csv", loop_rows()), "--leg-length", "70 mm", "--json").json
+    refused = musclewire("fit", path, "--leg-length", "70 mm")
     assert refused.code == 2
-    turned = musclewire("fit", path, "--length", "70 mm", "--invert", "--zero", "--json")
+    turned = musclewire("fit", path, "--leg-length", "70 mm", "--invert", "--zero", "--json")
     assert turned.code == 0, turned.err
     assert turned.json["strain_gap_pct"] == pytest.approx(plain["strain_gap_pct"], abs=1e-6)
 
@@ -100,7 +100,7 @@ def test_a_foreign_header_is_taken_by_an_explicit_mapping(musclewire: Callable[.
         *("-c", "time_s=Zeitpunkt:s", "-c", "wire_voltage_v=Kanal 1:V"),
         *("-c", "wire_current_a=Kanal 2:A", "-c", "displacement_m=Weg2:mm"),
     ]
-    answer = musclewire("fit", path, *mapped, "--length", "70 mm", "--json")
+    answer = musclewire("fit", path, *mapped, "--leg-length", "70 mm", "--json")
     assert answer.code == 0, answer.err
 
 
@@ -148,4 +148,4 @@ def test_an_existing_recording_is_not_replaced_unless_told(musclewire: Callable[
     command = ("characterize", "simulated", "-o", path, "--period", "30", "--cycles", "1", "--json")
     assert musclewire(*command).code == 2
     assert path.read_bytes() == b"precious"
-    assert musclewire(*command, "--force").code == 0
+    assert musclewire(*command, "--overwrite").code == 0

@@ -4,16 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.files import require_folder
-from musclewire.app.model_commands import read
-from musclewire.app.options import Columns, Force, Invert, Json, Length, Shunt, Zero, mapping
+from musclewire.app.commands import add_command
+from musclewire.app.files import require_free
+from musclewire.app.options import (
+    EFFORT,
+    JUMPS,
+    OUTPUT,
+    OVERWRITE,
+    PRIORS,
+    REPORT,
+    SEED,
+    SET,
+    STARTS,
+    THREADS,
+    WIRE,
+    Json,
+    mapping,
+)
 from musclewire.app.output import emit_json, say, show, step_bar
+from musclewire.app.recording_options import Reading
 from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
 
@@ -30,59 +45,65 @@ OWN_FORMAT = (".h5", ".hdf5")
 
 def add_calibrate_command(app: typer.Typer) -> None:
     """Add the command of this file."""
-    app.command()(calibrate)
+    add_command(app, calibrate)
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known before: the wire to start from, the priors, and numbers of the bench."""
+
+    wire: Annotated[str, WIRE] = "paper-100um"
+    priors: Annotated[str, PRIORS] = "niti-wire"
+    set: Annotated[list[str] | None, SET] = None
+
+
+@dataclass(frozen=True)
+class Search:
+    """How long and from where the search goes."""
+
+    seed: Annotated[int, SEED] = 1
+    effort: Annotated[str, EFFORT] = "normal"
+    starts: Annotated[int | None, STARTS] = None
+    jumps: Annotated[int | None, JUMPS] = None
+    threads: Annotated[int | None, THREADS] = None
+
+    def settings(self) -> Settings:
+        """Return the settings of the effort with what the user chose otherwise."""
+        from musclewire.identify.physical.search import settings_of_effort
+
+        chosen = {"seed": self.seed, "starts": self.starts, "jumps": self.jumps, "threads": self.threads}
+        changes: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
+        return replace(settings_of_effort(self.effort), **changes)
 
 
 def calibrate(
     recordings: Annotated[
         list[str], typer.Argument(metavar="RECORDING...", help="Loops and steps with a drive, isobars, cooling curves.")
     ],
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="Wire file to write (.toml).")] = None,
-    wire: Annotated[
-        str, typer.Option("--wire", help="Wire to start from, by name or wire file: what is not searched for.")
-    ] = "paper-100um",
-    priors: Annotated[str, typer.Option("--priors", help="What is known before, by name or TOML file.")] = "niti-wire",
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="A number of the bench no recording states. Repeatable."),
-    ] = None,
-    report: Annotated[
-        Path | None, typer.Option("--report", help="Page to write (.html); beside the wire file without it.")
-    ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the search.")] = 1,
-    effort: Annotated[str, typer.Option("--effort", help="quick, normal or thorough.")] = "normal",
-    starts: Annotated[
-        int | None, typer.Option("--starts", min=1, help="Descents from the prior; by the effort without it.")
-    ] = None,
-    jumps: Annotated[
-        int | None, typer.Option("--jumps", min=0, help="Descents from near the best; by the effort without it.")
-    ] = None,
-    threads: Annotated[int | None, typer.Option("--threads", min=1, help="All cores without it.")] = None,
-    column: Columns = None,
-    length: Length = None,
-    shunt: Shunt = None,
-    zero: Zero = False,
-    invert: Invert = False,
-    force: Force = False,
+    reading: Reading,
+    known: Known,
+    search: Search,
+    output: Annotated[Path | None, OUTPUT] = None,
+    report: Annotated[Path | None, REPORT] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
     """The physical parameters of your wire from recordings of it, with uncertainty."""
     from musclewire.identify.physical.calibration import calibrate as run_calibrate
-    from musclewire.identify.physical.search import settings_of_effort
 
     page = report or (output.with_suffix(".html") if output is not None else None)
-    require_free(output, ".toml", "a wire", force)
-    require_free(page, ".html", "a report", force)
-    search = chosen(settings_of_effort(effort), seed=seed, starts=starts, jumps=jumps, threads=threads)
-    given = {name: read_one(name, column, length, shunt, zero, invert) for name in distinct(recordings)}
+    require_written(output, ".toml", "a wire", overwrite)
+    require_written(page, ".html", "a report", overwrite)
+    settings = search.settings()
+    given = {name: read_one(name, reading) for name in distinct(recordings)}
     journal = None if output is None else output.with_name(output.name + JOURNAL_SUFFIX)
-    with goes_on(journal), stops_between_samples(), step_bar("descents", json) as on_progress:
+    with resumable(journal), stops_between_samples(), step_bar("descents", json) as on_progress:
         found = run_calibrate(
             given,
-            wire=wire,
-            priors=priors,
-            bench=mapping(settings, "--set"),
-            settings=search,
+            wire=known.wire,
+            priors=known.priors,
+            bench=mapping(known.set, "--set"),
+            settings=settings,
             journal_path=journal,
             on_progress=on_progress,
             on_step=stop_if_asked,
@@ -99,21 +120,13 @@ def calibrate(
         raise typer.Exit(1)
 
 
-def require_free(path: Path | None, suffix: str, what: str, force: bool) -> None:
+def require_written(path: Path | None, suffix: str, what: str, overwrite: bool) -> None:
     """Raise CallerError for a file of another kind, one that would replace another, or one without a folder."""
     if path is None:
         return
     if path.suffix != suffix:
         raise CallerError(f"{path}: {what} is a {suffix} file")
-    if path.exists() and not force:
-        raise CallerError(f"{path} exists: give another name or --force")
-    require_folder(path)
-
-
-def chosen(settings: Settings, **given: int | None) -> Settings:
-    """Return the settings of an effort with what the user chose otherwise."""
-    changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
-    return replace(settings, **changes)
+    require_free(path, overwrite)
 
 
 def distinct(names: list[str]) -> list[str]:
@@ -124,15 +137,13 @@ def distinct(names: list[str]) -> list[str]:
     return names
 
 
-def read_one(
-    name: str, column: list[str] | None, length: str | None, shunt: str | None, zero: bool, invert: bool
-) -> Recording:
-    """Return a recording with its columns mapped as far as the mapping is for it, and its strain as asked for.
+def read_one(name: str, reading: Reading) -> Recording:
+    """Return a recording with its columns mapped as far as the mapping applies to it, and its strain as requested.
 
-    ``zero`` leaves force as it is, because the load on the wire counts, and isobars, which share one zero of strain.
+    ``zero`` leaves force as it is, because the load on the wire counts, and isobars, which have one zero of strain.
     """
-    recording = read(name, meant_for(name, column), length, shunt, False, invert)
-    if not zero or recording.is_isobar_table:
+    recording = replace(reading, column=meant_for(name, reading.column), zero=False).read(name)
+    if not reading.zero or recording.is_isobar_table:
         return recording
     strains = [key for key in ("displacement_m", "reference_strain") if key in recording]
     return recording.with_columns({key: recording[key] - recording[key][0] for key in strains})
@@ -149,13 +160,13 @@ def meant_for(name: str, column: list[str] | None) -> list[str] | None:
 
 
 @contextmanager
-def goes_on(journal: Path | None) -> Iterator[None]:
-    """Let whoever interrupts a search know how it goes on."""
+def resumable(journal: Path | None) -> Iterator[None]:
+    """Say to whoever interrupts a search how to resume it."""
     try:
         yield
     except SystemExit as stop:
         kept = journal is not None and journal.exists()
-        rest = f"the same command goes on where it stopped ({journal})" if kept else "nothing was kept: give -o"
+        rest = f"the same command continues where it stopped ({journal})" if kept else "nothing was kept: give -o"
         raise Stopped(stop.code if isinstance(stop.code, int) else 1, rest) from None
 
 

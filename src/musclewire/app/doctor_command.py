@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.options import Json, RealTime, RigName, Seed, quantity_option
+from musclewire.app.commands import add_command
+from musclewire.app.options import HOLD, METER_SHUNT, METER_WIRE, REAL_TIME, SEED, WRITE, Json, RigName, in_si
 from musclewire.app.output import emit_json, progress_bar, show
 from musclewire.app.stopping import stops_between_samples
 from musclewire.errors import CallerError
@@ -23,49 +25,32 @@ __all__ = ["add_doctor_command"]
 
 def add_doctor_command(app: typer.Typer) -> None:
     """Add the command of this file."""
-    app.command()(doctor)
+    add_command(app, doctor)
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """How long the sense voltage is held, and what a meter reads meanwhile."""
+
+    hold: Annotated[str, HOLD] = "5 s"
+    meter_wire: Annotated[str | None, METER_WIRE] = None
+    meter_shunt: Annotated[str | None, METER_SHUNT] = None
 
 
 def doctor(
     rig: RigName,
-    hold: Annotated[
-        float, typer.Option("--hold", help="Seconds for which the sense voltage is held.", min=1.0, max=3600.0)
-    ] = 5.0,
-    meter_wire: Annotated[
-        str | None, typer.Option("--meter-wire", help="What a meter reads across the wire at the sense voltage.")
-    ] = None,
-    meter_shunt: Annotated[
-        str | None, typer.Option("--meter-shunt", help="What a meter reads across the shunt at the sense voltage.")
-    ] = None,
-    write: Annotated[
-        bool, typer.Option("--write", help="Write offsets, and gains by the meter, into the rig file.")
-    ] = False,
-    seed: Seed = None,
-    real_time: RealTime = False,
+    measurement: Measurement,
+    write: Annotated[bool, WRITE] = False,
+    seed: Annotated[int | None, SEED] = None,
+    real_time: Annotated[bool, REAL_TIME] = False,
     json: Json = False,
 ) -> None:
     """Check wiring, noise, polarity, sense voltage and sample clock; nothing is heated."""
-    from musclewire.experiment.doctor import examine
-    from musclewire.experiment.doctor.examine import examination_s
     from musclewire.experiment.doctor.rig_file import require_calibrated_kind, write_calibration
-    from musclewire.rigs.configuration import open_rig
 
     if write:
         require_calibrated_kind(rig)
-    meters = (quantity_option(meter_wire, "V", "--meter-wire"), quantity_option(meter_shunt, "V", "--meter-shunt"))
-    task = "Below and at the sense voltage"
-    with (
-        stops_between_samples(),
-        open_rig(rig, seed=seed, real_time=real_time) as opened,
-        progress_bar(task, examination_s(hold), quiet=json) as on_sample,
-    ):
-        found = examine(
-            opened,
-            hold_s=hold,
-            meter_wire_v=meters[0],
-            meter_shunt_v=meters[1],
-            on_sample=since_start(on_sample),
-        )
+    found = examined(rig, measurement, seed, real_time, quiet=json)
     written: Path | None = None
     if write:
         refuse_to_write(found)
@@ -80,6 +65,30 @@ def doctor(
         raise found.trouble
     if not found.ok:
         raise typer.Exit(1)
+
+
+def examined(rig: str, measurement: Measurement, seed: int | None, real_time: bool, *, quiet: bool) -> Examination:
+    """Return what the examination of a rig found."""
+    from musclewire.experiment.doctor import examine
+    from musclewire.experiment.doctor.examine import examination_s
+    from musclewire.rigs.configuration import open_rig
+
+    hold_s = in_si("--hold", measurement.hold)
+    wire_v = in_si("--meter-wire", measurement.meter_wire)
+    shunt_v = in_si("--meter-shunt", measurement.meter_shunt)
+    task = "Below and at the sense voltage"
+    with (
+        stops_between_samples(),
+        open_rig(rig, seed=seed, real_time=real_time) as opened,
+        progress_bar(task, examination_s(hold_s), quiet=quiet) as on_sample,
+    ):
+        return examine(
+            opened,
+            hold_s=hold_s,
+            meter_wire_v=wire_v,
+            meter_shunt_v=shunt_v,
+            on_sample=since_start(on_sample),
+        )
 
 
 def since_start(on_row: Any) -> OnProbe:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.options import Json
+from musclewire.app.commands import add_command
+from musclewire.app.options import DOUBLE, NAME, OUTPUT, OVERWRITE, RIG, RULES, SETTINGS, Json
 from musclewire.app.output import emit_json, say, show
 from musclewire.errors import CallerError
 
@@ -29,43 +31,38 @@ def add_export_commands(app: typer.Typer) -> None:
     def _group() -> None:
         pass
 
-    export.command("c")(export_c)
+    add_command(export, export_c, "c")
     app.add_typer(export)
+
+
+@dataclass(frozen=True)
+class Controller:
+    """Settings of the controller that differ from its defaults."""
+
+    settings: Annotated[Path | None, SETTINGS] = None
+    rules: Annotated[str | None, RULES] = None
 
 
 def export_c(
     model: Annotated[Path, typer.Argument(help="Model file, as 'musclewire fit' writes it.")],
-    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the library; made if need be.")],
-    rig: Annotated[
-        str,
-        typer.Option(
-            "--rig",
-            help="Whose circuit and limits: 'simulated', or a rig file of kind simulated or serial. Not opened.",
-        ),
-    ] = "simulated",
-    settings: Annotated[
-        Path | None,
-        typer.Option("--settings", help="TOML file with settings of the controller, as kp_range = [0.01, 0.1]."),
-    ] = None,
-    rules: Annotated[
-        str | None, typer.Option("--rules", help="Rule base of the fuzzy tuning; see 'musclewire rules'.")
-    ] = None,
-    double: Annotated[bool, typer.Option("--double", help="Double precision by choice of the library.")] = False,
-    name: Annotated[str, typer.Option("--name", help="Name of the library, a C identifier.")] = "musclewire_wire",
-    force: Annotated[bool, typer.Option("--force", help="Replace files of another library in the folder.")] = False,
+    output: Annotated[Path, OUTPUT],
+    controller: Controller,
+    rig: Annotated[str, RIG] = "simulated",
+    double: Annotated[bool, DOUBLE] = False,
+    name: Annotated[str, NAME] = "musclewire_wire",
+    overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
     """Model, controller, limits and protection as a self-contained C99 library, with what it costs on a board."""
     from musclewire.controllers import DriveLimits
     from musclewire.experiment.closed_loop import check_made_for, settings_for
     from musclewire.export.c import write_library
-    from musclewire.export.c.figures import library_figures
     from musclewire.sensing import load_model
 
     loaded = load_model(model)
     limits, known = limits_of_rig(rig)
     check_made_for(loaded, known)
-    chosen = settings_for(loaded, read_settings(settings, rules))
+    chosen = settings_for(loaded, read_settings(controller.settings, controller.rules))
     library = write_library(
         loaded,
         chosen,
@@ -74,7 +71,7 @@ def export_c(
         output,
         name,
         double=double,
-        overwrite=force,
+        overwrite=overwrite,
     )
     answer = {
         "folder": str(output),
@@ -83,16 +80,25 @@ def export_c(
         "quantity": loaded.quantity,
         "rule_base": chosen.rule_base,
         "precision": "double" if double else "single",
-        "single_error_share": library.single_error_share,
         "limits": finite_numbers(limits._asdict()),
-        "golden_rows": library.golden_rows,
-        "largest_difference": held_against_python(library, double),
-        "figures": library_figures(output, double=double),
+        **library_json(library, double),
     }
     if json:
         emit_json(answer)
     else:
         show(export_text(answer, rig))
+
+
+def library_json(library: Library, double: bool) -> dict[str, Any]:
+    """Return how exact the library is and what it costs on a board, under the keys of the interface."""
+    from musclewire.export.c.figures import library_figures
+
+    return {
+        "single_error_share": library.single_error_share,
+        "golden_rows": library.golden_rows,
+        "largest_difference": held_against_python(library, double),
+        "figures": library_figures(library.folder, double=double),
+    }
 
 
 def limits_of_rig(rig: str) -> tuple[ProtectionLimits, Metadata]:

@@ -7,7 +7,14 @@ from typing import Any
 
 from musclewire.errors import CallerError
 
-__all__ = ["require_figure_file", "require_folder", "require_model_file", "require_recording_file", "save_figure"]
+__all__ = [
+    "require_figure_file",
+    "require_folder",
+    "require_free",
+    "require_model_file",
+    "require_recording_file",
+    "save_figure",
+]
 
 FIGURES = (".svg", ".png", ".pdf")
 
@@ -18,13 +25,18 @@ def require_folder(path: Path) -> None:
         raise CallerError(f"{path}: there is no folder {path.parent}")
 
 
-def require_recording_file(path: Path, force: bool) -> None:
+def require_free(path: Path, overwrite: bool) -> None:
+    """Raise CallerError for a file that would replace another, or that has no folder to go to."""
+    if path.exists() and not overwrite:
+        raise CallerError(f"{path} exists: give another name or --overwrite")
+    require_folder(path)
+
+
+def require_recording_file(path: Path, overwrite: bool) -> None:
     """Raise CallerError for a recording of another kind, or one that would replace a file."""
     if path.suffix != ".h5":
         raise CallerError(f"{path}: a run is recorded as .h5 (it survives a crash); 'musclewire import' converts")
-    if path.exists() and not force:
-        raise CallerError(f"{path} exists: give another name or --force")
-    require_folder(path)
+    require_free(path, overwrite)
 
 
 def require_model_file(path: Path) -> None:

@@ -2,13 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from musclewire.app.commands import add_command
 from musclewire.app.files import require_figure_file, require_folder, require_recording_file, save_figure
-from musclewire.app.options import Force, Json, OutputPath, Seed, quantity_option
+from musclewire.app.options import (
+    CLEARANCE,
+    KNOWN_STIFFNESS,
+    LEARNED,
+    NO_OBJECT,
+    OBJECT_STIFFNESS,
+    OUTPUT,
+    OVERWRITE,
+    PLOT,
+    SEED,
+    TARGET,
+    Json,
+    in_si,
+)
 from musclewire.app.output import emit_json, progress_bar, say, show, warn
 from musclewire.app.stopping import stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
@@ -20,98 +35,113 @@ if TYPE_CHECKING:
 
 __all__ = ["add_grip_command"]
 
-# The gripper learns on another day than it grips: noise and weather of its own.
+# The gripper learns on another day than it grips: noise and air of its own.
 LEARNING_SEED_STEP = 1000
 
 
 def add_grip_command(app: typer.Typer) -> None:
     """Add the command of this file."""
-    app.command()(grip)
+    add_command(app, grip)
+
+
+@dataclass(frozen=True)
+class Goal:
+    """The force to hold, and what is known of the object."""
+
+    target: Annotated[str, TARGET] = "0.3 N"
+    known_stiffness: Annotated[str | None, KNOWN_STIFFNESS] = None
+
+    def in_si(self) -> tuple[float, float | None]:
+        """Return force and stiffness. Raises CallerError if one of them is not above 0."""
+        target_n, known = in_si("--target", self.target), in_si("--known-stiffness", self.known_stiffness)
+        if not target_n > 0.0:
+            raise CallerError(f"--target is {target_n:g} N and must be above 0")
+        if known is not None and not known > 0.0:
+            raise CallerError(f"--known-stiffness is {known:g} N/m and must be above 0")
+        return target_n, known
+
+
+@dataclass(frozen=True)
+class ObjectOptions:
+    """The simulated object between the fingers."""
+
+    object_stiffness: Annotated[str | None, OBJECT_STIFFNESS] = None
+    clearance: Annotated[str | None, CLEARANCE] = None
+    no_object: Annotated[bool, NO_OBJECT] = False
+
+    def of_rig(self, rig: str) -> Object | None:
+        """Return the object between the fingers of a rig, None without one.
+
+        Raises CallerError for options that contradict each other or numbers not above 0.
+        """
+        from musclewire.experiment.closings import Object, object_of
+
+        stiffness = in_si("--object-stiffness", self.object_stiffness)
+        clearance = in_si("--clearance", self.clearance)
+        if self.no_object:
+            if stiffness is not None or clearance is not None:
+                raise CallerError("--no-object leaves nothing to touch: leave out --object-stiffness and --clearance")
+            return None
+        own = object_of(rig)
+        block = Object(stiffness or own.stiffness_n_per_m, own.clearance_m if clearance is None else clearance)
+        if stiffness == 0.0 or block.stiffness_n_per_m <= 0.0 or block.clearance_m < 0.0:
+            raise CallerError("the object's stiffness must be above 0, its clearance not below")
+        return block
 
 
 def grip(
+    block: ObjectOptions,
+    goal: Goal,
     rig: Annotated[
         str, typer.Argument(metavar="[RIG]", help="'gripper', or a TOML rig file with a finger and a contact.")
     ] = "gripper",
-    target: Annotated[str, typer.Option("--target", help="Grip force to close on to, at one endpoint.")] = "0.3 N",
-    stiffness: Annotated[
-        str | None, typer.Option("--stiffness", help="What is known of the object: its stiffness, as '200 N/m'.")
-    ] = None,
-    object_stiffness: Annotated[
-        str | None, typer.Option("--object-stiffness", help="Put in a simulated object of this stiffness.")
-    ] = None,
-    clearance: Annotated[
-        str | None, typer.Option("--clearance", help="How far the endpoints go, together, before they touch it.")
-    ] = None,
-    away: Annotated[bool, typer.Option("--away", help="Take the object away: there is nothing to find.")] = False,
-    learned: Annotated[
-        Path | None,
-        typer.Option("--learned", help="What the gripper has learned (.json): read, or learned and written."),
-    ] = None,
-    output: OutputPath = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="Write the figure (.svg, .png, .pdf).")] = None,
-    seed: Seed = None,
-    force: Force = False,
+    learned: Annotated[Path | None, LEARNED] = None,
+    output: Annotated[Path | None, OUTPUT] = None,
+    plot: Annotated[Path | None, PLOT] = None,
+    seed: Annotated[int | None, SEED] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
     """Close fingers on an object, find contact and hold a force, all by the wires' resistance."""
-    from musclewire.experiment.closings import CLOSING_S, REST_S, with_object
+    from musclewire.experiment.closings import with_object
     from musclewire.experiment.force_limit import force_warnings
-    from musclewire.experiment.grip import HOLD_S
-    from musclewire.experiment.grip import grip as run_grip
-    from musclewire.rigs.configuration import open_rig
 
     require_figure_file(plot)
     if output is not None:
-        require_recording_file(output, force)
-    target_n, known = quantity_option(target, "N", "--target") or 0.0, quantity_option(stiffness, "N/m", "--stiffness")
-    if not target_n > 0.0:
-        raise CallerError(f"--target is {target_n:g} N and must be above 0")
-    if known is not None and not known > 0.0:
-        raise CallerError(f"--stiffness is {known:g} N/m and must be above 0")
-    block = chosen_object(
-        rig,
-        quantity_option(object_stiffness, "N/m", "--object-stiffness"),
-        quantity_option(clearance, "m", "--clearance"),
-        away,
-    )
-    configuration = with_object(rig, block)
+        require_recording_file(output, overwrite)
+    target_n, known = goal.in_si()
+    simulated = block.of_rig(rig)
+    configuration = with_object(rig, simulated)
     with stops_between_samples():
         knowledge = knowledge_of(configuration, learned, seed, quiet=json)
-        with (
-            open_rig(configuration, seed=seed) as opened,
-            progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, quiet=json) as on_sample,
-        ):
-            run = run_grip(
-                opened, knowledge, target_n=target_n, stiffness_n_per_m=known,
-                path=output, overwrite=force, on_sample=on_sample,
-            )  # fmt: skip
+        run = gripped(
+            configuration, knowledge, seed, json,
+            target_n=target_n, stiffness_n_per_m=known, path=output, overwrite=overwrite,
+        )  # fmt: skip
     if plot is not None:
         from musclewire.app.report.grip_figure import plot_grip
 
         save_figure(plot_grip(run, knowledge), plot)
     warnings = warn(force_warnings(run))
-    emit_json({**grip_json(run, block, known), "warnings": warnings}) if json else show(grip_text(run, known))
+    emit_json({**grip_json(run, simulated, known), "warnings": warnings}) if json else show(grip_text(run, known))
     if not run.held:
         raise typer.Exit(1)
 
 
-def chosen_object(rig: str, stiffness: float | None, clearance: float | None, away: bool) -> Object | None:
-    """Return the object between the fingers, None where it is taken away.
+def gripped(
+    configuration: RigConfiguration, knowledge: GripperKnowledge, seed: int | None, quiet: bool, **how: Any
+) -> GripRun:
+    """Return the grip on a rig; ``how`` goes to the experiment."""
+    from musclewire.experiment.closings import CLOSING_S, REST_S
+    from musclewire.experiment.grip import HOLD_S
+    from musclewire.experiment.grip import grip as run_grip
+    from musclewire.rigs.configuration import open_rig
 
-    Raises CallerError for options that contradict each other or numbers not above 0.
-    """
-    from musclewire.experiment.closings import Object, object_of
-
-    if away:
-        if stiffness is not None or clearance is not None:
-            raise CallerError("--away takes the object away: leave out --object-stiffness and --clearance")
-        return None
-    own = object_of(rig)
-    block = Object(stiffness or own.stiffness_n_per_m, own.clearance_m if clearance is None else clearance)
-    if stiffness == 0.0 or block.stiffness_n_per_m <= 0.0 or block.clearance_m < 0.0:
-        raise CallerError("the object's stiffness must be above 0, its clearance not below")
-    return block
+    with (
+        open_rig(configuration, seed=seed) as opened,
+        progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, quiet=quiet) as on_sample,
+    ):
+        return run_grip(opened, knowledge, on_sample=on_sample, **how)
 
 
 def knowledge_of(
@@ -136,7 +166,7 @@ def knowledge_of(
 
 
 def knowledge_from(file: Path, configuration: RigConfiguration) -> GripperKnowledge:
-    """Return what a file says, refused where it was learned on another gripper."""
+    """Return what a file says, refused if it was learned on another gripper."""
     from musclewire.experiment.closings import gripper_of, load_knowledge
     from musclewire.rigs.configuration import open_rig
 

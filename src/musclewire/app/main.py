@@ -13,7 +13,8 @@ from typing import Annotated, Any
 import typer
 
 from musclewire.app.calibrate_command import add_calibrate_command
-from musclewire.app.design_commands import add_design_commands
+from musclewire.app.control_command import add_control_command
+from musclewire.app.design import add_design_commands
 from musclewire.app.doctor_command import add_doctor_command
 from musclewire.app.export_command import add_export_commands
 from musclewire.app.grip_command import add_grip_command
@@ -60,6 +61,7 @@ def options(
 
 
 add_rig_commands(app)
+add_control_command(app)
 add_doctor_command(app)
 add_model_commands(app)
 add_grip_command(app)

@@ -3,28 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from musclewire.app.files import require_figure_file, require_model_file, save_figure
-from musclewire.app.options import (
-    Columns,
-    Force,
-    Invert,
-    Json,
-    Length,
-    OutputPath,
-    Shunt,
-    Zero,
-    mapping,
-    quantity_option,
-)
+from musclewire.app.commands import add_command
+from musclewire.app.files import require_figure_file, require_free, require_model_file, save_figure
+from musclewire.app.options import CYCLE, ORDER, OUTPUT, OVERWRITE, PLOT, QUANTITY, Json, mapping
 from musclewire.app.output import emit_json, show
+from musclewire.app.recording_options import Reading
 from musclewire.errors import CallerError
-
-if TYPE_CHECKING:
-    from musclewire.signals.recording import MetadataValue, Recording
 
 __all__ = ["add_model_commands"]
 
@@ -32,37 +20,31 @@ RecordingPath = Annotated[
     str,
     typer.Argument(metavar="RECORDING", help="HDF5, CSV or Parquet file, or 'lan-fan-2010-table-2', the paper's."),
 ]
-PUBLISHED = ("lan-fan-2010-table-2",)
 
 
 def add_model_commands(app: typer.Typer) -> None:
     """Add the commands of this file."""
-    app.command(name="import")(import_recordings)
+    add_command(app, import_recordings, "import")
     for command in (fit, estimate, rules, cite):
-        app.command()(command)
+        add_command(app, command)
 
 
 def import_recordings(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Foreign recordings.")],
-    output: OutputPath = None,
-    column: Columns = None,
-    length: Length = None,
-    shunt: Shunt = None,
-    zero: Zero = False,
-    invert: Invert = False,
-    force: Force = False,
+    reading: Reading,
+    output: Annotated[Path | None, OUTPUT] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
     """Read foreign recordings and show what was understood; with -o write one as ours."""
     from musclewire.signals import understand
 
-    understood = [understand(path, mapping(column)) for path in files]
+    understood = [understand(path, mapping(reading.column)) for path in files]
     if output is not None:
         if len(files) != 1:
             raise CallerError(f"-o takes one file, {len(files)} were given: import them one by one")
-        if output.exists() and not force:
-            raise CallerError(f"{output} exists: give another name or --force")
-        read(str(files[0]), column, length, shunt, zero, invert).save(output)
+        require_free(output, overwrite)
+        reading.read(str(files[0])).save(output)
     if json:
         emit_json({"files": [item.as_dict() for item in understood]})
         return
@@ -74,18 +56,12 @@ def import_recordings(
 
 def fit(
     recording: RecordingPath,
-    output: OutputPath = None,
-    order: Annotated[
-        str, typer.Option("--order", help="Order of the polynomials, or 'auto' (cross-validation).")
-    ] = "6",
-    quantity: Annotated[str, typer.Option("--quantity", help="strain, displacement or force.")] = "strain",
-    cycle: Annotated[str, typer.Option("--cycle", help="first, last, largest, or a number from 0.")] = "last",
-    plot: Annotated[Path | None, typer.Option("--plot", help="Write the figure (.svg, .png, .pdf).")] = None,
-    column: Columns = None,
-    length: Length = None,
-    shunt: Shunt = None,
-    zero: Zero = False,
-    invert: Invert = False,
+    reading: Reading,
+    output: Annotated[Path | None, OUTPUT] = None,
+    order: Annotated[str, ORDER] = "6",
+    quantity: Annotated[str, QUANTITY] = "strain",
+    cycle: Annotated[str, CYCLE] = "last",
+    plot: Annotated[Path | None, PLOT] = None,
     json: Json = False,
 ) -> None:
     """Fit the self-sensing model to a slow loop; prints gap, residuals, validity range."""
@@ -95,7 +71,7 @@ def fit(
     if output is not None:
         require_model_file(output)
     model = run_fit(
-        read(recording, column, length, shunt, zero, invert),
+        reading.read(recording),
         order=whole_number_or(order, "auto"),
         quantity=quantity,
         cycle=whole_number_or(cycle),
@@ -115,23 +91,18 @@ def fit(
 def estimate(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
     recording: RecordingPath,
-    output: OutputPath = None,
-    column: Columns = None,
-    length: Length = None,
-    shunt: Shunt = None,
-    zero: Zero = False,
-    invert: Invert = False,
-    force: Force = False,
+    reading: Reading,
+    output: Annotated[Path | None, OUTPUT] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
     """Estimate strain from a recording's resistance; errors where it has a reference."""
     from musclewire.identify import estimate as run_estimate
     from musclewire.sensing import load_model
 
-    report = run_estimate(load_model(model), read(recording, column, length, shunt, zero, invert))
+    report = run_estimate(load_model(model), reading.read(recording))
     if output is not None:
-        if output.exists() and not force:
-            raise CallerError(f"{output} exists: give another name or --force")
+        require_free(output, overwrite)
         report.recording.save(output)
     answer = {
         "samples": len(report.recording),
@@ -152,7 +123,7 @@ def estimate(
 
 def rules(
     name: Annotated[str, typer.Argument(metavar="[RULES]", help="Name of a rule base, or a TOML file.")] = "zhao-1993",
-    plot: Annotated[Path | None, typer.Option("--plot", help="Write the surfaces (.svg, .png, .pdf).")] = None,
+    plot: Annotated[Path | None, PLOT] = None,
     json: Json = False,
 ) -> None:
     """Show a fuzzy rule base, and its surfaces with --plot."""
@@ -193,42 +164,6 @@ def cite(json: Json = False) -> None:
         emit_json({"cite": items})
     else:
         show("\n".join(items))
-
-
-def read(
-    recording: str,
-    column: list[str] | None,
-    length: str | None,
-    shunt: str | None,
-    zero: bool = False,
-    invert: bool = False,
-) -> Recording:
-    """Return a recording by path, or the paper's own measured wire by name."""
-    from importlib.resources import as_file, files
-
-    from musclewire.signals import read_recording
-
-    known: dict[str, MetadataValue] = {
-        "leg_length_m": quantity_option(length, "m", "--length"),
-        "shunt_resistance_ohm": quantity_option(shunt, "ohm", "--shunt"),
-    }
-    metadata = {name: value for name, value in known.items() if value is not None}
-    if recording in PUBLISHED and not Path(recording).exists():
-        with as_file(files("musclewire.parameters") / "data" / "published" / f"{recording}.csv") as path:
-            return read_recording(path, mapping(column), metadata)
-    return turned(read_recording(recording, mapping(column), metadata), zero, invert)
-
-
-def turned(recording: Recording, zero: bool, invert: bool) -> Recording:
-    """Return a recording whose mechanical columns count from the first row, or the other way round."""
-    changed = {
-        name: (-recording[name] if invert and name != "force_n" else recording[name])
-        for name in ("displacement_m", "reference_strain", "force_n")
-        if name in recording
-    }
-    if zero:
-        changed = {name: values - values[0] for name, values in changed.items()}
-    return recording.with_columns(changed)
 
 
 def whole_number_or(text: str, *words: str) -> Any:

@@ -1,34 +1,194 @@
-"""Options that several commands share, declared once."""
+"""Every option of every command, defined once: its name, its unit, and what it means.
+
+A command says which options it has, with which type and default; name and help come from here. The same name means the
+same in all commands (``tests/app/test_one_list_of_options.py``).
+"""
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
+import re
+from math import inf
+from typing import Annotated, Any, NamedTuple, overload
 
 import typer
 
 from musclewire.errors import CallerError
 
-__all__ = [
-    "Columns",
-    "Force",
-    "Invert",
-    "Json",
-    "Length",
-    "OutputPath",
-    "RealTime",
-    "RigName",
-    "Seed",
-    "Shunt",
-    "Zero",
-    "mapping",
-    "quantity_option",
-]
+__all__ = ["OLD_NAMES", "OPTIONS", "Json", "RigName", "in_si", "mapping", "renamed"]
 
+# A number without a unit, which some options take in the unit they had before they took any.
+BARE = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*")
 EXAMPLES = {
     "--column": "NAME=HEADER or NAME=HEADER:UNIT, as wire_voltage_v='Vw:V'",
     "--set": "NAME=VALUE, as pretension_n='1.9 N'",
 }
+
+
+class Quantity(NamedTuple):
+    """What an option with a number and a unit becomes: the SI unit, and the smallest and largest value in it.
+
+    ``bare`` is the unit of a number that comes without one; "" if there must be one.
+    """
+
+    unit: str
+    low: float = -inf
+    high: float = inf
+    bare: str = ""
+
+
+class Definition(NamedTuple):
+    """What an option is called and means; ``quantity`` is None if its value is no number with a unit."""
+
+    names: tuple[str, ...]
+    help: str
+    quantity: Quantity | None = None
+
+
+# All options by their first name.
+OPTIONS: dict[str, Definition] = {}
+
+
+def option(*names: str, help: str, **how: Any) -> Any:
+    """Define an option; ``how`` goes to typer: smallest and largest number, how its value is shown."""
+    OPTIONS[names[0]] = Definition(names, help)
+    return typer.Option(*names, help=help, **how)
+
+
+def quantity(name: str, unit: str, help: str, low: float = -inf, high: float = inf, bare: str = "") -> Any:
+    """Define an option whose value is a number with a unit."""
+    OPTIONS[name] = Definition((name,), help, Quantity(unit, low, high, bare))
+    return typer.Option(name, help=help, metavar="QUANTITY")
+
+
+# What is written, and how it is shown.
+OUTPUT = option("--output", "-o", help="File or folder to write.")
+OVERWRITE = option("--overwrite", help="Replace what is already there.")
+PLOT = option("--plot", help="Figure to write (.svg, .png, .pdf).")
+REPORT = option("--report", help="Page to write (.html); next to the output without it.")
+DRAWING = option("--drawing", help="Drawing to cut, 1:1 (.svg, .dxf). Repeatable.")
+JSON = option("--json", help="Print one JSON document on stdout.")
+LIST = option("--list", help="List the names that can be given, and exit.")
+
+# Rigs and their clocks.
+SEED = option("--seed", help="Seed of everything random: the same seed, the same numbers.", min=0)
+REAL_TIME = option("--real-time", help="Pace a simulated rig by the clock.")
+REAL_TIME_PRIORITY = option(
+    "--real-time-priority", help="On Linux: run before all ordinary programs, with memory locked."
+)
+CPU = option("--cpu", help="On Linux: keep the loop on this processor core.", min=0)
+HOLD = quantity("--hold", "s", "Time for which the sense voltage is held, as '5 s'.", 1.0, 3600.0, "s")
+METER_WIRE = quantity("--meter-wire", "V", "What a meter reads across the wire at the sense voltage.")
+METER_SHUNT = quantity("--meter-shunt", "V", "What a meter reads across the shunt at the sense voltage.")
+WRITE = option("--write", help="Write offsets, and gains by the meter, into the rig file.")
+RIG = option(
+    "--rig", help="Rig whose circuit and limits are taken: 'simulated', or a rig file of kind simulated or serial."
+)
+
+# The slow sine and what is compared by it.
+AMPLITUDE = quantity("--amplitude", "V", "Amplitude of the slow sine, as '3.2 V'.")
+PERIOD = quantity("--period", "s", "Period of the slow sine, as '90 s'.", 1.0, 86400.0, "s")
+CYCLES = option("--cycles", help="Cycles at each setting; the last is analysed.", min=1)
+MAX_CYCLES = option("--max-cycles", help="Stop after this many cycles at the latest.", min=2)
+AT = quantity("--at", "N", "A pretension to try, as '1.9 N'. Repeatable.")
+QUANTITY = option("--quantity", help="What is sensed from resistance: strain, displacement or force.")
+
+# The closed loop and the grip.
+REFERENCE = option(
+    "--reference", help="'staircase', steps as '2.5 mm to 6 mm by 0.5 mm', or a file with the targets over time."
+)
+KNOWN_STIFFNESS = quantity(
+    "--known-stiffness",
+    "N/m",
+    "Known stiffness of the load or of the object, as '588.6 N/m': gives force from a model of strain.",
+)
+RULES = option("--rules", help="Rule base of the fuzzy tuning; see 'musclewire rules'.")
+RECALIBRATE = option("--recalibrate", help="Sweep once first, to measure R_min and R_max again.")
+ON_BOARD = option(
+    "--on-board", help="The board's firmware closes the loop; the host sends the targets and records the samples."
+)
+TARGET = quantity("--target", "N", "Grip force to reach and hold at one endpoint, as '0.3 N'.")
+OBJECT_STIFFNESS = quantity(
+    "--object-stiffness", "N/m", "Stiffness of the simulated object in the way of the endpoint, as '50 N/m'."
+)
+CLEARANCE = quantity(
+    "--clearance", "m", "How far the endpoint moves (two fingers: both together) before it touches, as '4 mm'."
+)
+NO_OBJECT = option("--no-object", help="Simulate the grip without any object.")
+LEARNED = option("--learned", help="What the gripper has learned (.json): read, or learned and written.")
+
+# Recordings and models.
+COLUMN = option("--column", "-c", help="Say which header holds which column. Repeatable.", metavar="NAME=HEADER[:UNIT]")
+LEG_LENGTH = quantity(
+    "--leg-length", "m", "Length whose shortening is the strain, as '70 mm': one leg of a V-shaped wire."
+)
+SHUNT = quantity("--shunt", "ohm", "Shunt resistance of Eq. 1, as '1.0 ohm'.")
+ZERO = option("--zero", help="Count displacement, strain and force from the first row.")
+INVERT = option("--invert", help="The sensor reads backwards: negate displacement and strain.")
+ORDER = option("--order", help="Order of the polynomials, or 'auto' (cross-validation).")
+CYCLE = option("--cycle", help="Cycle that is fitted: first, last, largest, or a number from 0.")
+
+# Wires, simulated and calibrated.
+WIRE = option("--wire", help="Wire by name ('musclewire simulate --list' shows all), or wire file (.toml).")
+WIRE_LENGTH = quantity("--wire-length", "m", "Length of the wire between its terminals, both legs of a V together.")
+PRETENSION = quantity("--pretension", "N", "Pretension of the wire, both legs of a V together, as '0.71 N'.")
+SUPPLY = quantity("--supply", "V", "Supply voltage, as '5 V'.")
+CURRENT = quantity("--current", "A", "Current that is held, as '200 mA'; --supply is then its limit.")
+OFF_AFTER = quantity("--off-after", "s", "Time until switching off, as '1 s'.", 0.01, inf, "s")
+DURATION = quantity("--duration", "s", "Duration of the whole run; long enough to cool without it.", 0.0, 86400.0, "s")
+LOAD = quantity("--load", "N", "Weight, or pretension of the spring, as '1.4 N'.")
+STRESS = quantity("--stress", "Pa", "The load as a stress; '172 MPa' without either.")
+SPRING = quantity("--spring", "N/m", "A spring to pull, as '588.6 N/m'.")
+AMBIENT = quantity("--ambient", "K", "Temperature of the still air, as '22 degC'.")
+TABLE = option("--table", help="Show current, voltage and shunt of all wires at --wire-length, and exit.")
+PRIORS = option("--priors", help="What is known before, by name or TOML file.")
+SET = option("--set", help="A number of the bench that no recording states. Repeatable.", metavar="NAME=VALUE")
+EFFORT = option("--effort", help="How long to search: quick, normal or thorough.")
+STARTS = option("--starts", help="Descents from the prior; by the effort without it.", min=1)
+JUMPS = option("--jumps", help="Descents from near the best; by the effort without it.", min=0)
+THREADS = option("--threads", help="Threads of the search; all cores without it.", min=1)
+
+# Parts to design.
+STIFFNESS = quantity("--stiffness", "N/m", "Size a part of this stiffness, as '386.2 N/m'.")
+STROKE = quantity("--stroke", "m", "Contraction of the wire, as '1.05 mm'.")
+TRAVEL = quantity("--travel", "m", "Largest travel of the connector, where wire, tendon and pretensioner meet.")
+FINGER_STIFFNESS = quantity(
+    "--finger-stiffness", "N/m", "Stiffness of the finger on the same connector, which must be the greater one."
+)
+MATERIAL = option("--material", help="Material by name ('design pretensioner --list' shows all), or its .toml file.")
+PROCESS = option("--process", help="Manufacturing process, which limits how thin a beam can be.")
+ENVELOPE = option("--envelope", help="Room across the wire, along it, out of plane, as '24.6x27.6x10 mm'.")
+FILE = option("--file", help="Take all dimensions from a pretensioner's file.")
+BEAMS = option("--beams", help="Compute given dimensions: number of beams.")
+HALF_LENGTH = quantity("--half-length", "m", "Half of a beam's length, a.")
+PITCH = quantity("--pitch", "m", "Distance between the centre lines of beams, p.")
+THICKNESS = quantity("--thickness", "m", "Compute given dimensions: thickness of a beam in the plane of bending, t.")
+DEPTH = quantity("--depth", "m", "Depth of the part out of the plane of bending, b.")
+MAX_DEPTH = quantity("--max-depth", "m", "Largest depth there is room for.")
+CORNER_RADIUS = quantity("--corner-radius", "m", "Inner radius of corners; a quarter of the thickness without it.")
+FINGER = option("--finger", help="Take all dimensions from a finger, by name or .toml file.")
+OFFSET = quantity("--offset", "m", "With --thickness: distance of the tendon from the beam's centre line.")
+OVERALL_LENGTH = quantity("--overall-length", "m", "Length along the beam, extension plate included.")
+PLATE = quantity("--plate", "m", "Length of the extension plate.")
+COLUMNS = option("--columns", help="Number of columns that guide the tendon.")
+COLUMN_WIDTH = quantity("--column-width", "m", "Width of a column.")
+INWARD_ANGLE = quantity(
+    "--inward-angle", "rad", "Angle by which all unloaded segments together curve inward, as '8 deg'.", 0.0, inf, "deg"
+)
+ENDPOINT = quantity("--endpoint", "m", "Displacement of the endpoint that is wanted, as '6 mm'.")
+FRICTION = option("--friction", help="Coefficient of friction between tendon and holes.", min=0.0)
+PRETENSIONER = quantity(
+    "--pretensioner", "N/m", "Stiffness of the pretensioner on the same connector, as '386.2 N/m', or its .toml file."
+)
+COMPARE = option("--compare", help="Compare distributed with concentrated actuation.")
+REFINED = option("--refined", help="Factor by which the finite elements are finer.", min=1, max=4)
+
+# Everything else.
+ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.mae'.", metavar="NAME")
+SETTINGS = option("--settings", help="TOML file with settings of the controller, as kp_range = [0.01, 0.1].")
+DOUBLE = option("--double", help="Double precision instead of single.")
+NAME = option("--name", help="Name of the library, a C identifier.")
+
+Json = Annotated[bool, JSON]
 RigName = Annotated[
     str,
     typer.Argument(
@@ -37,27 +197,28 @@ RigName = Annotated[
         "'serial-board', 'ni-pci-6229', 'ni-usb-6001'.",
     ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
-Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of everything random in a simulated rig.")]
-RealTime = Annotated[bool, typer.Option("--real-time", help="Pace a simulated rig by the clock.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace an existing recording.")]
-Columns = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--column",
-        "-c",
-        metavar="NAME=HEADER[:UNIT]",
-        help="Say which header holds which column. Repeatable.",
-    ),
-]
-Length = Annotated[
-    str | None,
-    typer.Option("--length", help="Length whose shortening is the strain, as '70 mm': one leg of a V-shaped wire."),
-]
-Shunt = Annotated[str | None, typer.Option("--shunt", help="Shunt resistance of Eq. 1, as '1.0 ohm'.")]
-Zero = Annotated[bool, typer.Option("--zero", help="Count displacement, strain and force from the first row.")]
-Invert = Annotated[bool, typer.Option("--invert", help="The sensor reads backwards: negate displacement and strain.")]
-OutputPath = Annotated[Path | None, typer.Option("--output", "-o", help="Where to write.")]
+
+# Names that options had before. They still work: a command takes the first of the new names that it has.
+OLD_NAMES: dict[str, tuple[str, ...]] = {
+    "--out": ("--output",),
+    "--folder": ("--output",),
+    "--force": ("--overwrite",),
+    "--length": ("--leg-length", "--overall-length", "--wire-length"),
+    "--stiffness": ("--known-stiffness",),
+    "--most-cycles": ("--max-cycles",),
+    "--most-depth": ("--max-depth",),
+    "--away": ("--no-object",),
+    "--foam": ("--object-stiffness",),
+    "--inward": ("--inward-angle",),
+}
+
+
+def renamed(argument: str, known: set[str]) -> str:
+    """Return an argument of a command line with an option's old name replaced by the one the command knows."""
+    name, separator, value = argument.partition("=")
+    if name in known:
+        return argument
+    return next((new for new in OLD_NAMES.get(name, ()) if new in known), name) + separator + value
 
 
 def mapping(pairs: list[str] | None, option: str = "--column") -> dict[str, str]:
@@ -71,16 +232,28 @@ def mapping(pairs: list[str] | None, option: str = "--column") -> dict[str, str]
     return found
 
 
-def quantity_option(text: str | None, unit: str, option: str) -> float | None:
-    """Return an option such as '70 mm' in SI, None where it was not given.
+@overload
+def in_si(name: str, text: str) -> float: ...
+@overload
+def in_si(name: str, text: None) -> None: ...
+@overload
+def in_si(name: str, text: str | None) -> float | None: ...
+def in_si(name: str, text: str | None) -> float | None:
+    """Return what was given for an option, such as '70 mm', in SI; None if it was not given.
 
-    Raises CallerError that names the option where the text is no such quantity.
+    Raises CallerError that names the option if the text is no such quantity, or outside of what is allowed.
     """
+    kind = OPTIONS[name].quantity
+    if kind is None:
+        raise KeyError(f"{name} is no quantity")
     if text is None:
         return None
     from musclewire.signals.units import parse_quantity
 
     try:
-        return parse_quantity(text, unit)
+        value = parse_quantity(f"{text} {kind.bare}" if kind.bare and BARE.fullmatch(text) else text, kind.unit)
     except CallerError as error:
-        raise CallerError(f"{option}: {error}") from None
+        raise CallerError(f"{name}: {error}") from None
+    if not kind.low <= value <= kind.high:
+        raise CallerError(f"{name}: {text} is outside {kind.low:g} to {kind.high:g} {kind.unit}")
+    return value

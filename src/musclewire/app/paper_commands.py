@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.options import Json
+from musclewire.app.commands import add_command
+from musclewire.app.options import ONLY, OUTPUT, SEED, Json
 from musclewire.app.output import console, emit_json, say, show
 from musclewire.app.stopping import stop_if_asked, stops_between_samples
 
@@ -26,20 +27,16 @@ TABLE_WIDTH = 118
 
 def add_paper_commands(app: typer.Typer) -> None:
     """Add the commands of this file."""
-    app.command()(reproduce)
+    add_command(app, reproduce)
 
 
 def reproduce(
-    only: Annotated[
-        str | None, typer.Option("--only", metavar="NAME", help="Only rows that begin so: 'fig4', 'table2.mae'.")
-    ] = None,
-    out: Annotated[Path, typer.Option("--out", help="Folder for reproduce.html and reproduce.json.")] = Path(
-        "musclewire-reproduce"
-    ),
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of everything random.")] = 1,
+    only: Annotated[str | None, ONLY] = None,
+    output: Annotated[Path, OUTPUT] = Path("musclewire-reproduce"),
+    seed: Annotated[int, SEED] = 1,
     json: Json = False,
 ) -> None:
-    """Every printed number and figure of the paper, beside ours; exit code 1 where a row fails."""
+    """Every printed number and figure of the paper, next to ours, in a folder; exit code 1 if a row fails."""
     started = time.perf_counter()
     from musclewire.app.report.paper_page import write_paper_page
     from musclewire.experiment.reproduce import all_checks, selected
@@ -47,7 +44,7 @@ def reproduce(
     from musclewire.experiment.run import file_in
 
     chosen = selected(all_checks(), only)
-    page, data = file_in(out, "reproduce.html"), out / "reproduce.json"
+    page, data = file_in(output, "reproduce.html"), output / "reproduce.json"
     for old in (page, data):
         old.unlink(missing_ok=True)  # an interrupted run must not leave an old answer
     with stops_between_samples(), rows_shown(quiet=json) as on_row:

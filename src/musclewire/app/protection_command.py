@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from musclewire.app.commands import add_command
 from musclewire.app.options import Json
 from musclewire.app.output import emit_json, show
 
@@ -20,7 +21,7 @@ UNITS = {"_v": "V", "_a": "A", "_w": "W", "_ohm": "ohm", "_k": "K", "_j_per_k": 
 
 def add_protection_command(app: typer.Typer) -> None:
     """Add the command of this file."""
-    app.command()(protection)
+    add_command(app, protection)
 
 
 def protection(

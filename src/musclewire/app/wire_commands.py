@@ -2,17 +2,42 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from musclewire.app.commands import add_command
 from musclewire.app.files import require_figure_file, require_recording_file, save_figure
-from musclewire.app.options import Force, Json, quantity_option
-from musclewire.app.output import emit_json, progress_bar, say, show
+from musclewire.app.options import (
+    AMBIENT,
+    CURRENT,
+    DURATION,
+    LIST,
+    LOAD,
+    OFF_AFTER,
+    OUTPUT,
+    OVERWRITE,
+    PLOT,
+    SEED,
+    SHUNT,
+    SPRING,
+    STRESS,
+    SUPPLY,
+    TABLE,
+    WIRE,
+    WIRE_LENGTH,
+    Json,
+    in_si,
+)
+from musclewire.app.output import emit_json, progress_bar, show, warn
 from musclewire.app.stopping import stops_between_samples
 from musclewire.app.wire_text import answer_json, answer_text, comparison_json, comparison_text, wires_json, wires_text
 from musclewire.errors import CallerError
+
+if TYPE_CHECKING:
+    from musclewire.experiment.supply_sizing import SupplyRequest
 
 __all__ = ["add_wire_commands"]
 
@@ -20,70 +45,79 @@ __all__ = ["add_wire_commands"]
 def add_wire_commands(app: typer.Typer) -> None:
     """Add the commands of this file."""
     for command in (simulate, catalogue):
-        app.command()(command)
+        add_command(app, command)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """How the wire is heated, and for how long."""
+
+    supply: Annotated[str | None, SUPPLY] = None
+    current: Annotated[str | None, CURRENT] = None
+    off_after: Annotated[str, OFF_AFTER] = "1 s"
+    duration: Annotated[str | None, DURATION] = None
+    shunt: Annotated[str | None, SHUNT] = None
+
+
+@dataclass(frozen=True)
+class Mounting:
+    """How long the wire is, what it pulls, and in which air."""
+
+    wire_length: Annotated[str, WIRE_LENGTH] = "140 mm"
+    load: Annotated[str | None, LOAD] = None
+    stress: Annotated[str | None, STRESS] = None
+    spring: Annotated[str | None, SPRING] = None
+    ambient: Annotated[str, AMBIENT] = "22 degC"
+
+
+def request_of(wire: str, drive: Drive, mounting: Mounting, seed: int) -> SupplyRequest:
+    """Return the request that the options describe, in SI."""
+    from musclewire.experiment.supply_sizing import SupplyRequest
+
+    return SupplyRequest(
+        wire=wire,
+        supply_v=in_si("--supply", drive.supply),
+        current_a=in_si("--current", drive.current),
+        on_s=in_si("--off-after", drive.off_after),
+        duration_s=in_si("--duration", drive.duration),
+        length_m=in_si("--wire-length", mounting.wire_length),
+        load_n=in_si("--load", mounting.load),
+        stress_pa=in_si("--stress", mounting.stress),
+        spring_n_per_m=in_si("--spring", mounting.spring) or 0.0,
+        shunt_ohm=in_si("--shunt", drive.shunt),
+        ambient_k=in_si("--ambient", mounting.ambient),
+        seed=seed,
+    )
 
 
 def simulate(
-    wire: Annotated[str, typer.Option("--wire", help="A wire by name; --list shows all.")] = "flexinol-0.10-ht",
-    supply: Annotated[str | None, typer.Option("--supply", help="Supply voltage, as '5 V'.")] = None,
-    current: Annotated[
-        str | None, typer.Option("--current", help="Current that is held, as '200 mA'; --supply then limits.")
-    ] = None,
-    off_after: Annotated[float, typer.Option("--off-after", help="Seconds until switching off.", min=0.01)] = 1.0,
-    duration: Annotated[
-        float | None, typer.Option("--duration", help="Seconds in all; long enough to cool without it.", max=86400.0)
-    ] = None,
-    length: Annotated[str, typer.Option("--length", help="Length of the wire.")] = "140 mm",
-    load: Annotated[str | None, typer.Option("--load", help="Weight, or pretension of the spring, as '1.4 N'.")] = None,
-    stress: Annotated[
-        str | None, typer.Option("--stress", help="The load as a stress; '172 MPa' without either.")
-    ] = None,
-    spring: Annotated[str | None, typer.Option("--spring", help="A spring to pull, as '588.6 N/m'.")] = None,
-    shunt: Annotated[
-        str | None, typer.Option("--shunt", help="Shunt, as '0.47 ohm'; a fitting one without it.")
-    ] = None,
-    ambient: Annotated[str, typer.Option("--ambient", help="Temperature of the still air.")] = "22 degC",
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="Recording to write (.h5).")] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="Figure to write (.svg, .png, .pdf).")] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the instruments' noise.")] = 1,
-    list_wires: Annotated[bool, typer.Option("--list", help="Show all wires and end.")] = False,
-    table: Annotated[
-        bool, typer.Option("--table", help="Current, voltage and shunt for all wires at --length, and end.")
-    ] = False,
-    force: Force = False,
+    drive: Drive,
+    mounting: Mounting,
+    wire: Annotated[str, WIRE] = "flexinol-0.10-ht",
+    output: Annotated[Path | None, OUTPUT] = None,
+    plot: Annotated[Path | None, PLOT] = None,
+    seed: Annotated[int, SEED] = 1,
+    list_wires: Annotated[bool, LIST] = False,
+    table: Annotated[bool, TABLE] = False,
+    overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
-    """A drive through a wire: what supply, shunt and current does my wire want?"""
+    """A drive through a wire: what supply, shunt and current does my wire need?"""
     if list_wires:
         emit_json(wires_json()) if json else show(wires_text())
         return
     if table:
-        refuse_with_table(
-            supply=supply, current=current, load=load, spring=spring, shunt=shunt, output=output, plot=plot
-        )
-        show_table(length, stress, ambient, json)
+        refuse_with_table(drive, mounting, output, plot)
+        show_table(mounting, json)
         return
-    from musclewire.experiment.supply_sizing import SupplyRequest, plan_supply, size_supply
+    from musclewire.experiment.supply_sizing import plan_supply, size_supply
 
-    request = SupplyRequest(
-        wire=wire,
-        supply_v=quantity_option(supply, "V", "--supply"),
-        current_a=quantity_option(current, "A", "--current"),
-        on_s=off_after,
-        duration_s=duration,
-        length_m=quantity_option(length, "m", "--length") or 0.0,
-        load_n=quantity_option(load, "N", "--load"),
-        stress_pa=quantity_option(stress, "Pa", "--stress"),
-        spring_n_per_m=quantity_option(spring, "N/m", "--spring") or 0.0,
-        shunt_ohm=quantity_option(shunt, "ohm", "--shunt"),
-        ambient_k=quantity_option(ambient, "K", "--ambient") or 0.0,
-        seed=seed,
-    )
+    request = request_of(wire, drive, mounting, seed)
     if output is not None:
-        require_recording_file(output, force)
+        require_recording_file(output, overwrite)
     require_figure_file(plot)
     with stops_between_samples(), progress_bar("Drive", plan_supply(request).duration_s, quiet=json) as on_sample:
-        answer = size_supply(request, path=output, overwrite=force, on_sample=on_sample)
+        answer = size_supply(request, path=output, overwrite=overwrite, on_sample=on_sample)
     if plot is not None:
         from musclewire.experiment.supply_figure import drive_axes
 
@@ -92,30 +126,38 @@ def simulate(
         emit_json(answer_json(answer, output))
     else:
         show(answer_text(answer))
-        for warning in answer.warnings:
-            say(f"warning: {warning}")
+        warn(answer.warnings)
     if answer.numbers.melted:
         raise typer.Exit(1)
 
 
-def refuse_with_table(**given: object) -> None:
+def refuse_with_table(drive: Drive, mounting: Mounting, output: Path | None, plot: Path | None) -> None:
     """Raise CallerError for options that a table of all wires has no use for."""
+    given = {
+        "--supply": drive.supply,
+        "--current": drive.current,
+        "--load": mounting.load,
+        "--spring": mounting.spring,
+        "--shunt": drive.shunt,
+        "--output": output,
+        "--plot": plot,
+    }
     for name, value in given.items():
         if value is not None:
-            raise CallerError(f"--{name} belongs to one wire: with --table give --length, --stress and --ambient only")
+            raise CallerError(f"{name} is for one wire: with --table give --wire-length, --stress and --ambient only")
 
 
-def show_table(length: str, stress: str | None, ambient: str, json: bool) -> None:
-    """Print what every wire of the catalogue wants at a length."""
+def show_table(mounting: Mounting, json: bool) -> None:
+    """Print what every wire of the catalogue needs at a length."""
     from musclewire.app.wire_table_text import table_json, table_text
     from musclewire.identify.catalogue_check import PULL_STRESS_PA
     from musclewire.identify.wire_table import wire_table
 
-    length_m = quantity_option(length, "m", "--length") or 0.0
-    stress_pa = PULL_STRESS_PA if stress is None else quantity_option(stress, "Pa", "--stress") or 0.0
-    ambient_k = quantity_option(ambient, "K", "--ambient") or 0.0
+    length_m = in_si("--wire-length", mounting.wire_length)
+    stress_pa = PULL_STRESS_PA if mounting.stress is None else in_si("--stress", mounting.stress)
+    ambient_k = in_si("--ambient", mounting.ambient)
     if not (length_m > 0.0 and stress_pa > 0.0 and 200.0 < ambient_k < 330.0):
-        raise CallerError("--table needs a --length and a --stress above 0 and an --ambient from -73 to 57 degC")
+        raise CallerError("--table needs a --wire-length and a --stress above 0 and an --ambient from -73 to 57 degC")
     rows = wire_table(length_m, stress_pa, ambient_k)
     if json:
         emit_json(table_json(rows, length_m, stress_pa, ambient_k))
@@ -124,7 +166,7 @@ def show_table(length: str, stress: str | None, ambient: str, json: bool) -> Non
 
 
 def catalogue(json: Json = False) -> None:
-    """The Flexinol catalogue beside the simulation: contraction after one second, and cooling times."""
+    """The Flexinol catalogue next to the simulation: contraction after one second, and cooling times."""
     from musclewire.identify.catalogue_table import compare_catalogue
 
     compared = compare_catalogue()

@@ -71,7 +71,7 @@ def refuse_unusable(path: str | Path | None, overwrite: bool) -> None:
     if path is None:
         return
     if Path(path).exists() and not overwrite:
-        raise CallerError(f"{path} exists: give another name, or allow replacing it (--force, overwrite=True)")
+        raise CallerError(f"{path} exists: give another name, or allow replacing it (--overwrite, overwrite=True)")
     if not Path(path).parent.is_dir():
         raise CallerError(f"{path}: there is no folder {Path(path).parent}")
 

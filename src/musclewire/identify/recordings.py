@@ -78,7 +78,7 @@ def required_quantity(recording: Recording, quantity: str = "strain") -> FloatAr
         return found
     if quantity == "strain" and "displacement_m" in recording:
         raise RecordingError(
-            "displacement_m gives strain only with the wire's length: give --length, or leg_length_m in the file"
+            "displacement_m gives strain only with the wire's length: give --leg-length, or leg_length_m in the file"
         )
     needed = {
         "strain": "reference_strain or displacement_m",

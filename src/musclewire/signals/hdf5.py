@@ -239,7 +239,7 @@ def _create_file(path: Path, names: Sequence[str], metadata: Mapping[str, Metada
         file = h5py.File(path, "w" if overwrite else "x")
     except FileExistsError:
         raise CallerError(
-            f"{path}: the file exists; give another name, or allow replacing it (--force, overwrite=True)"
+            f"{path}: the file exists; give another name, or allow replacing it (--overwrite, overwrite=True)"
         ) from None
     except OSError as problem:
         reason = _first_line(problem)

@@ -241,7 +241,8 @@ def _parsed(spelling: str, unit_text: str) -> pint.Unit:
 
 def _same_dimension(unit: pint.Unit, unit_si: str) -> bool:
     # pint calls an angle dimensionless; a strain in degrees is a mistake all the same.
-    return bool(unit.dimensionality == _registry().Unit(unit_si).dimensionality) and not _is_angle(unit)
+    same = bool(unit.dimensionality == _registry().Unit(unit_si).dimensionality)
+    return same and _is_angle(unit) == (unit_si == "rad")
 
 
 def _is_angle(unit: pint.Unit) -> bool:

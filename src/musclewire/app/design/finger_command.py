@@ -1,17 +1,48 @@
-"""``musclewire design finger``: from what a finger shall do to its dimensions, or from dimensions to what it does."""
+"""``musclewire design finger``: from what a finger must do to its dimensions, or from dimensions to what it does."""
 
 from __future__ import annotations
 
-import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from musclewire.app.design.finger_text import answer_json, answer_text
+from musclewire.app.design.question_file import QUESTION, given_options
 from musclewire.app.files import require_figure_file, require_folder
-from musclewire.app.options import Json, quantity_option
-from musclewire.app.output import emit_json, say, show
+from musclewire.app.options import (
+    CLEARANCE,
+    COLUMN_WIDTH,
+    COLUMNS,
+    COMPARE,
+    DEPTH,
+    DRAWING,
+    ENDPOINT,
+    FINGER,
+    FRICTION,
+    INWARD_ANGLE,
+    MATERIAL,
+    MAX_DEPTH,
+    OBJECT_STIFFNESS,
+    OFFSET,
+    OUTPUT,
+    OVERALL_LENGTH,
+    PLATE,
+    PLOT,
+    PRETENSION,
+    PRETENSIONER,
+    PROCESS,
+    REFINED,
+    STIFFNESS,
+    THICKNESS,
+    TRAVEL,
+    WIRE,
+    WIRE_LENGTH,
+    Json,
+    in_si,
+)  # fmt: skip
+from musclewire.app.output import emit_json, show, warn
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
@@ -24,119 +55,185 @@ if TYPE_CHECKING:
 __all__ = ["finger"]
 
 
+@dataclass(frozen=True)
+class Section:
+    """Which finger is meant: one to size, one from a file, or one of given dimensions."""
+
+    stiffness: Annotated[str | None, STIFFNESS] = None
+    finger: Annotated[str | None, FINGER] = None
+    thickness: Annotated[str | None, THICKNESS] = None
+    offset: Annotated[str | None, OFFSET] = None
+    depth: Annotated[str, DEPTH] = "5 mm"
+    max_depth: Annotated[str, MAX_DEPTH] = "10 mm"
+
+    def require_one_way(self) -> None:
+        """Raise CallerError unless exactly one of the ways to say which finger is meant was taken."""
+        ways = {"--stiffness": self.stiffness, "--finger": self.finger, "--thickness": self.thickness}
+        taken = [name for name, value in ways.items() if value is not None]
+        if not taken:
+            raise CallerError(f"say which finger: {WAYS}")
+        if len(taken) > 1:
+            raise CallerError(f"{' and '.join(taken)} exclude each other: give one of them")
+        if (self.offset is None) != (self.thickness is None):
+            raise CallerError("--thickness and --offset belong together: dimensions are given with both of them")
+
+
+@dataclass(frozen=True)
+class Beam:
+    """The dimensions of a finger besides those of its section."""
+
+    overall_length: Annotated[str, OVERALL_LENGTH] = "10 mm"
+    plate: Annotated[str, PLATE] = "5 mm"
+    columns: Annotated[int, COLUMNS] = 4
+    column_width: Annotated[str, COLUMN_WIDTH] = "0.3 mm"
+    inward_angle: Annotated[str, INWARD_ANGLE] = "8 deg"
+
+    def in_si(self) -> dict[str, float]:
+        """Return lengths and angle by the names of ``FingerRequest`` and ``FingerGeometry``."""
+        return {
+            "overall_length_m": in_si("--overall-length", self.overall_length),
+            "plate_length_m": in_si("--plate", self.plate),
+            "column_width_m": in_si("--column-width", self.column_width),
+            "inward_angle_rad": in_si("--inward-angle", self.inward_angle),
+        }
+
+
+@dataclass(frozen=True)
+class Task:
+    """What the finger must do, and what it is made of."""
+
+    endpoint: Annotated[str, ENDPOINT] = "6 mm"
+    travel: Annotated[str, TRAVEL] = "1.05 mm"
+    material: Annotated[str, MATERIAL] = "pom"
+    process: Annotated[str | None, PROCESS] = None
+    friction: Annotated[float, FRICTION] = 0.15
+
+
+@dataclass(frozen=True)
+class ObjectInTheWay:
+    """An object in the way of the endpoint."""
+
+    object_stiffness: Annotated[str | None, OBJECT_STIFFNESS] = None
+    clearance: Annotated[str, CLEARANCE] = "4 mm"
+
+    def foam(self) -> Foam | None:
+        """Return the object, None without one."""
+        from musclewire.design.finger.statics import Foam
+
+        stiffness = in_si("--object-stiffness", self.object_stiffness)
+        return None if stiffness is None else Foam(in_si("--clearance", self.clearance), stiffness)
+
+
+@dataclass(frozen=True)
+class WireOptions:
+    """The wire whose stroke and force are checked, and the pretensioner on its connector."""
+
+    wire: Annotated[str | None, WIRE] = None
+    wire_length: Annotated[str, WIRE_LENGTH] = "7 cm"
+    pretension: Annotated[str, PRETENSION] = "0.71 N"
+    pretensioner: Annotated[str, PRETENSIONER] = "386.2 N/m"
+
+    def to_pull(self) -> WireToPull | None:
+        """Return the wire, None without one."""
+        from musclewire.design.finger.finger_study import WireToPull
+        from musclewire.parameters.pretensioner_file import read_pretensioner
+
+        if self.wire is None:
+            return None
+        if self.pretensioner.endswith(".toml"):
+            stiffness = read_pretensioner(self.pretensioner).stiffness_n_per_m
+        else:
+            stiffness = in_si("--pretensioner", self.pretensioner)
+        return WireToPull(
+            self.wire, in_si("--wire-length", self.wire_length), in_si("--pretension", self.pretension), stiffness
+        )
+
+
+@dataclass(frozen=True)
+class Files:
+    """What is written."""
+
+    output: Annotated[Path | None, OUTPUT] = None
+    drawing: Annotated[list[Path] | None, DRAWING] = None
+    plot: Annotated[Path | None, PLOT] = None
+
+    def require(self) -> None:
+        """Raise CallerError for files that are not written here, before any work is done."""
+        if self.output is not None:
+            if self.output.suffix != ".toml":
+                raise CallerError(f"{self.output}: a finger is a .toml file")
+            require_folder(self.output)
+        for drawing in self.drawing or []:
+            if drawing.suffix not in (".svg", ".dxf"):
+                raise CallerError(f"{drawing}: a drawing is one of .svg, .dxf")
+            require_folder(drawing)
+        require_figure_file(self.plot)
+
+    def write(self, answer: FingerStudyResult) -> None:
+        """Write what was requested, each file whole or not at all."""
+        from musclewire.signals.whole_files import write_whole
+
+        if self.output is not None:
+            from musclewire.design.finger.finger_file_text import finger_study_file_text
+
+            text = finger_study_file_text(self.output.stem, answer)
+            write_whole(self.output, lambda part: write_text(part, text))
+        for drawing in self.drawing or []:
+            from musclewire.design.finger.drawing import write_finger_drawing
+
+            write_finger_drawing(answer.geometry, drawing)
+        if self.plot is not None:
+            from musclewire.design.finger.figures import plot_finger
+
+            suffix = self.plot.suffix.removeprefix(".")
+            figure = plot_finger(answer)
+            write_whole(self.plot, lambda part: figure.savefig(part, format=suffix))
+
+
 def finger(
     context: typer.Context,
-    stiffness: Annotated[
-        str | None, typer.Option("--stiffness", help="Size a finger of this stiffness along the tendon, '1084.4 N/m'.")
-    ] = None,
-    file: Annotated[
-        str | None, typer.Option("--finger", help="Take the dimensions of a finger by name, or of its .toml file.")
-    ] = None,
-    thickness: Annotated[
-        str | None, typer.Option("--thickness", help="Take dimensions as given: thickness of the beam.")
-    ] = None,
-    offset: Annotated[
-        str | None, typer.Option("--offset", help="With --thickness: the tendon from the beam's middle.")
-    ] = None,
-    depth: Annotated[
-        str, typer.Option("--depth", help="Depth of the beam: wished for with --stiffness, else as given.")
-    ] = "5 mm",
-    most_depth: Annotated[str, typer.Option("--most-depth", help="Most depth there is room for.")] = "10 mm",
-    length: Annotated[str, typer.Option("--length", help="Overall length along the beam, plate included.")] = "10 mm",
-    plate: Annotated[str, typer.Option("--plate", help="Length of the extension plate.")] = "5 mm",
-    columns: Annotated[int, typer.Option("--columns", help="Columns that guide the tendon.")] = 4,
-    column_width: Annotated[str, typer.Option("--column-width", help="Width of a column.")] = "0.3 mm",
-    inward: Annotated[
-        float,
-        typer.Option("--inward", help="Degrees by which the unloaded segments are curved inward in all.", min=0.0),
-    ] = 8.0,
-    endpoint: Annotated[str, typer.Option("--endpoint", help="How far the endpoint shall move.")] = "6 mm",
-    travel: Annotated[str, typer.Option("--travel", help="Travel of the tendon there is at most.")] = "1.05 mm",
-    material: Annotated[str, typer.Option("--material", help="Material by name, or its .toml file.")] = "pom",
-    process: Annotated[
-        str | None, typer.Option("--process", help="Beam no thinner than this process makes it; 0.1 mm without it.")
-    ] = None,
-    friction: Annotated[
-        float, typer.Option("--friction", help="Coefficient of friction between tendon and holes.", min=0.0)
-    ] = 0.15,
-    foam: Annotated[
-        str | None, typer.Option("--foam", help="Stiffness of an object in the endpoint's way, as '50 N/m'.")
-    ] = None,
-    clearance: Annotated[str, typer.Option("--clearance", help="How far the endpoint is from it.")] = "4 mm",
-    wire: Annotated[str | None, typer.Option("--wire", help="Check that this wire gives stroke and force.")] = None,
-    wire_length: Annotated[str, typer.Option("--wire-length", help="Both legs of the V together.")] = "7 cm",
-    pretension: Annotated[str, typer.Option("--pretension", help="Pretension of the wire, both legs.")] = "0.71 N",
-    pretensioner: Annotated[
-        str, typer.Option("--pretensioner", help="Stiffness of the pretensioner beside the finger, or its file.")
-    ] = "386.2 N/m",
-    compare: Annotated[
-        bool, typer.Option("--compare", help="Compare distributed with concentrated actuation.")
-    ] = False,
-    refined: Annotated[
-        int, typer.Option("--refined", help="How many times finer the finite elements shall be.", min=1, max=4)
-    ] = 1,
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="Finger file to write (.toml).")] = None,
-    drawing: Annotated[
-        list[Path] | None, typer.Option("--drawing", help="Drawing to cut, 1:1 (.svg, .dxf). Repeatable.")
-    ] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="Figure to write (.svg, .png, .pdf).")] = None,
+    section: Section,
+    beam: Beam,
+    task: Task,
+    obstacle: ObjectInTheWay,
+    wire: WireOptions,
+    files: Files,
+    question: Annotated[Path | None, QUESTION] = None,
+    compare: Annotated[bool, COMPARE] = False,
+    refined: Annotated[int, REFINED] = 1,
     json: Json = False,
 ) -> None:
-    """Size a tendon-driven flexible finger, or tell what one of given dimensions does."""
+    """Size a tendon-driven flexible finger, or compute what one of given dimensions does."""
     from musclewire.design.finger.finger_study import FingerStudy, study_finger
     from musclewire.parameters.materials import load_material
 
-    require_one_way({"--stiffness": stiffness, "--finger": file, "--thickness": thickness}, offset)
-    require_effect(context, {"--stiffness": stiffness, "--finger": file, "--wire": wire, "--foam": foam})
-    drawings = drawing or []
-    require_files(output, drawings, plot)
-    metal = load_material(material)
-    lengths = {
-        "overall_length_m": metres(length, "--length"),
-        "plate_length_m": metres(plate, "--plate"),
-        "column_width_m": metres(column_width, "--column-width"),
-        "inward_angle_rad": math.radians(inward),
-    }
-    request = geometry = None
-    if stiffness is not None:
-        least = metal.minimum_thickness_by(process) if process else LEAST_THICKNESS_M
-        wanted = (
-            quantity_option(stiffness, "N/m", "--stiffness") or 0.0,
-            metres(endpoint, "--endpoint"),
-            metres(travel, "--travel"),
-        )
-        request = requested(
-            wanted, lengths, columns, (metres(depth, "--depth"), metres(most_depth, "--most-depth"), least)
-        )
-    elif file is not None:
-        geometry = of_file(file)
-        require_material_of(geometry, file, metal)
-    else:
-        section = (metres(thickness, "--thickness"), metres(depth, "--depth"), metres(offset, "--offset"))
-        geometry = given(section, lengths, columns, metal.youngs_modulus_pa.value)
-        if process is not None:
-            require_made(geometry, process, metal.minimum_thickness_by(process))
+    del question  # its values have become those of the options
+    section.require_one_way()
+    require_effect(context, section, obstacle, wire)
+    files.require()
+    material = load_material(task.material)
+    request = requested(section, beam, task, material) if section.stiffness is not None else None
+    geometry = None if request is not None else geometry_of(section, beam, task, material)
     answer = study_finger(
         FingerStudy(
-            material=metal,
-            endpoint_m=metres(endpoint, "--endpoint"),
-            travel_m=metres(travel, "--travel"),
+            material=material,
+            endpoint_m=in_si("--endpoint", task.endpoint),
+            travel_m=in_si("--travel", task.travel),
             request=request,
             geometry=geometry,
-            friction=friction,
-            foam=None if foam is None else foam_of(foam, clearance),
-            wire=None if wire is None else wire_of(wire, wire_length, pretension, pretensioner),
+            friction=task.friction,
+            foam=obstacle.foam(),
+            wire=wire.to_pull(),
             compare=compare,
             refined=refined,
         )
     )
-    write_files(answer, output, drawings, plot)
+    files.write(answer)
     if json:
-        emit_json(answer_json(answer, output, drawings))
+        emit_json(answer_json(answer, files.output, files.drawing or []))
     else:
         show(answer_text(answer))
-        for warning in [*answer.warnings, *(f"it does not hold: {one.name}" for one in answer.checks if not one.ok)]:
-            say(f"warning: {warning}")
+        warn([*answer.warnings, *(f"it does not hold: {one.name}" for one in answer.checks if not one.ok)])
     if not all(check.ok for check in answer.checks):
         raise typer.Exit(1)
 
@@ -144,90 +241,74 @@ def finger(
 # Batches and sheets of one material differ by less.
 MODULUS_MARGIN = 0.3
 # Film and thin strip are sold from about here.
-LEAST_THICKNESS_M = 0.1e-3
-WAYS = "--stiffness '1084.4 N/m' to size one, --finger NAME for one that is there, or --thickness and --offset"
+MIN_THICKNESS_M = 0.1e-3
+WAYS = "--stiffness '1084.4 N/m' to size one, --finger NAME for one that exists, or --thickness and --offset"
+# What an option needs to change anything, and what a finger's file has already.
+NEEDS = {
+    "clearance": "--object-stiffness",
+    "wire_length": "--wire",
+    "pretension": "--wire",
+    "pretensioner": "--wire",
+    "max_depth": "--stiffness",
+}
+OF_A_FILE = ("depth", "overall_length", "plate", "columns", "column_width", "inward_angle", "process")
 
 
-def metres(text: str | None, option: str) -> float:
-    """Return a length option in metres."""
-    return quantity_option(text, "m", option) or 0.0
-
-
-def require_one_way(ways: dict[str, str | None], offset: str | None) -> None:
-    """Raise CallerError where not exactly one of the ways to say which finger is meant was taken."""
-    taken = [name for name, value in ways.items() if value is not None]
-    if not taken:
-        raise CallerError(f"say which finger: {WAYS}")
-    if len(taken) > 1:
-        raise CallerError(f"{' and '.join(taken)} exclude each other: give one of them")
-    if (offset is None) != (ways["--thickness"] is None):
-        raise CallerError("--thickness and --offset belong together: dimensions are given with both of them")
-
-
-# What an option needs beside it, or must not have, to change anything.
-NEEDS = {"clearance": "--foam", "wire_length": "--wire", "pretension": "--wire", "pretensioner": "--wire"}
-OF_A_FILE = ("depth", "length", "plate", "columns", "column_width", "inward", "process")
-
-
-def require_effect(context: typer.Context, others: dict[str, str | None]) -> None:
-    """Raise CallerError for an option that was given and would change nothing beside the others."""
-    sources = {name: context.get_parameter_source(name) for name in context.params}
-    for name in (name for name, source in sources.items() if source is not None and source.name == "COMMANDLINE"):
+def require_effect(context: typer.Context, section: Section, obstacle: ObjectInTheWay, wire: WireOptions) -> None:
+    """Raise CallerError for an option that was given and would change nothing with the others as they are."""
+    others = {
+        "--stiffness": section.stiffness,
+        "--wire": wire.wire,
+        "--object-stiffness": obstacle.object_stiffness,
+    }
+    for name in given_options(context):
         option = f"--{name.replace('_', '-')}"
         if name in NEEDS and others[NEEDS[name]] is None:
-            raise CallerError(f"{option} goes with {NEEDS[name]}: give that too")
-        if name in OF_A_FILE and others["--finger"] is not None:
+            raise CallerError(f"{option} has an effect only with {NEEDS[name]}: give that too, or leave it out")
+        if name in OF_A_FILE and section.finger is not None:
             raise CallerError(f"{option} and --finger exclude each other: a finger's file has all dimensions")
-        if name == "most_depth" and others["--stiffness"] is None:
-            raise CallerError(f"{option} goes with --stiffness: dimensions are as given")
 
 
-def require_files(output: Path | None, drawings: list[Path], plot: Path | None) -> None:
-    """Raise CallerError for files that are not written here, before any work is done."""
-    if output is not None:
-        if output.suffix != ".toml":
-            raise CallerError(f"{output}: a finger is a .toml file")
-        require_folder(output)
-    for drawing in drawings:
-        if drawing.suffix not in (".svg", ".dxf"):
-            raise CallerError(f"{drawing}: a drawing is one of .svg, .dxf")
-        require_folder(drawing)
-    require_figure_file(plot)
-
-
-def requested(
-    wanted: tuple[float, float, float],
-    lengths: dict[str, float],
-    columns: int,
-    section: tuple[float, float, float],
-) -> FingerRequest:
+def requested(section: Section, beam: Beam, task: Task, material: Material) -> FingerRequest:
     """Return the request for a finger: stiffness, endpoint and travel wanted, and the room for its section."""
     from musclewire.design.finger.sizing import FingerRequest
 
+    thinnest_m = material.minimum_thickness_by(task.process) if task.process else MIN_THICKNESS_M
     return FingerRequest(
-        stiffness_n_per_m=wanted[0],
-        endpoint_m=wanted[1],
-        travel_m=wanted[2],
-        columns=columns,
-        depth_m=section[0],
-        most_depth_m=section[1],
-        least_thickness_m=section[2],
-        **lengths,
+        stiffness_n_per_m=in_si("--stiffness", section.stiffness) or 0.0,
+        endpoint_m=in_si("--endpoint", task.endpoint),
+        travel_m=in_si("--travel", task.travel),
+        columns=beam.columns,
+        depth_m=in_si("--depth", section.depth),
+        most_depth_m=in_si("--max-depth", section.max_depth),
+        least_thickness_m=thinnest_m,
+        **beam.in_si(),
     )
 
 
-def given(
-    section: tuple[float, float, float], lengths: dict[str, float], columns: int, youngs_modulus_pa: float
-) -> FingerGeometry:
-    """Return the geometry of given thickness, depth and offset."""
+def geometry_of(section: Section, beam: Beam, task: Task, material: Material) -> FingerGeometry:
+    """Return the geometry of a finger's file, or of given thickness, depth and offset."""
+    if section.finger is not None:
+        geometry = geometry_from_file(section.finger)
+        require_material_of(geometry, section.finger, material)
+        return geometry
     from musclewire.design.finger.sizing import geometry_of_section
 
-    thickness, depth, offset = section
-    return geometry_of_section(thickness, depth, offset, lengths, columns, youngs_modulus_pa)
+    geometry = geometry_of_section(
+        in_si("--thickness", section.thickness) or 0.0,
+        in_si("--depth", section.depth),
+        in_si("--offset", section.offset) or 0.0,
+        beam.in_si(),
+        beam.columns,
+        material.youngs_modulus_pa.value,
+    )
+    if task.process is not None:
+        require_made(geometry, task.process, material.minimum_thickness_by(task.process))
+    return geometry
 
 
 def require_material_of(geometry: FingerGeometry, file: str, material: Material) -> None:
-    """Raise CallerError where a finger file is of a material much stiffer or softer than the one to judge it by."""
+    """Raise CallerError if a finger file is of a material much stiffer or softer than the one it is computed with."""
     own, other = geometry.youngs_modulus_pa, material.youngs_modulus_pa.value
     if abs(own / other - 1.0) > MODULUS_MARGIN:
         raise CallerError(
@@ -236,17 +317,17 @@ def require_material_of(geometry: FingerGeometry, file: str, material: Material)
         )
 
 
-def require_made(geometry: FingerGeometry, process: str, least_m: float) -> None:
+def require_made(geometry: FingerGeometry, process: str, minimum_m: float) -> None:
     """Raise CallerError for a beam thinner than a process makes it."""
-    if geometry.beam_thickness_m < least_m:
-        short = 100 * (1 - geometry.beam_thickness_m / least_m)
+    if geometry.beam_thickness_m < minimum_m:
+        beam_m = geometry.beam_thickness_m
         raise CallerError(
-            f"a beam of {1e3 * geometry.beam_thickness_m:g} mm is {short:.0f} % thinner than the {1e3 * least_m:g} mm "
-            f"that {process} makes: a thicker beam or another process"
+            f"a beam of {1e3 * beam_m:g} mm is {100 * (1 - beam_m / minimum_m):.0f} % thinner than the "
+            f"{1e3 * minimum_m:g} mm that {process} makes: a thicker beam or another process"
         )
 
 
-def of_file(name: str) -> FingerGeometry:
+def geometry_from_file(name: str) -> FingerGeometry:
     """Return the geometry of a finger by name or file."""
     from musclewire.design.finger.finger_file_text import geometry_of_file
     from musclewire.parameters.finger_file import load_finger
@@ -254,47 +335,6 @@ def of_file(name: str) -> FingerGeometry:
     return geometry_of_file(load_finger(name))
 
 
-def foam_of(stiffness: str, clearance: str) -> Foam:
-    """Return the object in the endpoint's way."""
-    from musclewire.design.finger.statics import Foam
-
-    return Foam(metres(clearance, "--clearance"), quantity_option(stiffness, "N/m", "--foam") or 0.0)
-
-
-def wire_of(name: str, length: str, pretension: str, pretensioner: str) -> WireToPull:
-    """Return the question about a wire."""
-    from musclewire.design.finger.finger_study import WireToPull
-    from musclewire.parameters.pretensioner_file import read_pretensioner
-
-    if pretensioner.endswith(".toml"):
-        stiffness = read_pretensioner(pretensioner).stiffness_n_per_m
-    else:
-        stiffness = quantity_option(pretensioner, "N/m", "--pretensioner") or 0.0
-    return WireToPull(
-        name, metres(length, "--wire-length"), quantity_option(pretension, "N", "--pretension") or 0.0, stiffness
-    )
-
-
 def write_text(path: Path, text: str) -> None:
     """Write a text file."""
     path.write_text(text, "utf-8")
-
-
-def write_files(answer: FingerStudyResult, output: Path | None, drawings: list[Path], plot: Path | None) -> None:
-    """Write what was asked for, each file whole or not at all."""
-    from musclewire.signals.whole_files import write_whole
-
-    if output is not None:
-        from musclewire.design.finger.finger_file_text import finger_study_file_text
-
-        text = finger_study_file_text(output.stem, answer)
-        write_whole(output, lambda part: write_text(part, text))
-    for drawing in drawings:
-        from musclewire.design.finger.drawing import write_finger_drawing
-
-        write_finger_drawing(answer.geometry, drawing)
-    if plot is not None:
-        from musclewire.design.finger.figures import plot_finger
-
-        figure = plot_finger(answer)
-        write_whole(plot, lambda part: figure.savefig(part, format=plot.suffix.removeprefix(".")))

@@ -3,15 +3,39 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from musclewire.app.design.pretensioner_text import made_json, made_text, materials_json, materials_text
+from musclewire.app.design.question_file import QUESTION
 from musclewire.app.files import require_figure_file, require_folder, save_figure
-from musclewire.app.options import Json, quantity_option
-from musclewire.app.output import emit_json, say, show
+from musclewire.app.options import (
+    BEAMS,
+    CORNER_RADIUS,
+    DEPTH,
+    DRAWING,
+    ENVELOPE,
+    FILE,
+    FINGER_STIFFNESS,
+    HALF_LENGTH,
+    LIST,
+    MATERIAL,
+    OUTPUT,
+    PITCH,
+    PLOT,
+    PRETENSION,
+    PROCESS,
+    STIFFNESS,
+    STROKE,
+    THICKNESS,
+    TRAVEL,
+    Json,
+    in_si,
+)  # fmt: skip
+from musclewire.app.output import emit_json, show, warn
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
@@ -30,96 +54,126 @@ USUAL_MATERIAL, USUAL_PRETENSION, USUAL_ENVELOPE, USUAL_DEPTH = "pom", "0.71 N",
 DIMENSIONS = ("--beams", "--half-length", "--pitch", "--thickness")
 
 
+@dataclass(frozen=True)
+class Dimensions:
+    """Dimensions as given, instead of those that are computed from a stiffness."""
+
+    beams: Annotated[int | None, BEAMS] = None
+    half_length: Annotated[str | None, HALF_LENGTH] = None
+    pitch: Annotated[str | None, PITCH] = None
+    thickness: Annotated[str | None, THICKNESS] = None
+    corner_radius: Annotated[str | None, CORNER_RADIUS] = None
+
+    def named(self) -> dict[str, int | str | None]:
+        """Return what must be given together, by option."""
+        return dict(zip(DIMENSIONS, (self.beams, self.half_length, self.pitch, self.thickness), strict=True))
+
+    def geometry(self, depth: str | None) -> SerpentineGeometry:
+        """Return the geometry of these dimensions."""
+        from musclewire.design.serpentine.geometry import SerpentineGeometry
+
+        geometry = SerpentineGeometry.of(
+            self.beams or 0,
+            in_si("--half-length", self.half_length) or 0.0,
+            in_si("--pitch", self.pitch) or 0.0,
+            in_si("--thickness", self.thickness) or 0.0,
+            in_si("--depth", USUAL_DEPTH if depth is None else depth),
+        )
+        if self.corner_radius is not None:
+            geometry = geometry.with_(corner_radius_m=in_si("--corner-radius", self.corner_radius))
+        return geometry
+
+
+@dataclass(frozen=True)
+class DutyOptions:
+    """What the pretensioner is for."""
+
+    pretension: Annotated[str | None, PRETENSION] = None
+    stroke: Annotated[str, STROKE] = "1.05 mm"
+    travel: Annotated[str | None, TRAVEL] = None
+    finger_stiffness: Annotated[str | None, FINGER_STIFFNESS] = None
+
+    def duty(self) -> Duty:
+        """Return it in SI."""
+        from musclewire.design.serpentine.analysis import Duty
+
+        usual = USUAL_PRETENSION if self.travel is None else None
+        return Duty(
+            pretension_n=in_si("--pretension", self.pretension or usual),
+            stroke_m=in_si("--stroke", self.stroke),
+            travel_m=in_si("--travel", self.travel),
+            finger_stiffness_n_per_m=in_si("--finger-stiffness", self.finger_stiffness),
+        )
+
+
+@dataclass(frozen=True)
+class Making:
+    """What the pretensioner is made of, how, and in which room."""
+
+    material: Annotated[str | None, MATERIAL] = None
+    process: Annotated[str | None, PROCESS] = None
+    envelope: Annotated[str | None, ENVELOPE] = None
+    depth: Annotated[str | None, DEPTH] = None
+
+
+@dataclass(frozen=True)
+class Files:
+    """What is written."""
+
+    output: Annotated[Path | None, OUTPUT] = None
+    drawing: Annotated[list[Path] | None, DRAWING] = None
+    plot: Annotated[Path | None, PLOT] = None
+
+
 def pretensioner(
-    stiffness: Annotated[
-        str | None, typer.Option("--stiffness", help="Size a pretensioner of this stiffness, as '386.2 N/m'.")
-    ] = None,
-    pretension: Annotated[
-        str | None, typer.Option("--pretension", help="Force it shall put on the wire; 0.71 N without it and --travel.")
-    ] = None,
-    stroke: Annotated[str, typer.Option("--stroke", help="What the wire then contracts by.")] = "1.05 mm",
-    travel: Annotated[
-        str | None, typer.Option("--travel", help="Whole travel of the connector; from pretension and stroke without.")
-    ] = None,
-    finger: Annotated[
-        str | None, typer.Option("--finger-stiffness", help="Finger it works beside and must be softer than.")
-    ] = None,
-    material: Annotated[
-        str | None, typer.Option("--material", help="Material by name, or its .toml file; pom without it.")
-    ] = None,
-    process: Annotated[
-        str | None, typer.Option("--process", help="How it is made; the material's usual process without it.")
-    ] = None,
-    envelope: Annotated[
-        str | None,
-        typer.Option("--envelope", help="Room across the wire, along it, out of plane; the paper's without it."),
-    ] = None,
-    file: Annotated[str | None, typer.Option("--file", help="Take all dimensions from a pretensioner's file.")] = None,
-    beams: Annotated[int | None, typer.Option("--beams", help="Take dimensions as given: number of beams.")] = None,
-    half_length: Annotated[str | None, typer.Option("--half-length", help="Half of a beam's length, a.")] = None,
-    pitch: Annotated[str | None, typer.Option("--pitch", help="Between the middles of beams, p.")] = None,
-    thickness: Annotated[str | None, typer.Option("--thickness", help="Thickness of beams in the plane, t.")] = None,
-    depth: Annotated[str | None, typer.Option("--depth", help="Depth out of plane, b; 10 mm, or all the room.")] = None,
-    corner: Annotated[
-        str | None, typer.Option("--corner-radius", help="Inner radius of corners; a quarter of the thickness without.")
-    ] = None,
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="Pretensioner file to write (.toml).")] = None,
-    drawing: Annotated[
-        list[Path] | None, typer.Option("--drawing", help="Drawing to cut, 1:1 (.svg, .dxf). Repeatable.")
-    ] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="Figure to write (.svg, .png, .pdf).")] = None,
-    list_materials: Annotated[bool, typer.Option("--list", help="Show all materials and end.")] = False,
+    dimensions: Dimensions,
+    duty: DutyOptions,
+    making: Making,
+    files: Files,
+    question: Annotated[Path | None, QUESTION] = None,
+    stiffness: Annotated[str | None, STIFFNESS] = None,
+    file: Annotated[str | None, FILE] = None,
+    list_materials: Annotated[bool, LIST] = False,
     json: Json = False,
 ) -> None:
-    """Size a serpentine pretensioner, or tell what one of given dimensions does."""
+    """Size a serpentine pretensioner, or compute what one of given dimensions does."""
+    del question  # its values have become those of the options
     if list_materials:
         emit_json(materials_json()) if json else show(materials_text())
         return
-    given = {"--beams": beams, "--half-length": half_length, "--pitch": pitch, "--thickness": thickness}
-    require_one_way(stiffness, file, given, corner)
-    if file is not None and depth is not None:
+    require_one_way(stiffness, file, dimensions)
+    if file is not None and making.depth is not None:
         raise CallerError("--depth and --file contradict each other: the file has a depth")
-    require_files(output, drawing, plot)
-    from musclewire.design.serpentine.analysis import analyse
-
-    duty = duty_from(pretension, stroke, travel, finger)
+    require_files(files.output, files.drawing, files.plot)
     room: Envelope | None
     if stiffness is not None:
-        name = material or USUAL_MATERIAL
-        within = room_from(USUAL_ENVELOPE if envelope is None else envelope, depth)
-        made, room = sized(stiffness, duty, name, process, within), within
+        made, name, room = sized(stiffness, duty.duty(), making)
     else:
-        # What is given as it is need not fit into anything, unless told to.
-        room = None if envelope is None else room_from(envelope, None)
-        name, process, geometry = file_or_dimensions(file, given, depth, corner, material, process)
-        made = analyse(geometry, material_named(name), process, duty, room)
-    write_files(made, name, output, drawing, plot)
+        made, name, room = computed(file, dimensions, duty.duty(), making)
+    write_files(made, name, files.output, files.drawing, files.plot)
     if json:
         emit_json(made_json(made, name, room))
     else:
         show(made_text(made, room))
     if not made.holds:
-        for check in made.checks:
-            if not check.ok:
-                say(f"warning: it does not hold: {check.name}")
+        warn(f"it does not hold: {check.name}" for check in made.checks if not check.ok)
         raise typer.Exit(1)
 
 
-def require_one_way(
-    stiffness: str | None, file: str | None, given: dict[str, int | str | None], corner: str | None
-) -> None:
+def require_one_way(stiffness: str | None, file: str | None, dimensions: Dimensions) -> None:
     """Raise CallerError unless the question is put in exactly one way."""
-    dimensions = [name for name, value in given.items() if value is not None]
+    named = dimensions.named()
+    given = [name for name, value in named.items() if value is not None]
     ways = [name for name, used in (("--stiffness", stiffness), ("--file", file)) if used is not None]
-    if len(ways) + bool(dimensions) > 1:
-        raise CallerError(f"{' and '.join([*ways, *dimensions[:1]])} contradict each other: give one of them")
-    if not ways and not dimensions:
+    if len(ways) + bool(given) > 1:
+        raise CallerError(f"{' and '.join([*ways, *given[:1]])} contradict each other: give one of them")
+    if not ways and not given:
         raise CallerError(f"give --stiffness to size a pretensioner, {', '.join(DIMENSIONS)} to compute one, or --file")
-    if dimensions and len(dimensions) < len(given):
-        missing = [name for name, value in given.items() if value is None]
-        raise CallerError(f"{dimensions[0]} wants {' and '.join(missing)} too")
-    if corner is not None and not dimensions:
-        raise CallerError(f"--corner-radius goes with dimensions as given: {', '.join(DIMENSIONS)}")
+    if given and len(given) < len(named):
+        missing = [name for name, value in named.items() if value is None]
+        raise CallerError(f"{given[0]} requires {' and '.join(missing)} too")
+    if dimensions.corner_radius is not None and not given:
+        raise CallerError(f"--corner-radius has an effect only with given dimensions: {', '.join(DIMENSIONS)}")
 
 
 def require_files(output: Path | None, drawing: list[Path] | None, plot: Path | None) -> None:
@@ -135,20 +189,6 @@ def require_files(output: Path | None, drawing: list[Path] | None, plot: Path | 
     require_figure_file(plot)
 
 
-def duty_from(pretension: str | None, stroke: str, travel: str | None, finger: str | None) -> Duty:
-    """Return what the pretensioner is for."""
-    from musclewire.design.serpentine.analysis import Duty
-
-    if pretension is None and travel is None:
-        pretension = USUAL_PRETENSION
-    return Duty(
-        pretension_n=quantity_option(pretension, "N", "--pretension"),
-        stroke_m=quantity_option(stroke, "m", "--stroke") or 0.0,
-        travel_m=quantity_option(travel, "m", "--travel"),
-        finger_stiffness_n_per_m=quantity_option(finger, "N/m", "--finger-stiffness"),
-    )
-
-
 def room_from(envelope: str, depth: str | None) -> Envelope:
     """Return the room there is, from '24.6x27.6x10 mm'; a depth that is given takes the place of the third size."""
     from musclewire.design.serpentine.geometry import Envelope
@@ -161,7 +201,7 @@ def room_from(envelope: str, depth: str | None) -> Envelope:
     across, along, deep = (
         parse_quantity(part if re.sub(NUMBER, "", part) else f"{part} {unit}", "m") for part in parts
     )
-    asked = quantity_option(depth, "m", "--depth")
+    asked = in_si("--depth", depth)
     if asked is not None and asked > deep:
         raise CallerError(
             f"a depth of {1e3 * asked:g} mm does not fit: it is {1e3 * (asked - deep):g} mm more than the "
@@ -177,40 +217,36 @@ def material_named(name: str) -> Material:
     return load_material(name)
 
 
-def sized(stiffness: str, duty: Duty, material: str, process: str | None, room: Envelope) -> Pretensioner:
-    """Return the pretensioner of a wanted stiffness."""
+def sized(stiffness: str, duty: Duty, making: Making) -> tuple[Pretensioner, str, Envelope]:
+    """Return the pretensioner of a wanted stiffness, the name of its material, and the room for it."""
     from musclewire.design.serpentine.sizing import PretensionerRequest, design_pretensioner
 
-    wanted = quantity_option(stiffness, "N/m", "--stiffness") or 0.0
-    return design_pretensioner(PretensionerRequest(wanted, duty, material_named(material), room, process))
+    name = making.material or USUAL_MATERIAL
+    room = room_from(USUAL_ENVELOPE if making.envelope is None else making.envelope, making.depth)
+    wanted = in_si("--stiffness", stiffness)
+    made = design_pretensioner(PretensionerRequest(wanted, duty, material_named(name), room, making.process))
+    return made, name, room
 
 
-def file_or_dimensions(
-    file: str | None,
-    given: dict[str, int | str | None],
-    depth: str | None,
-    corner: str | None,
-    material: str | None,
-    process: str | None,
-) -> tuple[str, str | None, SerpentineGeometry]:
-    """Return material, process and dimensions from a file, or from the options."""
-    from musclewire.design.serpentine.geometry import SerpentineGeometry
+def computed(
+    file: str | None, dimensions: Dimensions, duty: Duty, making: Making
+) -> tuple[Pretensioner, str, Envelope | None]:
+    """Return the pretensioner of a file or of given dimensions, the name of its material, and the room for it."""
+    from musclewire.design.serpentine.analysis import analyse
     from musclewire.design.serpentine.pretensioner_file_text import geometry_of
     from musclewire.parameters.pretensioner_file import read_pretensioner
 
-    if file is not None:
+    # Given dimensions need not fit into anything, unless an envelope is given too.
+    room = None if making.envelope is None else room_from(making.envelope, None)
+    name, process = making.material or USUAL_MATERIAL, making.process
+    if file is None:
+        geometry = dimensions.geometry(making.depth)
+    else:
         saved = read_pretensioner(file)
         # Another material is another process, unless one is named.
-        usual = saved.process if material is None else None
-        return material or saved.material, process or usual, geometry_of(saved)
-    half, pitch, thick = (
-        quantity_option(str(given[name]), "m", name) or 0.0 for name in ("--half-length", "--pitch", "--thickness")
-    )
-    deep = quantity_option(USUAL_DEPTH if depth is None else depth, "m", "--depth") or 0.0
-    geometry = SerpentineGeometry.of(int(given["--beams"] or 0), half, pitch, thick, deep)
-    if corner is not None:
-        geometry = geometry.with_(corner_radius_m=quantity_option(corner, "m", "--corner-radius") or 0.0)
-    return material or USUAL_MATERIAL, process, geometry
+        name, process = making.material or saved.material, process or (None if making.material else saved.process)
+        geometry = geometry_of(saved)
+    return analyse(geometry, material_named(name), process, duty, room), name, room
 
 
 def write_files(

@@ -114,7 +114,7 @@ def lengths(recording: Recording, known: Mapping[str, float]) -> dict[str, float
             "--set legs=2 for a V"
         )
     if whole is None:
-        raise CallerError("the wire's length is not known: give --set wire_length_m='140 mm', or --length and legs")
+        raise CallerError("the wire's length is not known: give --set wire_length_m='140 mm', or --leg-length and legs")
     return {"wire_length_m": whole, "legs": 1.0 if legs is None else legs}
 
 

@@ -1,0 +1,233 @@
+"""The command that closes the loop by the wire's own resistance: control."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from musclewire.app.commands import add_command
+from musclewire.app.files import require_recording_file
+from musclewire.app.options import (
+    KNOWN_STIFFNESS,
+    ON_BOARD,
+    OUTPUT,
+    OVERWRITE,
+    QUANTITY,
+    RECALIBRATE,
+    REFERENCE,
+    RULES,
+    SEED,
+    Json,
+    RigName,
+    in_si,
+)
+from musclewire.app.output import emit_json, progress_bar, say, show, warn
+from musclewire.app.rig_options import Timing
+from musclewire.app.stopping import stops_between_samples
+from musclewire.errors import CallerError, nearest_hint
+
+if TYPE_CHECKING:
+    from musclewire.controllers import FuzzyPidSettings
+    from musclewire.controllers.references import Reference
+    from musclewire.experiment.metrics import ControlMetrics, ControlRun
+    from musclewire.rigs.guarded import GuardedRig
+    from musclewire.sensing.known_load import KnownSpring
+    from musclewire.sensing.model import SensingModel
+
+__all__ = ["add_control_command", "metrics_json"]
+
+# Steps as a text: "2.5 mm to 6 mm by 0.5 mm".
+STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
+# A closed loop with a smaller fraction of valid estimates was not closed.
+MIN_VALID_FRACTION = 0.8
+
+
+def add_control_command(app: typer.Typer) -> None:
+    """Add the command of this file."""
+    add_command(app, control)
+
+
+@dataclass(frozen=True)
+class Loop:
+    """What is controlled, along which reference, by which rules, and where the loop is closed."""
+
+    quantity: Annotated[str, QUANTITY] = "strain"
+    known_stiffness: Annotated[str | None, KNOWN_STIFFNESS] = None
+    reference: Annotated[str, REFERENCE] = "staircase"
+    rules: Annotated[str, RULES] = "zhao-1993"
+    recalibrate: Annotated[bool, RECALIBRATE] = False
+    on_board: Annotated[bool, ON_BOARD] = False
+
+
+def control(
+    rig: RigName,
+    model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
+    loop: Loop,
+    timing: Timing,
+    output: Annotated[Path | None, OUTPUT] = None,
+    seed: Annotated[int | None, SEED] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
+    json: Json = False,
+) -> None:
+    """Closed loop: move the wire by its own resistance; MAE of each step."""
+    from musclewire.controllers import FuzzyPidSettings
+    from musclewire.experiment.closed_loop import APPROACH_S
+    from musclewire.rigs.configuration import open_rig
+    from musclewire.sensing import load_model
+
+    loaded = load_model(model)
+    load = known_spring(loaded, model, loop.quantity, in_si("--known-stiffness", loop.known_stiffness))
+    target = read_reference(loop.reference, loop.quantity)
+    settings = FuzzyPidSettings(rule_base=loop.rules)
+    if output is not None:
+        require_recording_file(output, overwrite)
+    follow = loop_of(loaded, settings, load, loop)
+    with stops_between_samples(), open_rig(rig, seed=seed, real_time=timing.real_time) as opened:
+        refused = timing.apply(opened)
+        if loop.recalibrate:
+            loaded = anchored(opened, loaded, quiet=json)
+        if target is None:
+            target = staircase_for(loaded, load, opened.leg_length_m)
+        with progress_bar("Closed loop", APPROACH_S + target.duration_s, quiet=json) as on_sample:
+            run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
+    answer = run_json(run, load, refused)
+    if json:
+        emit_json(answer)
+    else:
+        show(str(run.metrics))
+    if run.metrics.valid_share < MIN_VALID_FRACTION:
+        sensed_pct = 100 * run.metrics.valid_share
+        say(f"musclewire: only {sensed_pct:.0f} % of the samples could be sensed; this does not hold")
+        raise typer.Exit(1)
+
+
+def anchored(rig: GuardedRig, model: SensingModel, *, quiet: bool) -> SensingModel:
+    """Return the model with R_min and R_max measured again by one sweep."""
+    from musclewire.experiment.training import recalibrate
+
+    with progress_bar("Anchoring R_min and R_max", 90.0, quiet=quiet) as on_sample:
+        return recalibrate(rig, model, on_sample=on_sample).model
+
+
+def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> dict[str, Any]:
+    """Return a closed loop under the keys of the interface; its warnings are also printed."""
+    from musclewire.experiment.force_limit import force_warnings
+    from musclewire.experiment.timing import timing_json
+
+    return {
+        **metrics_json(run.metrics),
+        **timing_json(run.metadata),
+        "known_stiffness_n_per_m": None if load is None else load.stiffness_n_per_m,
+        "known_friction_n": None if load is None else load.friction_n,
+        "ended": run.metadata["ended"],
+        "samples": len(run),
+        "warnings": [*refused, *warn(force_warnings(run))],
+    }
+
+
+def loop_of(
+    model: SensingModel, settings: FuzzyPidSettings, load: KnownSpring | None, loop: Loop
+) -> Callable[..., ControlRun]:
+    """Return what runs the closed loop: on the host, or on the board that was built for this model and controller.
+
+    Raises CallerError for options that change the host's numbers if the firmware's are to run.
+    """
+    if not loop.on_board:
+        from musclewire.experiment.closed_loop import control as control_on_host
+
+        return partial(control_on_host, settings=settings, load=load)
+    if load is not None or loop.recalibrate:
+        raise CallerError(
+            "--on-board runs by the firmware's own numbers: leave out --known-stiffness and --recalibrate"
+        )
+    from musclewire.experiment.closed_loop import settings_for
+    from musclewire.experiment.on_board import control_on_board
+    from musclewire.export.c import loop_checksum
+
+    return partial(control_on_board, checksum=loop_checksum(model, settings_for(model, settings)))
+
+
+def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:
+    """Return the metrics of a closed loop under the keys of the interface."""
+    key, factor = {"strain": ("target_pct", 100.0), "displacement": ("target_m", 1.0), "force": ("target_n", 1.0)}[
+        metrics.quantity
+    ]
+    steps = [
+        {
+            key: round(factor * step.target, 10),
+            "direction": step.direction,
+            "mae_pct": step.mae_pct,
+            "estimate_mae_pct": step.estimate_mae_pct,
+            "tracking_mae_pct": step.tracking_mae_pct,
+        }
+        for step in metrics.steps
+    ]
+    return {
+        "steps": steps,
+        "mae_max_pct": metrics.mae_max_pct,
+        "mae_mean_pct": metrics.mae_mean_pct,
+        "valid_share": metrics.valid_share,
+        "rms_pct": metrics.rms_pct,
+        "estimate_rms_pct": metrics.estimate_rms_pct,
+        "tracking_rms_pct": metrics.tracking_rms_pct,
+    }
+
+
+def known_spring(loaded: SensingModel, path: Path, quantity: str, stiffness: float | None) -> KnownSpring | None:
+    """Return the load whose stiffness is known, None without one.
+
+    Raises CallerError if the model does not sense the quantity, directly or by a stiffness.
+    """
+    from musclewire.identify.recordings import QUANTITIES
+    from musclewire.sensing.known_load import KnownSpring
+
+    if quantity not in QUANTITIES:
+        raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
+    if stiffness is None:
+        if loaded.quantity == quantity:
+            return None
+        way = " or, for a known load, give --known-stiffness" if quantity == "force" else ""
+        raise CallerError(
+            f"model {path} senses {loaded.quantity}, not {quantity}: fit one with --quantity {quantity}{way}"
+        )
+    if quantity != "force":
+        raise CallerError(
+            f"--known-stiffness turns strain into force, but --quantity is {quantity}: give --quantity force"
+        )
+    friction = loaded.wire.get("guide_friction_n")
+    return KnownSpring(stiffness, float(friction) if isinstance(friction, (int, float)) else 0.0)
+
+
+def staircase_for(loaded: SensingModel, load: KnownSpring | None, leg_length_m: float) -> Reference:
+    """Return the built-in staircase for a model, in force if a load's stiffness is known."""
+    from musclewire.experiment.staircases import staircase_within
+    from musclewire.sensing.known_load import force_model
+
+    return staircase_within(loaded if load is None else force_model(loaded, load.stiffness_n_per_m, leg_length_m))
+
+
+def read_reference(reference: str, quantity: str) -> Reference | None:
+    """Return the steps that the text describes, or the targets in a recording file; None for the built-in staircase."""
+    from musclewire.controllers import sampled_reference, staircase
+    from musclewire.identify.recordings import COLUMN_SUFFIX
+    from musclewire.signals import read_recording
+    from musclewire.signals.units import parse_quantity
+
+    if reference == "staircase":
+        return None
+    if steps := STEPS.fullmatch(reference.strip()):
+        unit = {"strain": "", "displacement": "m", "force": "N"}[quantity]
+        start, stop, by = (parse_quantity(text, unit) for text in steps.groups())
+        return staircase(start, stop, by)
+    if not Path(reference).exists():
+        raise CallerError(
+            f"there is no reference '{reference}'{nearest_hint(reference, ['staircase'])}, or give a file"
+        )
+    table = read_recording(reference)
+    return sampled_reference(table["time_s"] - table["time_s"][0], table[f"target_{COLUMN_SUFFIX[quantity]}"])
