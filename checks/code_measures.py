@@ -30,7 +30,7 @@ STILL_LONG = frozenset({
 })  # fmt: skip
 STILL_MANY_PARAMETERS = frozenset({
     "simulate advance_pair_plain", "controllers tick", "experiment grip", "rigs __init__", "simulate settled_pair",
-    "experiment __init__", "experiment pretension_sweep", "experiment control", "simulate stress_in_balance_pa",
+    "experiment __init__", "experiment control", "simulate stress_in_balance_pa",
     "export write_library", "simulate driven_plain",
 })  # fmt: skip
 STILL_P95_LINES = 25

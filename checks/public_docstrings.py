@@ -45,13 +45,14 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "src" / "musclewire"
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
 # Pages of keys and options, in which a bare name is one of these and not a function.
-KEY_PAGES = frozenset({"command_line.md", "files.md"})
+KEY_PAGES = frozenset({"command_line.md", "files.md", "parameters.md"})
 
 # numpydoc's own checks that we hold; types are in annotations, and summaries in the house's form.
 NUMPYDOC_CHECKS = frozenset({"GL03", "GL06", "GL07", "GL08", "SS01", "SS02", "SS03", "SS06"})
 # Unit suffixes of names and how docstrings spell them, longest first.
 UNITS = {
-    "w_per_m2_k": "W/(m2 K)", "w_per_m_k": "W/(m K)", "n_per_m": "N/m", "ohm_per_m": "ohm/m", "pa_per_k": "Pa/K",
+    "w_per_m2_k": "W/(m2 K)", "w_per_m_k": "W/(m K)", "n_per_m": "N/m", "m_per_n": "m/N", "ohm_per_m": "ohm/m",
+    "pa_per_k": "Pa/K",
     "j_per_kg_k": "J/(kg K)", "j_per_kg": "J/kg", "j_per_k": "J/K", "w_per_k": "W/K", "kg_per_m3": "kg/m3",
     "ohm_m": "ohm m", "pa_s": "Pa s", "v_per_s": "V/s", "per_k": "1/K", "per_pa": "1/Pa", "per_s": "1/s", "m2": "m2",
     "ohm": "ohm", "pct": "%", "degc": "degC", "kg": "kg", "pa": "Pa", "hz": "Hz", "us": "us", "ns": "ns", "ms": "ms",

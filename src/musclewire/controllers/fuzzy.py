@@ -30,7 +30,17 @@ ALPHA_WEAKEST, ALPHA_STRONGEST = 5.0, 2.0  # the range of Zhao's alpha; a smalle
 
 
 class FuzzyRatios(NamedTuple):
-    """K_p', K_I' and K_D' of Eq. 6, each in [0, 1]."""
+    """K_p', K_I' and K_D' of Eq. 6: where in its range each gain is.
+
+    Parameters
+    ----------
+    kp
+        Of the proportional gain, 0 (least) to 1 (greatest).
+    ki
+        Of the integral gain, 0 to 1.
+    kd
+        Of the derivative gain, 0 to 1.
+    """
 
     kp: float
     ki: float
@@ -38,7 +48,17 @@ class FuzzyRatios(NamedTuple):
 
 
 class RatioSurface(NamedTuple):
-    """K_p', K_I' and K_D' over arrays of inputs, each in [0, 1] and of the inputs' common shape."""
+    """K_p', K_I' and K_D' over arrays of inputs.
+
+    Parameters
+    ----------
+    kp
+        Of the proportional gain, 0 to 1, of the inputs' common shape.
+    ki
+        Of the integral gain, alike.
+    kd
+        Of the derivative gain, alike.
+    """
 
     kp: NDArray[np.float64]
     ki: NDArray[np.float64]
@@ -46,10 +66,25 @@ class RatioSurface(NamedTuple):
 
 
 def infer_ratios(rule_base: RuleBase, error_ratio: float, change_ratio: float) -> FuzzyRatios:
-    """Return the three gain ratios for one error and one change of error, each a ratio clipped to [-1, 1].
+    """Return the three gain ratios for one error and one change of error.
 
-    Raises:
-        NumericsError: an input is NaN.
+    Parameters
+    ----------
+    rule_base
+        The rules.
+    error_ratio
+        Error over its range, clipped to [-1, 1].
+    change_ratio
+        Rate of the error over its range, clipped to [-1, 1].
+
+    Returns
+    -------
+    The ratios, each 0 to 1.
+
+    Raises
+    ------
+    NumericsError
+        If an input is NaN.
     """
     from musclewire.controllers import kernels
 
@@ -61,9 +96,25 @@ def infer_ratios(rule_base: RuleBase, error_ratio: float, change_ratio: float) -
 def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: ArrayLike) -> RatioSurface:
     """Return the three gain ratios over arrays of inputs, which are broadcast against each other.
 
-    Raises:
-        CallerError: the shapes do not fit each other.
-        NumericsError: an input is NaN.
+    Parameters
+    ----------
+    rule_base
+        The rules.
+    error_ratio
+        Errors over their range, clipped to [-1, 1], of any shape.
+    change_ratio
+        Rates of the error over their range, clipped to [-1, 1], of a shape that fits.
+
+    Returns
+    -------
+    The ratios, each 0 to 1 and of the inputs' common shape.
+
+    Raises
+    ------
+    CallerError
+        If the shapes do not fit each other.
+    NumericsError
+        If an input is NaN.
     """
     from musclewire.controllers import kernels
 

@@ -15,10 +15,19 @@ class DriveLimits:
     """The range of the drive voltage: from the sense voltage, which is above zero, to the maximum.
 
     The paper's Eq. 1 divides by the shunt voltage: without current there is no resistance, and without
-    resistance no estimate to control with. So the controller never asks for less than ``sense_voltage_v``.
+    resistance no estimate to control with. So the controller never commands less than the sense voltage.
 
-    Raises:
-        CallerError: unless 0 < sense_voltage_v < maximum_voltage_v, both finite.
+    Parameters
+    ----------
+    sense_voltage_v
+        Least drive [V], at which the resistance can still be measured.
+    maximum_voltage_v
+        Greatest drive [V].
+
+    Raises
+    ------
+    CallerError
+        Unless 0 < sense_voltage_v < maximum_voltage_v, both finite.
     """
 
     sense_voltage_v: float
@@ -42,10 +51,21 @@ class DriveLimits:
             )
 
     def clamp(self, drive_voltage_v: float) -> float:
-        """Return the nearest allowed drive in volts.
+        """Return the nearest allowed drive.
 
-        Raises:
-            NumericsError: the drive is NaN.
+        Parameters
+        ----------
+        drive_voltage_v
+            A drive [V], also an infinite one.
+
+        Returns
+        -------
+        The drive within the limits [V].
+
+        Raises
+        ------
+        NumericsError
+            If the drive is NaN.
         """
         if math.isnan(drive_voltage_v):
             raise NumericsError("the drive voltage is NaN; look for the step that made it")

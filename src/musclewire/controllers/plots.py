@@ -23,15 +23,21 @@ TITLES = ("$K_p'$ (proportional)", "$K_I'$ (integral)", "$K_D'$ (derivative)")
 def plot_rule_surfaces(rule_base: RuleBase, axes: Sequence[Axes] | None = None) -> tuple[Axes, Axes, Axes]:
     """Draw the three ratios of Eq. 6 over both inputs, side by side on one colour scale from 0 to 1.
 
-    Args:
-        rule_base: what to draw.
-        axes: three matplotlib axes to draw on; a new figure is made without them.
+    Parameters
+    ----------
+    rule_base
+        What to draw.
+    axes
+        Three matplotlib axes to draw on; a new figure is made without them.
 
-    Returns:
-        The three axes, in the order proportional, integral, derivative.
+    Returns
+    -------
+    The three axes, in the order proportional, integral, derivative.
 
-    Raises:
-        CallerError: ``axes`` are not three.
+    Raises
+    ------
+    CallerError
+        If ``axes`` are not three.
     """
     panels = _three_axes(rule_base, axes)
     ratio = np.linspace(-1.0, 1.0, GRID_POINTS)

@@ -37,18 +37,52 @@ class Reference(Protocol):
 
     @property
     def duration_s(self) -> float:
-        """How long it lasts, in seconds."""
+        """How long it lasts [s]."""
 
     def target_at(self, time_s: float) -> float:
-        """Return the target at one time."""
+        """Return the target at one time.
+
+        Parameters
+        ----------
+        time_s
+            Time since the reference began [s], finite; before 0 and after the end the first and last target hold.
+
+        Returns
+        -------
+        The target: strain as a fraction, displacement [m] or force [N].
+        """
 
     def targets_at(self, time_s: ArrayLike) -> NDArray[np.float64]:
-        """Return the targets at many times."""
+        """Return the targets at many times.
+
+        Parameters
+        ----------
+        time_s
+            Times since the reference began [s], finite, of any shape.
+
+        Returns
+        -------
+        The targets, of the shape of the times.
+        """
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One level of a staircase, held from ``start_s`` (included) to ``stop_s``."""
+    """One level of a staircase.
+
+    Parameters
+    ----------
+    index
+        Its number, from 0.
+    target
+        Strain as a fraction, displacement [m] or force [N].
+    direction
+        "rise" or "return".
+    start_s
+        When it begins [s], included.
+    stop_s
+        When it ends [s], not included.
+    """
 
     index: int
     target: float
@@ -63,8 +97,17 @@ class Staircase:
 
     Before time zero the target is the first level, after the end the last.
 
-    Raises:
-        CallerError: no level, a level that is not finite, or a hold time that is not above zero.
+    Parameters
+    ----------
+    levels
+        Targets: strain as a fraction, displacement [m] or force [N].
+    hold_s
+        How long each is held [s].
+
+    Raises
+    ------
+    CallerError
+        For no level, a level that is not finite, or a hold time that is not above zero.
     """
 
     levels: tuple[float, ...]
@@ -81,7 +124,7 @@ class Staircase:
 
     @property
     def duration_s(self) -> float:
-        """The end of the last level, in seconds."""
+        """The end of the last level [s]."""
         return len(self.levels) * self.hold_s
 
     @cached_property
@@ -100,12 +143,42 @@ class Staircase:
         return [step.start_s for step in self.steps]
 
     def target_at(self, time_s: float) -> float:
-        """Return the level at ``time_s`` seconds."""
+        """Return the level at a time.
+
+        Parameters
+        ----------
+        time_s
+            Time since the staircase began [s].
+
+        Returns
+        -------
+        The level.
+
+        Raises
+        ------
+        CallerError
+            For a time that is not finite.
+        """
         index = bisect_right(self._starts_s, _checked_time(time_s) + CLOCK_TOLERANCE_S) - 1
         return self.levels[max(index, 0)]
 
     def targets_at(self, time_s: ArrayLike) -> NDArray[np.float64]:
-        """Return the levels at an array of times in seconds, in the shape of that array."""
+        """Return the levels at many times.
+
+        Parameters
+        ----------
+        time_s
+            Times since the staircase began [s], of any shape.
+
+        Returns
+        -------
+        The levels, of the shape of the times.
+
+        Raises
+        ------
+        CallerError
+            For a time that is not finite.
+        """
         return _zero_order_hold(np.asarray(self._starts_s), np.asarray(self.levels), time_s)
 
 
@@ -114,6 +187,13 @@ class SampledReference:
     """A target given at certain times and held until the next (zero-order hold).
 
     Before the first time the target is the first value, after the last time the last.
+
+    Parameters
+    ----------
+    time_s
+        Rising times [s], shape (n,).
+    target
+        The target from each on, shape (n,): strain as a fraction, displacement [m] or force [N].
     """
 
     time_s: NDArray[np.float64]
@@ -121,16 +201,46 @@ class SampledReference:
 
     @property
     def duration_s(self) -> float:
-        """The last given time, in seconds."""
+        """The last given time [s]."""
         return float(self.time_s[-1])
 
     def target_at(self, time_s: float) -> float:
-        """Return the target at ``time_s`` seconds."""
+        """Return the target at a time.
+
+        Parameters
+        ----------
+        time_s
+            Time since the reference began [s].
+
+        Returns
+        -------
+        The target.
+
+        Raises
+        ------
+        CallerError
+            For a time that is not finite.
+        """
         index = bisect_right(self.time_s, _checked_time(time_s) + CLOCK_TOLERANCE_S) - 1
         return float(self.target[max(index, 0)])
 
     def targets_at(self, time_s: ArrayLike) -> NDArray[np.float64]:
-        """Return the targets at an array of times in seconds, in the shape of that array."""
+        """Return the targets at many times.
+
+        Parameters
+        ----------
+        time_s
+            Times since the reference began [s], of any shape.
+
+        Returns
+        -------
+        The targets, of the shape of the times.
+
+        Raises
+        ------
+        CallerError
+            For a time that is not finite.
+        """
         return _zero_order_hold(self.time_s, self.target, time_s)
 
 
@@ -141,12 +251,35 @@ def staircase(
     hold_s: float = 6.0,
     return_trip: bool = True,
 ) -> Staircase:
-    """Return the paper's staircase (Fig. 11): ``start`` to ``stop`` in equal increments and back.
+    """Return the paper's staircase (Fig. 11): up in equal increments and back.
 
     The top belongs to the rise and appears once. Levels are rounded to 12 digits, so 0.018 is 0.018.
 
-    Raises:
-        CallerError: increment or hold not above zero, stop not above start, or increments that miss ``stop``.
+    Parameters
+    ----------
+    start
+        First level: strain as a fraction, displacement [m] or force [N]. The paper's is 1.5 %.
+    stop
+        Top level, in the same unit; the paper's is 3.0 %.
+    increment
+        From level to level, in the same unit; the paper's is 0.3 %.
+    hold_s
+        How long each level is held [s]; the paper's 6 s.
+    return_trip
+        Whether it also comes down again, as in the paper.
+
+    Returns
+    -------
+    The staircase.
+
+    Raises
+    ------
+    CallerError
+        For an increment or hold not above zero, a stop not above the start, or increments that miss ``stop``.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 11 and Table 2.
     """
     if not all(math.isfinite(value) for value in (start, stop, increment)):
         raise CallerError(f"staircase from {start} to {stop} by {increment}: every number must be finite")
@@ -165,10 +298,23 @@ def staircase(
 
 
 def sampled_reference(time_s: ArrayLike, target: ArrayLike) -> SampledReference:
-    """Return a reference from two columns: increasing times in seconds, and the target from each on.
+    """Return a reference from two columns, each target held until the next time.
 
-    Raises:
-        CallerError: columns of different or no length, a value not finite, or times that do not increase.
+    Parameters
+    ----------
+    time_s
+        Increasing times [s], shape (n,).
+    target
+        The target from each on, shape (n,): strain as a fraction, displacement [m] or force [N].
+
+    Returns
+    -------
+    The reference; it keeps copies.
+
+    Raises
+    ------
+    CallerError
+        For columns of different or no length, a value that is not finite, or times that do not increase.
     """
     times = np.array(time_s, dtype=np.float64)
     targets = np.array(target, dtype=np.float64)

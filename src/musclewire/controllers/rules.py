@@ -134,8 +134,25 @@ class ConstantRules(StrictModel):
 class RuleBase(StrictModel):
     """A rule base with its origin.
 
-    ``mirrored`` makes both directions alike by reading one half of the tables only: "positive-error" at
-    (|e|, sign(e) de), "negative-error" at (-|e|, -sign(e) de), with sign(0) = 0.
+    Parameters
+    ----------
+    name
+        Its name on the command line.
+    title
+        What it is, in a few words.
+    source
+        The publication.
+    licence
+        Under which it may be passed on.
+    notes
+        What a reader should know of it.
+    mirrored
+        Makes both directions alike by reading one half of the tables only: "positive-error" at (|e|, sign(e) de),
+        "negative-error" at (-|e|, -sign(e) de), with sign(0) = 0. "no" reads the tables as printed.
+    input_sets
+        The seven membership functions of both inputs by name; none for constant rules.
+    rules
+        The tables, and how they are combined.
     """
 
     name: str
@@ -165,10 +182,22 @@ def rule_base_names() -> tuple[str, ...]:
 
 
 def load_rule_base(name: str | Path = DEFAULT_RULE_BASE) -> RuleBase:
-    """Return a rule base by its name, or from a user's TOML file (a ``Path``, or a text that ends in .toml).
+    """Return a rule base by its name, or from a user's file.
 
-    Raises:
-        CallerError: no such name or file, or the file does not hold a rule base; the message names the key.
+    Parameters
+    ----------
+    name
+        A name out of :func:`rule_base_names`, or a TOML file: a ``Path``, or a text that ends in .toml. The default is
+        the rule base that the closed loop uses.
+
+    Returns
+    -------
+    The rule base, checked.
+
+    Raises
+    ------
+    CallerError
+        If there is no such name or file, or it holds no rule base; the message names the key.
     """
     if isinstance(name, Path) or name.endswith(".toml"):
         path = Path(name)
@@ -181,12 +210,25 @@ def load_rule_base(name: str | Path = DEFAULT_RULE_BASE) -> RuleBase:
 
 
 def parse_rule_base(text: str, where: str = "rule base") -> RuleBase:
-    """Return the rule base written in the TOML ``text``; ``where`` starts every error message.
+    """Return the rule base written in a TOML text.
 
     ``derives_from = "liu-7x7"`` takes all keys of a rule base of the package and lets the text replace some.
 
-    Raises:
-        CallerError: not TOML, an unknown or missing key, a table that is not 7x7, a cell that is no set name.
+    Parameters
+    ----------
+    text
+        The TOML text.
+    where
+        Begins every error message: the file, for one.
+
+    Returns
+    -------
+    The rule base, checked.
+
+    Raises
+    ------
+    CallerError
+        If it is not TOML, has an unknown or missing key, a table that is not 7x7, or a cell that is no set name.
     """
     try:
         values = _with_parent(tomllib.loads(text))

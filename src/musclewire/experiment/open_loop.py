@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TypedDict
 
 from musclewire.errors import CallerError
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
@@ -13,10 +14,18 @@ from musclewire.signals.commands import Command, Drive
 from musclewire.signals.recording import Recording
 from musclewire.signals.samples import RawSample
 
-__all__ = ["Waveform", "WaveformPolicy", "characterize", "slow_sine"]
+__all__ = ["SlowSine", "Waveform", "WaveformPolicy", "characterize", "slow_sine"]
 
 Waveform = Callable[[float], float]
 PAPER_PERIOD_S = 90.0
+
+
+class SlowSine(TypedDict, total=False):
+    """What may be chosen of the slow sine, as :func:`characterize` takes it; recipes around it pass it on."""
+
+    amplitude_v: float | None
+    period_s: float
+    cycles: int
 
 
 def slow_sine(amplitude_v: float, sense_voltage_v: float, period_s: float = PAPER_PERIOD_S) -> Waveform:
@@ -59,6 +68,18 @@ class WaveformPolicy:
         return Decision(Drive(self._waveform(elapsed_s)), {"cycle": float(max(cycle, 1))})
 
 
+def allowed_amplitude_v(rig: Rig, amplitude_v: float | None) -> float:
+    """Return the amplitude [V], the rig's own if None. Raises CallerError for one above the rig's maximum."""
+    amplitude = rig.drive_amplitude_v if amplitude_v is None else amplitude_v
+    if amplitude > rig.maximum_voltage_v:
+        raise CallerError(
+            f"amplitude {amplitude:g} V is {amplitude - rig.maximum_voltage_v:.3g} V above the rig's maximum of "
+            f"{rig.maximum_voltage_v:g} V: drive less or, where the wire stands it, raise the rig file's setting "
+            "maximum_voltage_v"
+        )
+    return amplitude
+
+
 def characterize(
     rig: Rig,
     *,
@@ -71,17 +92,41 @@ def characterize(
 ) -> Recording:
     """Heat and cool the wire slowly and record both voltages and the reference instruments.
 
-    The first cycle settles the wire into the loop it then repeats; the analysis uses the last. Default is the
-    paper's slow sine: 1/90 Hz at the rig's amplitude (3.2 V for its 0.1 mm wire).
-    Raises CallerError for an amplitude above what the rig allows or fewer than one cycle.
+    The first cycle settles the wire into the loop it then repeats; the analysis uses the last.
+
+    Parameters
+    ----------
+    rig
+        The rig, open; it is driven.
+    amplitude_v
+        Greatest drive [V]; the rig's own if None (3.2 V for the paper's 0.1 mm wire).
+    period_s
+        Time of a cycle [s]; the paper's 90 s, slow enough for the wire's heat.
+    cycles
+        How many; 2, so that one is settled.
+    path
+        File that is written while the run lasts; none if None.
+    overwrite
+        Whether an existing file is replaced; refused otherwise.
+    on_sample
+        Gets every recorded row; it may raise to stop the run.
+
+    Returns
+    -------
+    The recording.
+
+    Raises
+    ------
+    CallerError
+        For an amplitude above what the rig allows, or fewer than one cycle.
+    RigError
+        If the rig failed or was tripped; it carries the partial recording as ``.recording``.
+
+    References
+    ----------
+    Lan and Fan 2010, section 2.1: a sine of 1/90 Hz and 3.2 V.
     """
-    amplitude = rig.drive_amplitude_v if amplitude_v is None else amplitude_v
-    if amplitude > rig.maximum_voltage_v:
-        raise CallerError(
-            f"amplitude {amplitude:g} V is {amplitude - rig.maximum_voltage_v:.3g} V above the rig's maximum of "
-            f"{rig.maximum_voltage_v:g} V: drive less or, where the wire stands it, raise the rig file's setting "
-            "maximum_voltage_v"
-        )
+    amplitude = allowed_amplitude_v(rig, amplitude_v)
     if cycles < 1:
         raise CallerError(f"cycles is {cycles}: give at least 1")
     waveform = slow_sine(amplitude, rig.sense_voltage_v, period_s)

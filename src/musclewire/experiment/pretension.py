@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.experiment.force_limit import force_warnings
-from musclewire.experiment.open_loop import characterize
+from musclewire.experiment.open_loop import SlowSine, characterize
 from musclewire.experiment.run import OnSample, file_in
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
 from musclewire.identify.recordings import QUANTITIES
@@ -115,43 +115,58 @@ def pretension_sweep(
     pretensions_n: Sequence[float] | None = None,
     *,
     quantity: str = "strain",
-    amplitude_v: float | None = None,
-    period_s: float = 90.0,
-    cycles: int = 2,
     folder: str | Path | None = None,
     on_setting: Callable[[float], None] | None = None,
     on_sample: OnSample | None = None,
+    **sine: Unpack[SlowSine],
 ) -> PretensionSweep:
-    """Characterise the wire at each pretension and compare the gaps; the best is the one of ``quantity``.
+    """Characterise the wire at each pretension and compare the gaps; the best is the one of a quantity.
 
-    With ``folder`` each setting is recorded there as it runs, replacing an earlier sweep's. ``on_setting`` hears each
-    pretension once it is set. A setting whose loop cannot be used (slack, or no transformation left at high stress) is
-    kept as a failure with its reason. Raises CallerError for a rig without a stage that software can move or an
-    unknown quantity, RecordingError when no setting gives a loop, or none an instrument for the quantity.
+    A setting whose loop cannot be used (slack, or no transformation left at high stress) is kept as a failure with its
+    reason.
+
+    Parameters
+    ----------
+    rig
+        The rig, open, with a stage that software can move.
+    pretensions_n
+        Settings [N]; if None eight from 0.20 to 0.65 of the wire's allowed force, the paper's span.
+    quantity
+        Whose gap decides: "strain", "displacement" or "force".
+    folder
+        Each setting is recorded there as it runs, replacing an earlier sweep's; nothing is written if None.
+    on_setting
+        Gets each pretension [N] once it is set.
+    on_sample
+        Gets every recorded row; it may raise to stop the run.
+    **sine
+        amplitude_v, period_s and cycles of :func:`characterize`.
+
+    Returns
+    -------
+    All settings with their gaps, the failures and the warnings.
+
+    Raises
+    ------
+    CallerError
+        For a rig without a stage that software can move, or an unknown quantity.
+    RecordingError
+        If no setting gives a loop, or none has an instrument for the quantity.
+
+    References
+    ----------
+    Lan and Fan 2010, Figs. 4 to 6, and Fig. 17 for a finger.
     """
-    if quantity not in QUANTITIES:
-        raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
-    if not isinstance(rig, HasStage):
-        raise CallerError(
-            "the stage of this rig is moved by hand: set each pretension, run 'musclewire characterize', and "
-            "compare the gaps that 'musclewire fit' prints"
-        )
+    stage = checked_stage(rig, quantity)
     rows: list[PretensionRow] = []
     failures: list[str] = []
     warnings: list[str] = []
     for pretension in default_pretensions_n(rig) if pretensions_n is None else pretensions_n:
-        rig.set_pretension(pretension)
+        stage.set_pretension(pretension)
         if on_setting is not None:
             on_setting(pretension)
-        recording = characterize(
-            rig,
-            amplitude_v=amplitude_v,
-            period_s=period_s,
-            cycles=cycles,
-            path=None if folder is None else file_in(folder, f"pretension-{pretension:.2f}N.h5"),
-            overwrite=True,
-            on_sample=on_sample,
-        )
+        path = None if folder is None else file_in(folder, f"pretension-{pretension:.2f}N.h5")
+        recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, **sine)
         warnings += [f"pretension {pretension:g} N: {warning}" for warning in force_warnings(recording)]
         try:
             gaps = loop_gaps(recording)
@@ -159,11 +174,28 @@ def pretension_sweep(
             failures.append(f"{pretension} N: {error}")
             continue
         rows.append(row_of(float(pretension), gaps, recording))
+    check_rows(rows, failures, quantity)
+    return PretensionSweep(tuple(rows), tuple(failures), quantity, tuple(warnings))
+
+
+def checked_stage(rig: Rig, quantity: str) -> HasStage:
+    """Return the stage of a rig. Raises CallerError for a rig without one, or an unknown quantity."""
+    if quantity not in QUANTITIES:
+        raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
+    if not isinstance(rig, HasStage):
+        raise CallerError(
+            "the stage of this rig is moved by hand: set each pretension, run 'musclewire characterize', and "
+            "compare the gaps that 'musclewire fit' prints"
+        )
+    return rig
+
+
+def check_rows(rows: Sequence[PretensionRow], failures: Sequence[str], quantity: str) -> None:
+    """Raise RecordingError if no setting gave a loop, or none an instrument for the quantity."""
     if not rows:
         raise RecordingError(f"no pretension gave a usable loop; the last: {failures[-1] if failures else 'none'}")
     if all(row.gap_pct(quantity) is None for row in rows):
         raise RecordingError(f"this rig has no instrument for {quantity}: sweep for another quantity")
-    return PretensionSweep(tuple(rows), tuple(failures), quantity, tuple(warnings))
 
 
 def row_of(pretension_n: float, gaps: LoopGaps, recording: Recording) -> PretensionRow:

@@ -14,13 +14,14 @@ from pathlib import Path
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment.force_limit import force_warnings
-from musclewire.experiment.open_loop import characterize
+from musclewire.experiment.open_loop import SlowSine, characterize
 from musclewire.experiment.run import OnSample, file_in
 from musclewire.identify.recordings import required_quantity, resistance_reading
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.recalibration import find_resistance_extremes, recalibrated
 from musclewire.sensing.segments import find_segments
+from musclewire.signals.recording import Recording
 
 __all__ = ["Recalibration", "Training", "TrainingCycle", "recalibrate", "train"]
 
@@ -67,34 +68,46 @@ def train(
 ) -> Training:
     """Cycle a wire until its loop repeats: five cycles that together move it by less than 0.3 %.
 
-    With ``folder`` each cycle is recorded there as it runs. Raises CallerError for fewer than two cycles,
-    RecordingError when the wire does not transform at all.
+    Parameters
+    ----------
+    rig
+        The rig, open; it is driven.
+    amplitude_v
+        Greatest drive [V]; the rig's own if None.
+    period_s
+        Time of a cycle [s]; 30 s heat and cool a thin wire fully.
+    most_cycles
+        Where to stop if it does not settle.
+    settled_share
+        The move over five cycles, as a fraction of resistance span and stroke, below which it is settled.
+    folder
+        Each cycle is recorded there as it runs; nothing is written if None.
+    on_cycle
+        Gets each cycle when it is judged.
+    on_sample
+        Gets every recorded row; it may raise to stop the run.
+
+    Returns
+    -------
+    The cycles, whether they settled, and warnings.
+
+    Raises
+    ------
+    CallerError
+        For fewer than two cycles.
+    RecordingError
+        If the wire does not transform at all.
     """
     if most_cycles < 2:
         raise CallerError(f"most_cycles is {most_cycles}: a change needs at least 2 cycles")
+    sine = SlowSine(amplitude_v=amplitude_v, period_s=period_s, cycles=1)
     cycles: list[TrainingCycle] = []
     warnings: tuple[str, ...] = ()
     for number in range(1, most_cycles + 1):
-        recording = characterize(
-            rig,
-            amplitude_v=amplitude_v,
-            period_s=period_s,
-            cycles=1,
-            path=None if folder is None else file_in(folder, f"cycle-{number:03d}.h5"),
-            overwrite=True,
-            on_sample=on_sample,
-        )
+        path = None if folder is None else file_in(folder, f"cycle-{number:03d}.h5")
+        recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, **sine)
         warnings = warnings or tuple(f"cycle {number}: {text}" for text in force_warnings(recording))
-        reading = resistance_reading(recording)
-        segments = find_segments(reading.resistance_ohm, required_quantity(recording), reading.valid)
-        cycle = TrainingCycle(
-            number=number,
-            resistance_min_ohm=segments.resistance_min_ohm,
-            resistance_max_ohm=segments.resistance_max_ohm,
-            strain_cold=segments.strain_cold,
-            stroke=segments.strain_max - segments.strain_cold,
-            change=None,
-        )
+        cycle = cycle_of(recording, number)
         if len(cycles) >= CYCLES_COMPARED:
             cycle = replace(cycle, change=change_between(cycles[-CYCLES_COMPARED], cycle))
         cycles.append(cycle)
@@ -103,6 +116,20 @@ def train(
         if cycle.change is not None and cycle.change < settled_share:
             return Training(tuple(cycles), settled=True, warnings=warnings)
     return Training(tuple(cycles), settled=False, warnings=warnings)
+
+
+def cycle_of(recording: Recording, number: int) -> TrainingCycle:
+    """Return what the loop of one cycle was. Raises RecordingError if it is none."""
+    reading = resistance_reading(recording)
+    segments = find_segments(reading.resistance_ohm, required_quantity(recording), reading.valid)
+    return TrainingCycle(
+        number=number,
+        resistance_min_ohm=segments.resistance_min_ohm,
+        resistance_max_ohm=segments.resistance_max_ohm,
+        strain_cold=segments.strain_cold,
+        stroke=segments.strain_max - segments.strain_cold,
+        change=None,
+    )
 
 
 def change_between(before: TrainingCycle, after: TrainingCycle) -> float:
@@ -136,7 +163,29 @@ def recalibrate(
 ) -> Recalibration:
     """Sweep the wire once and anchor the model to the R_max and R_min of today; no sensor is read.
 
-    Raises RecordingError where the sweep shows no transformation, or did not reach its ends.
+    Parameters
+    ----------
+    rig
+        The rig, open; it is driven.
+    model
+        The model as it was fitted.
+    amplitude_v
+        Greatest drive [V]; the rig's own if None.
+    period_s
+        Time of the sweep, up and down [s]; the paper's 90 s.
+    path
+        File that is written while the run lasts; none if None.
+    on_sample
+        Gets every recorded row; it may raise to stop the run.
+
+    Returns
+    -------
+    The model of today, and how far its resistances have moved.
+
+    Raises
+    ------
+    RecordingError
+        If the sweep shows no transformation, or began above point B.
     """
     recording = characterize(rig, amplitude_v=amplitude_v, period_s=period_s, cycles=1, path=path, on_sample=on_sample)
     reading = resistance_reading(recording)

@@ -36,9 +36,30 @@ class TendonZero:
 def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
     """Draw the finger's stage from slack to taut while the wire is cold, find the kink in force, and stop there.
 
-    The load cell is all that is read. Positions go from 0.1 mm slack to 0.1 mm taut about ``start_slack_m``, the
-    setting believed to be zero; the kink is where a level line and a rising line fit best. Raises CallerError for a rig
-    without such a stage or without a load cell, RecordingError where the force does not rise.
+    The load cell is all that is read. Positions go from 0.1 mm slack to 0.1 mm taut; the kink is where a level line and
+    a rising line fit best.
+
+    Parameters
+    ----------
+    rig
+        The rig, open, with a stage below the finger that software can move, and a load cell.
+    start_slack_m
+        Setting believed to be zero [m], about which it searches.
+
+    Returns
+    -------
+    Where the tendon begins to pull, with what was read.
+
+    Raises
+    ------
+    CallerError
+        For a rig without such a stage or without a load cell.
+    RecordingError
+        If the force does not rise.
+
+    References
+    ----------
+    Lan and Fan 2010, section 4.2.
     """
     if not isinstance(rig, HasTendonStage):
         raise CallerError("the finger's stage of this rig is moved by hand: turn it until the force begins to rise")

@@ -42,7 +42,15 @@ SEARCH_STEPS = 30
 
 @dataclass(frozen=True)
 class KnownGrip:
-    """A closing on a block of known stiffness with a load cell between the fingers."""
+    """A closing on a block of known stiffness with a load cell between the fingers.
+
+    Parameters
+    ----------
+    recording
+        The closing, with ``endpoint_force_n``.
+    stiffness_n_per_m
+        Stiffness of the block [N/m].
+    """
 
     recording: Recording
     stiffness_n_per_m: float
@@ -75,10 +83,25 @@ def electrical(recording: Recording) -> tuple[FloatArray, FloatArray]:
 def fit_free_closing(recordings: Sequence[Recording], alloy: str = "flexinol") -> FreeClosing:
     """Learn what closing without an object takes: theta and m of P = theta(l) - m(l) dl/dt, and their noise.
 
-    The recordings are closings at different speeds, which is what tells theta from m; weather is averaged over them,
-    so take a dozen. Least squares on blocks of samples, each relative to its power. The noise is the least with which
-    the detector's surprises on these closings are no larger than it expects. Raises RecordingError where the
-    recordings hold no closing.
+    The recordings are closings at different speeds, which is what separates theta from m; the air's motion is averaged
+    over them, so take a dozen. Least squares on blocks of samples, each relative to its power. The noise is the least
+    with which the detector's surprises on these closings are no larger than it expects.
+
+    Parameters
+    ----------
+    recordings
+        The closings.
+    alloy
+        By name or wire file: density and specific heat, from which the wire's thermal time follows.
+
+    Returns
+    -------
+    The reference for contact.
+
+    Raises
+    ------
+    RecordingError
+        If the recordings hold no closing, too few, or speeds that differ too little.
     """
     low_ohm, high_ohm = resistance_range(recordings)
     blocks = [block for one in recordings for block in blocks_of(closing_of(one, low_ohm, high_ohm))]
@@ -185,12 +208,31 @@ def surprises_of(free: FreeClosing, closing: Closing) -> list[float]:
 def fit_grip_curve(
     free_recordings: Sequence[Recording], known: Sequence[KnownGrip], free: FreeClosing, *, fingers: int
 ) -> GripCurve:
-    """Learn how the fingers close, give and what force costs, from closings with instruments.
+    """Learn how the fingers close and yield and what force costs, from closings with instruments.
 
     Free closings give the endpoint over resistance, with ``displacement_m`` and ``endpoint_displacement_m``. Grips of
     blocks of known stiffness, with ``endpoint_force_n``, give the compliances of finger and wire and the power that a
-    newton costs, with each contact where the detector finds it. Raises RecordingError where a column is missing or
-    too few samples carry force.
+    newton costs, with each contact at the place at which the detector finds it.
+
+    Parameters
+    ----------
+    free_recordings
+        Closings without an object.
+    known
+        Closings on blocks of known stiffness.
+    free
+        The reference for contact.
+    fingers
+        How many fingers touch the object, 1 or 2.
+
+    Returns
+    -------
+    The curve for force.
+
+    Raises
+    ------
+    RecordingError
+        If a column is missing, or too few samples carry force.
     """
     for one in (*free_recordings, *(item.recording for item in known)):
         for name in ("displacement_m", "endpoint_displacement_m"):

@@ -26,7 +26,25 @@ class LoopGaps:
 def loop_gaps(recording: Recording, *, cycle: int | str = "last") -> LoopGaps:
     """Find A, B, C by strain, then compare heating with cooling at equal resistance from B to C.
 
-    Raises RecordingError where the recording has no strain or no usable loop.
+    Parameters
+    ----------
+    recording
+        A loop with strain.
+    cycle
+        Which one, as in ``find_segments``.
+
+    Returns
+    -------
+    The gaps as fractions, None for a quantity without its instrument.
+
+    Raises
+    ------
+    RecordingError
+        If the recording has no strain or no usable loop.
+
+    References
+    ----------
+    Lan and Fan 2010, Eqs. 2 and 9.
     """
     reading = resistance_reading(recording)
     strain = required_quantity(recording, "strain")

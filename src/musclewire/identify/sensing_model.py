@@ -45,9 +45,31 @@ def fit(
 ) -> SensingModel:
     """Fit the self-sensing model of Eqs. 3 to 5 to a slow loop, or to a printed table of both branches.
 
-    ``order`` is that of the polynomials (the paper's is 6) or "auto" for the one that cross-validation chooses;
-    ``quantity`` is strain, displacement or force. Raises RecordingError for a recording without a usable loop,
-    FitRejectedError for a fit that cannot be inverted.
+    Parameters
+    ----------
+    recording
+        A slow loop of resistance (or both voltages and the shunt) and the quantity, or a table without clock.
+    order
+        Order of the polynomials: a number, the paper's is 6, or "auto" for the one that cross-validation chooses.
+    quantity
+        What the model senses: "strain", "displacement" or "force".
+    cycle
+        "last", "first" or "largest" complete cycle, or its number. The last is settled most.
+
+    Returns
+    -------
+    The model, with residuals and warnings.
+
+    Raises
+    ------
+    RecordingError
+        For a recording without a usable loop, or without a fact that it needs (shunt, length).
+    FitRejectedError
+        For a fit that cannot be inverted.
+
+    References
+    ----------
+    Lan and Fan 2010, Eqs. 3 to 5.
     """
     notes = wire_notes(recording)
     source = recording.facts.text_or_none("source") or ""
@@ -119,7 +141,19 @@ def in_sensing_segment(model: SensingModel, recording: Recording, reading: Array
 
 @dataclass(frozen=True)
 class EstimateReport:
-    """An estimate over a recording, and its errors in percent of stroke where the recording has a reference."""
+    """An estimate over a recording, and its errors in percent of stroke if the recording has a reference.
+
+    Parameters
+    ----------
+    recording
+        The recording with the estimate's columns added.
+    valid_share
+        Fraction of samples that count.
+    rms_pct
+        Root mean square error [%] of the stroke; None without a reference.
+    max_pct
+        Largest error [%] of the stroke; None without a reference.
+    """
 
     recording: Recording
     valid_share: float
@@ -132,7 +166,22 @@ def estimate(model: SensingModel, recording: Recording) -> EstimateReport:
 
     Errors count the valid samples only: those with current, a resistance in the model's range, and the wire
     between B and C, which shows in how power and resistance move together. Stroke is the range the model senses.
-    Raises RecordingError when no resistance can be had or none lies in the range.
+
+    Parameters
+    ----------
+    model
+        The model of this wire.
+    recording
+        Resistance, or both voltages and the shunt.
+
+    Returns
+    -------
+    The recording with the estimate, and the errors.
+
+    Raises
+    ------
+    RecordingError
+        If no resistance can be had, or none lies in the model's range.
     """
     reading = resistance_reading(recording)
     result = model.estimate(reading.resistance_ohm)

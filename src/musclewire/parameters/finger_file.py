@@ -42,11 +42,25 @@ EVEN_TOLERANCE = 1e-6
 class FingerCurve(BaseModel):
     """A finger's answer to tendon travel; every column is (n_points,) over the same evenly spaced travels from 0.
 
-    Force and displacement hold for a finger that touches nothing; a force ``f`` [N] that pushes its endpoint back, at
-    the same tendon travel, adds ``tendon_force_per_endpoint_force * f`` to the tendon's force and takes
+    Force and displacement hold for a finger that touches nothing; a force f [N] that pushes its endpoint back, at the
+    same tendon travel, adds ``tendon_force_per_endpoint_force * f`` to the tendon's force and takes
     ``endpoint_compliance_m_per_n * f`` from the endpoint's displacement. Forces are those of both tendon legs together.
-    ``friction_share`` is what friction along the tendon adds to the connector's force when pulling, as a share of the
-    force without friction; easing takes as much away, the capstan law to first order.
+
+    Parameters
+    ----------
+    tendon_travel_m
+        Travel of the tendon [m], rising from 0 in equal steps.
+    tendon_force_n
+        Force of the tendon [N], rising.
+    endpoint_displacement_m
+        Displacement of the endpoint [m], rising.
+    tendon_force_per_endpoint_force
+        Rise of the tendon's force per force at the endpoint.
+    endpoint_compliance_m_per_n
+        What a force at the endpoint takes from its displacement [m/N].
+    friction_share
+        What friction along the tendon adds to the connector's force when pulling, as a fraction of the force without
+        friction; easing takes as much away, the capstan law to first order.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)

@@ -19,7 +19,17 @@ FOLDERS = {"wire": "wires", "alloy": "alloys", "bench": "benches"}
 
 
 def names(kind: str) -> list[str]:
-    """Return the names of all wires, alloys or benches that come with musclewire; catalogue wires come last."""
+    """Return the names of all wires, alloys or benches that come with musclewire; catalogue wires come last.
+
+    Parameters
+    ----------
+    kind
+        "wire", "alloy" or "bench".
+
+    Returns
+    -------
+    The names.
+    """
     folder = files("musclewire.parameters") / "data" / FOLDERS[kind]
     found = sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
     return found + (catalogue_names() if kind == "wire" else [])
@@ -35,14 +45,41 @@ def read_named(kind: str, name: str) -> dict[str, Any]:
 
 
 def load_alloy(name: str) -> Alloy:
-    """Return a named alloy, or that of a wire file. Raises CallerError for an unknown name or a wrong file."""
+    """Return an alloy.
+
+    Parameters
+    ----------
+    name
+        A named alloy, or a wire file (.toml), whose alloy it is.
+
+    Returns
+    -------
+    The alloy, checked.
+
+    Raises
+    ------
+    CallerError
+        For an unknown name or a wrong file.
+    """
     return read_wire_file(name).alloy if is_wire_file(name) else named_alloy(name)
 
 
 def load_wire(name: str) -> Wire:
-    """Return a wire: a named one, one of the catalogue, or that of a wire file (.toml), read afresh.
+    """Return a wire.
 
-    Raises CallerError for an unknown name or a wrong file.
+    Parameters
+    ----------
+    name
+        A named wire, one of the catalogue, or a wire file (.toml), read afresh.
+
+    Returns
+    -------
+    The wire, checked.
+
+    Raises
+    ------
+    CallerError
+        For an unknown name or a wrong file.
     """
     return read_wire_file(name).wire if is_wire_file(name) else named_wire(name)
 
@@ -69,7 +106,22 @@ def named_wire(name: str) -> Wire:
 
 @cache
 def load_bench(name: str) -> Bench:
-    """Return a named bench: spring, circuit, acquisition. Raises CallerError for an unknown name."""
+    """Return a named bench: spring, circuit, acquisition.
+
+    Parameters
+    ----------
+    name
+        Its name.
+
+    Returns
+    -------
+    The bench, checked.
+
+    Raises
+    ------
+    CallerError
+        For an unknown name.
+    """
     return validated(Bench, read_named("bench", name), f"bench {name}")
 
 

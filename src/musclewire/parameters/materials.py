@@ -86,9 +86,21 @@ def material_names() -> list[str]:
 
 
 def load_material(name: str) -> Material:
-    """Return a material that comes with musclewire, by name, or one of a file (.toml), read afresh.
+    """Return a material of flexures.
 
-    Raises CallerError for an unknown name or a wrong file, naming the key and the nearest right one.
+    Parameters
+    ----------
+    name
+        One that comes with musclewire, or a file (.toml), read afresh.
+
+    Returns
+    -------
+    The material, checked.
+
+    Raises
+    ------
+    CallerError
+        For an unknown name or a wrong file, naming the key and the nearest right one.
     """
     return read_material_file(Path(name)) if name.endswith(SUFFIX) else named_material(name)
 

@@ -17,7 +17,21 @@ Kind = Literal["measured", "datasheet", "fitted", "derived", "assumed"]
 
 
 class Parameter(BaseModel):
-    """One number: value, SI unit, where it comes from and how far to trust it."""
+    """One number: value, SI unit, where it comes from and how far to trust it.
+
+    Parameters
+    ----------
+    value
+        The number, finite, in ``unit``.
+    unit
+        SI, as "ohm/m"; "1" for a fraction.
+    kind
+        "measured", "datasheet", "fitted", "derived" or "assumed".
+    source
+        Where it comes from, for people.
+    note
+        What else to know of it.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -52,8 +66,8 @@ class ParameterGroup(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    name: str
-    description: str
+    name: str = Field(description="by which it is loaded")
+    description: str = Field(description="what it is, for people")
 
     @model_validator(mode="after")
     def _units_and_ranges_are_as_declared(self) -> ParameterGroup:
@@ -120,7 +134,7 @@ class Alloy(ParameterGroup):
 class Wire(ParameterGroup):
     """One wire off one spool: an alloy drawn to a diameter."""
 
-    alloy: str
+    alloy: str = Field(description="name of the alloy")
     diameter_m: Parameter = parameter("m", "diameter")
     resistance_per_metre_ohm_per_m: Parameter = parameter("ohm/m", "as sold, martensite, room temperature")
     resistivity_factor: Parameter = parameter("1", "this spool's resistivity over the alloy's")

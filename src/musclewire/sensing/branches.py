@@ -21,9 +21,14 @@ IN_ORDER = 0.5
 
 
 class Branch(NamedTuple):
-    """One branch of a loop: resistances and the quantity there (strain, displacement, force), shape (n,).
+    """One branch of a loop, in the order in which the wire passed it, in either direction.
 
-    Samples stand in the order in which the wire passed them, in either direction.
+    Parameters
+    ----------
+    resistance_ohm
+        Resistances [ohm], shape (n,).
+    quantity
+        What was measured there, shape (n,): strain as a fraction, displacement [m] or force [N].
     """
 
     resistance_ohm: FloatArray
@@ -61,7 +66,21 @@ def single_valued(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str = "this
     twice the noise left after smoothing. Clean data come back unchanged, so the result does not depend on
     how densely or evenly the branch was sampled, nor on its direction.
 
-    Raises RecordingError for unusable columns or when all resistances are equal.
+    Parameters
+    ----------
+    branch
+        Resistances [ohm] and the quantity, each of shape (n,).
+    name
+        What messages call the branch: "heating".
+
+    Returns
+    -------
+    The curve, its resistances rising.
+
+    Raises
+    ------
+    RecordingError
+        For unusable columns, or if all resistances are equal.
     """
     from scipy.optimize import isotonic_regression
 

@@ -89,10 +89,16 @@ class FreeClosing:
 
 
 class AirMoves(NamedTuple):
-    """What weather to expect, as shares of the holding power (standard deviations).
+    """How much the air is expected to change convection, as standard deviations in fractions of the holding power.
 
-    Draughts change convection by ``draught_share`` and last about ``draught_time_s``; ``level_share`` covers the air's
-    temperature, which stays over one closing: 3 K of some 60 K between wire and air.
+    Parameters
+    ----------
+    draught_share
+        By draughts; a fan across a room makes a tenth.
+    draught_time_s
+        How long a draught lasts, about [s].
+    level_share
+        By the air's temperature, which stays over one closing: 3 K of some 60 K between wire and air.
     """
 
     draught_share: float = 0.10

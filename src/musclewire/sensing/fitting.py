@@ -61,13 +61,43 @@ def fit_loop(
     wire: Mapping[str, str | float] | None = None,
     source: str = "",
 ) -> SensingModel:
-    """Fit a model to one loop of a recording: find A, B, C (Fig. 3b), fit B to C on both branches (Eqs. 3-5).
+    """Fit a model to one loop of a recording: find A, B, C (Fig. 3b), fit B to C on both branches (Eqs. 3 to 5).
 
-    Columns have shape (n_times,); ``strain`` holds the quantity in SI units, contraction positive. ``order``
-    is a number or "auto", ``cycle`` as in ``find_segments``; ``wire`` and ``source`` are kept as notes.
+    Parameters
+    ----------
+    resistance_ohm
+        Resistance [ohm], shape (n_times,).
+    strain
+        Strain as a fraction, displacement [m] or force [N], shape (n_times,), contraction positive.
+    valid
+        Which samples have current, shape (n_times,); all if None.
+    order
+        Order of the polynomials: a number, the paper's is 6, or "auto" for the one that cross-validation chooses.
+    cycle
+        Which one, as in :func:`find_segments`; the last, since a wire settles in the first.
+    quantity
+        What ``strain`` holds: "strain", "displacement" or "force".
+    wire
+        Notes on the wire, kept in the model.
+    source
+        Where the recording is from, kept in the model.
 
-    Raises RecordingError when the recording holds no usable loop or too few points for the order,
-    FitRejectedError when the average polynomial cannot be inverted, CallerError for wrong arguments.
+    Returns
+    -------
+    The model.
+
+    Raises
+    ------
+    RecordingError
+        If the recording holds no usable loop, or too few points for the order.
+    FitRejectedError
+        If the average polynomial cannot be inverted.
+    CallerError
+        For wrong arguments.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 3(b) and Eqs. 3 to 5.
     """
     _check_arguments(order, quantity)
     segments = find_segments(resistance_ohm, strain, valid, cycle, quantity)
@@ -81,7 +111,34 @@ def fit_segments(
     wire: Mapping[str, str | float] | None = None,
     source: str = "",
 ) -> SensingModel:
-    """Fit a model to a loop whose A, B, C are known; arguments and errors as in ``fit_loop``."""
+    """Fit a model to a loop whose points A, B, C are known.
+
+    Parameters
+    ----------
+    segments
+        The loop.
+    order
+        As in :func:`fit_loop`.
+    quantity
+        As in :func:`fit_loop`.
+    wire
+        As in :func:`fit_loop`.
+    source
+        As in :func:`fit_loop`.
+
+    Returns
+    -------
+    The model.
+
+    Raises
+    ------
+    RecordingError
+        If there are too few points for the order.
+    FitRejectedError
+        If the average polynomial cannot be inverted.
+    CallerError
+        For wrong arguments.
+    """
     model = fit_branches(
         segments.heating,
         segments.cooling,
@@ -107,12 +164,46 @@ def fit_branches(
     wire: Mapping[str, str | float] | None = None,
     source: str = "",
 ) -> SensingModel:
-    """Fit a model to the heating and cooling branch of segment B-C, each (resistance_ohm, quantity).
+    """Fit a model to the heating and the cooling branch of segment B-C.
 
-    Source: Lan and Fan 2010, Eqs. 3 to 5. R_min and R_max default to those of the heating branch; give them
-    when the branches do not reach B and C (a printed table). Fits run over the normalised resistances in
-    [0, 1] that both branches have, weighted evenly over resistance (see ``fit_points``), and the model is
-    valid where the average falls there. Errors as in ``fit_loop``.
+    Fits run over the normalised resistances in [0, 1] that both branches have, weighted evenly over resistance (see
+    ``fit_points``), and the model is valid where the average falls there.
+
+    Parameters
+    ----------
+    heating
+        Resistances [ohm] and quantity, each of shape (n,), in either direction.
+    cooling
+        The same of the other branch.
+    order
+        As in :func:`fit_loop`.
+    resistance_min_ohm
+        R_min [ohm]; that of the heating branch if None. Give it if the branches do not reach C (a printed table).
+    resistance_max_ohm
+        R_max [ohm]; that of the heating branch if None. Give it if the branches do not reach B.
+    quantity
+        As in :func:`fit_loop`.
+    wire
+        As in :func:`fit_loop`.
+    source
+        As in :func:`fit_loop`.
+
+    Returns
+    -------
+    The model.
+
+    Raises
+    ------
+    RecordingError
+        For unusable columns, or too few points for the order.
+    FitRejectedError
+        If the average polynomial cannot be inverted.
+    CallerError
+        For wrong arguments.
+
+    References
+    ----------
+    Lan and Fan 2010, Eqs. 3 to 5.
     """
     _check_arguments(order, quantity)
     raw = checked_branch(heating, "heating"), checked_branch(cooling, "cooling")

@@ -15,15 +15,35 @@ AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
 
 
 def hysteresis_gap(heating: AnyBranch, cooling: AnyBranch, points: int = 400, maximum: float | None = None) -> float:
-    """Mean distance of the two branches at equal resistance, as a fraction of the maximal quantity.
+    """Return the mean distance of the two branches at equal resistance, as a fraction of the maximal quantity.
 
-    Source: Lan and Fan 2010, Eq. 2 (strain gap, force gap) and Eq. 9 (displacement gap), without the factor
-    of 100 %: (1/k) * sum |S_h - S_c| / S_max at k = ``points`` resistances, evenly spaced over the range
-    both branches share. Branches are (resistance_ohm, quantity), each of shape (n,), in either direction;
-    how they become curves, and the small bias of that under noise, is told at ``single_valued``.
-    ``maximum`` is S_max where the loop reaches further than the branches; by default their largest quantity.
+    Parameters
+    ----------
+    heating
+        Resistances [ohm] and quantity, each of shape (n,), in either direction; how they become curves, and the small
+        bias of that under noise, is in :func:`single_valued`.
+    cooling
+        The same of the other branch.
+    points
+        k, the number of resistances compared, evenly spaced over the range that both branches have. 400 are more than
+        curves have bends.
+    maximum
+        S_max, if the loop reaches further than the branches; their largest quantity if None.
 
-    Raises RecordingError when the branches share no resistances, or the largest quantity is not positive.
+    Returns
+    -------
+    (1/k) sum |S_h - S_c| / S_max, without the paper's factor of 100 %.
+
+    Raises
+    ------
+    RecordingError
+        If the branches share no resistances, or the largest quantity is not positive.
+    CallerError
+        If ``points`` is under 1.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 2 (gaps of strain and force) and Eq. 9 (gap of displacement).
     """
     differences, largest = _differences(heating, cooling, points, maximum)
     return float(np.mean(np.abs(differences))) / largest
@@ -32,10 +52,29 @@ def hysteresis_gap(heating: AnyBranch, cooling: AnyBranch, points: int = 400, ma
 def signed_hysteresis_gap(
     heating: AnyBranch, cooling: AnyBranch, points: int = 400, maximum: float | None = None
 ) -> float:
-    """Mean of heating minus cooling, as a fraction: positive where heating lies above cooling.
+    """Return the mean of heating minus cooling at equal resistance, as a fraction of the maximal quantity.
 
-    Same arguments and errors as ``hysteresis_gap``, which is the mean of the absolute differences. Where the
-    two numbers differ in size the branches cross.
+    Parameters
+    ----------
+    heating
+        As in :func:`hysteresis_gap`, which is the mean of the absolute differences.
+    cooling
+        As in :func:`hysteresis_gap`.
+    points
+        As in :func:`hysteresis_gap`.
+    maximum
+        As in :func:`hysteresis_gap`.
+
+    Returns
+    -------
+    The fraction, positive if heating lies above cooling. If it differs in size from the gap the branches cross.
+
+    Raises
+    ------
+    RecordingError
+        If the branches share no resistances, or the largest quantity is not positive.
+    CallerError
+        If ``points`` is under 1.
     """
     differences, largest = _differences(heating, cooling, points, maximum)
     return float(np.mean(differences)) / largest

@@ -31,10 +31,23 @@ LAG_SHARE = 0.15
 
 
 class ResistanceExtremes(NamedTuple):
-    """Point B and C of a heating sweep, with their places in the recording.
+    """Points B and C of a heating sweep, with their places in the recording.
 
-    ``saw_b`` and ``saw_c`` tell whether the resistance rose before B and rises again after C: only then are
-    they the ends of the transformation and not merely where the sweep began or stopped.
+    Parameters
+    ----------
+    resistance_min_ohm
+        Resistance at C [ohm].
+    resistance_max_ohm
+        Resistance at B [ohm].
+    index_b
+        Sample of B.
+    index_c
+        Sample of C.
+    saw_b
+        Whether the resistance rose before B: only then is it the beginning of the transformation and not merely that of
+        the sweep.
+    saw_c
+        Whether it rises again after C: only then is it the end of the transformation.
     """
 
     resistance_min_ohm: float
@@ -50,14 +63,32 @@ def find_resistance_extremes(
     drive_voltage_v: npt.ArrayLike | None = None,
     valid: npt.ArrayLike | None = None,
 ) -> ResistanceExtremes:
-    """Find R_max (B) and R_min (C) of one slow heating sweep from the resistance alone (Fig. 3b, Eq. 3).
+    """Find R_max (B) and R_min (C) of one slow heating sweep from the resistance alone.
 
-    Columns have shape (n_times,). The two span the largest fall of the smoothed resistance. Where the drive
-    voltage is given, only samples up to shortly after its last maximum are read, so that the sweep may also come
-    back down.
+    The two span the largest fall of the smoothed resistance.
 
-    Raises RecordingError when there are fewer than 20 usable samples, or no fall of resistance of 1 % and of
-    ten times the noise.
+    Parameters
+    ----------
+    resistance_ohm
+        Resistance [ohm], shape (n_times,).
+    drive_voltage_v
+        Drive [V], shape (n_times,). With it only samples up to shortly after its last maximum are read, so that the
+        sweep may also come back down; None if it only heats.
+    valid
+        Which samples have current, shape (n_times,); all if None.
+
+    Returns
+    -------
+    Both points.
+
+    Raises
+    ------
+    RecordingError
+        For fewer than 20 usable samples, or no fall of resistance of 1 % and of ten times the noise.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 3(b) and Eq. 3.
     """
     place, measured = _heating(resistance_ohm, drive_voltage_v, valid)
     noise = noise_level(measured)
@@ -86,9 +117,25 @@ def find_resistance_extremes(
 def recalibrated(model: SensingModel, resistance_min_ohm: float, resistance_max_ohm: float) -> SensingModel:
     """Return the same polynomials between new resistances of C and B (Eq. 3 re-anchored).
 
-    Corrects what shifts or scales the resistance as a whole: longer leads, ageing, another piece of the same
-    wire. A span that differs from the model's by more than 20 % is kept as a warning.
-    Raises CallerError unless 0 < R_min < R_max.
+    It corrects what shifts or scales the resistance as a whole: longer leads, ageing, another piece of the same wire.
+
+    Parameters
+    ----------
+    model
+        The model as it was fitted.
+    resistance_min_ohm
+        R_min of today [ohm].
+    resistance_max_ohm
+        R_max of today [ohm].
+
+    Returns
+    -------
+    The model of today; a span that differs from the old one by more than 20 % is kept as a warning.
+
+    Raises
+    ------
+    CallerError
+        Unless 0 < R_min < R_max.
     """
     check_resistance_range(resistance_min_ohm, resistance_max_ohm)
     change = (resistance_max_ohm - resistance_min_ohm) / (model.resistance_max_ohm - model.resistance_min_ohm)

@@ -17,14 +17,30 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class ResistanceReading(NamedTuple):
-    """One resistance; where ``valid`` is False no usable current flowed and ``resistance_ohm`` is 0.0."""
+    """One resistance.
+
+    Parameters
+    ----------
+    resistance_ohm
+        Resistance [ohm]; 0.0 if it is not valid.
+    valid
+        Whether a usable current flowed.
+    """
 
     resistance_ohm: float
     valid: bool
 
 
 class ArrayReading(NamedTuple):
-    """Many resistances, both of shape (n_times,) or (n_times, n_wires); 0.0 where ``valid`` is False."""
+    """Many resistances.
+
+    Parameters
+    ----------
+    resistance_ohm
+        Resistances [ohm], shape (n_times,) or (n_times, n_wires); 0.0 where not valid.
+    valid
+        Where a usable current flowed, of the same shape.
+    """
 
     resistance_ohm: FloatArray
     valid: npt.NDArray[np.bool_]
@@ -53,15 +69,34 @@ def wire_resistance(
     shunt_resistance_ohm: float,
     minimum_current_a: float = 1e-3,
 ) -> ResistanceReading | ArrayReading:
-    """Resistance of a wire in series with a shunt.
-
-    Source: Lan and Fan 2010, Eq. 1, R_SMA = (V_SMA / V_R) * R, with V_SMA the wire voltage, V_R the shunt
-    voltage and R the shunt resistance. Arrays have shape (n_times,) or (n_times, n_wires).
+    """Return the resistance of a wire in series with a shunt (Eq. 1), if there is a current.
 
     No current, so no resistance: where the current is below ``minimum_current_a``, or a voltage is not
     finite, or the two voltages have opposite signs (swapped leads), the reading is 0.0 ohm with valid False.
 
-    Raises CallerError when the shunt resistance or the least current is not positive.
+    Parameters
+    ----------
+    wire_voltage_v
+        V_SMA, voltage across the wire [V]: a number, or an array of shape (n_times,) or (n_times, n_wires).
+    shunt_voltage_v
+        V_R, voltage across the shunt [V], of the same shape.
+    shunt_resistance_ohm
+        R, resistance of the shunt [ohm].
+    minimum_current_a
+        Least current [A] that counts: 1 mA is well above the offset of usual channels.
+
+    Returns
+    -------
+    One reading, or one of arrays in the shape of the voltages.
+
+    Raises
+    ------
+    CallerError
+        If shunt resistance or least current is not positive, or the shapes differ.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 1: R_SMA = (V_SMA / V_R) R.
     """
     if not (0.0 < shunt_resistance_ohm < inf and 0.0 < minimum_current_a < inf):
         raise CallerError(_bad_constants(shunt_resistance_ohm, minimum_current_a))
@@ -85,9 +120,25 @@ def wire_resistance_from_current(
 def wire_resistance_from_current(
     wire_voltage_v: float | FloatArray, wire_current_a: float | FloatArray, minimum_current_a: float = 1e-3
 ) -> ResistanceReading | ArrayReading:
-    """Resistance from the wire's voltage and its measured current (Eq. 1 with V_R / R already divided).
+    """Return the resistance from the wire's voltage and its measured current (Eq. 1 with V_R / R already divided).
 
-    Shapes, validity and errors as in ``wire_resistance``.
+    Parameters
+    ----------
+    wire_voltage_v
+        Voltage across the wire [V], a number or an array as in :func:`wire_resistance`.
+    wire_current_a
+        Current through it [A], of the same shape.
+    minimum_current_a
+        Least current [A] that counts.
+
+    Returns
+    -------
+    One reading, or one of arrays in the shape of the voltages.
+
+    Raises
+    ------
+    CallerError
+        If the least current is not positive, or the shapes differ.
     """
     # A shunt of one ohm carries one volt per ampere.
     return wire_resistance(wire_voltage_v, wire_current_a, 1.0, minimum_current_a)  # type: ignore[arg-type]

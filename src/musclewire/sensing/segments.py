@@ -46,15 +46,51 @@ SPANS = {"strain": "a stroke", "displacement": "a stroke", "force": "a change"}
 
 @dataclass(frozen=True, eq=False)
 class LoopSegments:
-    """Points A, B, C of one loop, as indices into the recording, and its B-C branches.
+    """Points A, B, C of one loop, as indices into the recording, and its branches from B to C.
 
     On heating the wire passes A (coldest), B (most resistance) and C (least resistance) in this order, on
-    cooling C, B, A. Where the loop does not come back to cold A equals B (``returns_cold`` False); where it
-    turns before the transformation is complete C is the turning point (``complete`` False).
-    ``heating`` and ``cooling`` hold the measured samples from B to C, in the order of the recording.
-    ``resistance_max_ohm`` and ``resistance_min_ohm`` are those of B and C on heating, after smoothing;
-    ``strain_cold``, ``strain_max`` the smoothed strain at A and the largest on heating;
-    ``transformation_share`` the part of that stroke that B-C covers on heating (the paper: about 0.85).
+    cooling C, B, A.
+
+    Parameters
+    ----------
+    heating_a
+        Sample of A on heating; that of B if the loop does not come back to cold.
+    heating_b
+        Sample of B on heating.
+    heating_c
+        Sample of C on heating; the turning point if the transformation was not completed.
+    cooling_c
+        Sample of C on cooling.
+    cooling_b
+        Sample of B on cooling.
+    cooling_a
+        Sample of A on cooling.
+    heating
+        The measured samples from B to C on heating, in the order of the recording.
+    cooling
+        The measured samples from C to B on cooling.
+    resistance_min_ohm
+        Resistance at C on heating [ohm], after smoothing.
+    resistance_max_ohm
+        Resistance at B on heating [ohm], after smoothing.
+    strain_cold
+        Smoothed strain (or displacement [m], force [N]) at A.
+    strain_max
+        The largest on heating, smoothed.
+    transformation_share
+        Fraction of that stroke from B to C on heating; the paper's is about 0.85.
+    returns_cold
+        Whether the loop comes back to cold.
+    complete
+        Whether the transformation was completed.
+    resistance_noise_ohm
+        Standard deviation of one resistance [ohm].
+    strain_noise
+        Standard deviation of one strain, in its unit.
+    cycle
+        Number of this loop among the complete ones, from 0.
+    cycles_found
+        How many complete ones the recording holds.
     """
 
     heating_a: int
@@ -98,13 +134,33 @@ def find_segments(
 ) -> LoopSegments:
     """Find A, B and C on one loop of a recording.
 
-    Source: Lan and Fan 2010, Fig. 3(b) and its text. All three columns have shape (n_times,); ``strain`` is
-    contraction positive (displacement or force serve as well: ``quantity`` says which, for messages), ``valid`` marks
-    samples with current.
-    ``cycle`` is "last", "first" or "largest" complete cycle, or its number (0 the first, -1 the last).
+    Parameters
+    ----------
+    resistance_ohm
+        Resistance [ohm], shape (n_times,).
+    strain
+        Strain as a fraction, or displacement [m] or force [N], shape (n_times,), contraction positive.
+    valid
+        Which samples have current, shape (n_times,); all if None.
+    cycle
+        "last", "first" or "largest" complete cycle, or its number (0 the first, -1 the last). The last is settled most.
+    quantity
+        What ``strain`` holds, for messages: "strain", "displacement" or "force".
 
-    Raises RecordingError when there is no transformation, the strain has the wrong sign, points are too few
-    or no cycle is complete; CallerError for an unknown ``cycle``.
+    Returns
+    -------
+    The loop's points and branches.
+
+    Raises
+    ------
+    RecordingError
+        If there is no transformation, the strain has the wrong sign, points are too few or no cycle is complete.
+    CallerError
+        For an unknown ``cycle``.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 3(b) and its text.
     """
     signals = _Signals.read(resistance_ohm, strain, valid, quantity)
     pairs = signals.cycles()
@@ -114,7 +170,26 @@ def find_segments(
 def find_loops(
     resistance_ohm: npt.ArrayLike, strain: npt.ArrayLike, valid: npt.ArrayLike | None = None
 ) -> list[LoopSegments]:
-    """Find A, B and C on every complete cycle of a recording; otherwise as ``find_segments``."""
+    """Find A, B and C on every complete cycle of a recording.
+
+    Parameters
+    ----------
+    resistance_ohm
+        Resistance [ohm], shape (n_times,).
+    strain
+        Strain as a fraction, shape (n_times,), contraction positive.
+    valid
+        Which samples have current, shape (n_times,); all if None.
+
+    Returns
+    -------
+    The loops, in their order.
+
+    Raises
+    ------
+    RecordingError
+        As :func:`find_segments`.
+    """
     signals = _Signals.read(resistance_ohm, strain, valid)
     pairs = signals.cycles()
     return [signals.segments(pairs, number) for number in range(len(pairs))]

@@ -22,10 +22,19 @@ MEDIAN_TO_STD = 0.6744897501960817
 
 
 def noise_level(values: FloatArray) -> float:
-    """Estimate the standard deviation of white noise on a smooth curve, in the unit of the values.
+    """Estimate the standard deviation of white noise on a smooth curve.
 
-    ``values`` has shape (n,). The median of fourth differences ignores steps and slow bends of the curve, so
-    that even a curve of 100 samples without noise reads nearly zero. Jitter in the sampling reads as noise.
+    The median of fourth differences ignores steps and slow bends of the curve, so that even a curve of 100 samples
+    without noise reads nearly zero. Jitter in the sampling reads as noise.
+
+    Parameters
+    ----------
+    values
+        The curve, shape (n,).
+
+    Returns
+    -------
+    The standard deviation in the unit of the values; 0 for fewer than 9 of them.
     """
     if values.size < 9:
         return 0.0

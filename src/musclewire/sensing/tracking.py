@@ -29,7 +29,21 @@ LEAST_POWER_CHANGE = 0.02
 
 
 class SegmentState(NamedTuple):
-    """What the tracker remembers: whether strain can be sensed, and the last turns of power and resistance."""
+    """What a tracker remembers of a wire.
+
+    Parameters
+    ----------
+    sensing
+        Whether strain can be sensed: the wire is between B and C.
+    heating
+        Whether power last turned upward.
+    power_extreme_w
+        Extreme of the power since it turned [W].
+    resistance_anchor_ohm
+        Resistance from which a move the other way is counted [ohm].
+    smoothed_ohm
+        Resistance, smoothed over eight samples [ohm].
+    """
 
     sensing: bool
     heating: bool
@@ -39,7 +53,15 @@ class SegmentState(NamedTuple):
 
 
 class SegmentTracker:
-    """Follows a wire through A-B and B-C; state in, state out."""
+    """Follows a wire through A-B and B-C; state in, state out.
+
+    Parameters
+    ----------
+    resistance_min_ohm
+        R_min of the wire's model [ohm].
+    resistance_max_ohm
+        R_max of the wire's model [ohm].
+    """
 
     def __init__(self, resistance_min_ohm: float, resistance_max_ohm: float) -> None:
         """Take R_min and R_max of the wire's model."""
@@ -48,12 +70,38 @@ class SegmentTracker:
         self._least_move_ohm = LEAST_MOVE * span
 
     def start(self, resistance_ohm: float, power_w: float) -> SegmentState:
-        """Return the state for a first sample: near R_max a wire is taken for cold until it shows otherwise."""
+        """Return the state for a first sample: near R_max a wire is taken for cold until it shows otherwise.
+
+        Parameters
+        ----------
+        resistance_ohm
+            Resistance [ohm].
+        power_w
+            Electrical power [W].
+
+        Returns
+        -------
+        The state.
+        """
         cold = resistance_ohm >= self._ambiguous_above_ohm
         return SegmentState(not cold, True, power_w, resistance_ohm, resistance_ohm)
 
     def step(self, state: SegmentState, resistance_ohm: float, power_w: float) -> SegmentState:
-        """Return the state after one more sample with current."""
+        """Return the state after one more sample with current.
+
+        Parameters
+        ----------
+        state
+            The state before.
+        resistance_ohm
+            Resistance [ohm].
+        power_w
+            Electrical power [W].
+
+        Returns
+        -------
+        The state after.
+        """
         sensing, heating, extreme, anchor, smoothed = state
         smoothed += (resistance_ohm - smoothed) / SMOOTHING_SAMPLES
         if heating:
@@ -78,7 +126,21 @@ class SegmentTracker:
     def track(
         self, resistance_ohm: FloatArray, power_w: FloatArray, valid: npt.NDArray[np.bool_]
     ) -> npt.NDArray[np.bool_]:
-        """Return for each sample whether strain can be sensed, (n_times,); samples without current are skipped."""
+        """Return for each sample of a recording whether strain can be sensed.
+
+        Parameters
+        ----------
+        resistance_ohm
+            Resistances [ohm], shape (n_times,).
+        power_w
+            Electrical power [W], shape (n_times,).
+        valid
+            Which samples have current, shape (n_times,); the others are skipped and not sensed.
+
+        Returns
+        -------
+        Whether strain can be sensed, shape (n_times,).
+        """
         sensing = np.zeros(resistance_ohm.shape, dtype=np.bool_)
         state: SegmentState | None = None
         for row in np.flatnonzero(valid):
