@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from musclewire.identify.physical.calibration import calibrate
+from musclewire.identify.physical.calibrate import calibrate
 from musclewire.identify.physical.search import Settings
 from musclewire.signals.recording import Recording
 
@@ -44,7 +44,7 @@ def main() -> int:
         norms = [float(np.linalg.norm(pair.predicted - pair.channel.measured)) for _, pair in found.comparisons()]
         worst_norm, worst_wall = max(worst_norm, float(np.mean(norms))), max(worst_wall, found.wall_s)
         print(
-            f"{seed:4d}    {np.mean(norms):9.4f}   {max(norms):10.4f}   {len(found.found.costs):8d}   "
+            f"{seed:4d}    {np.mean(norms):9.4f}   {max(norms):10.4f}   {len(found.search_result.costs):8d}   "
             f"{found.wall_s:6.1f}",
             flush=True,
         )

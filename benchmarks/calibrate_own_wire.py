@@ -17,7 +17,8 @@ import sys
 import numpy as np
 
 import musclewire as mw
-from musclewire.identify.physical.calibration import Calibration, calibrate
+from musclewire.identify.physical.calibrate import calibrate
+from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.candidates import Candidates, WireValues
 from musclewire.identify.physical.search import Settings
 from musclewire.parameters import load_alloy, load_bench, load_wire
@@ -62,7 +63,7 @@ def curve_rms_pct(found: Calibration, truth: WireValues) -> float:
 
     Both wires run through the recording's drive; at equal resistance on the same branch, over what both have.
     """
-    observation = found.fit.observations[0]
+    observation = found.problem.observations[0]
     branches = [loop_branches(observation.path(values)) for values in (found.values, truth)]
     squares = []
     for ours, true in zip(*branches, strict=True):

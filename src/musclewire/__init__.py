@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.training import recalibrate, train
     from musclewire.experiment.zero_tendon import zero_tendon
     from musclewire.identify import estimate, fit
-    from musclewire.identify.physical.calibration import calibrate
+    from musclewire.identify.physical.calibrate import calibrate
     from musclewire.rigs.configuration import open_rig
     from musclewire.sensing import SensingModel, load_model
     from musclewire.signals import Recording, read_recording
@@ -63,7 +63,7 @@ _HOMES = {
     "zero_tendon": "musclewire.experiment.zero_tendon",
     "train": "musclewire.experiment.training",
     "recalibrate": "musclewire.experiment.training",
-    "calibrate": "musclewire.identify.physical.calibration",
+    "calibrate": "musclewire.identify.physical.calibrate",
     "read_recording": "musclewire.signals",
     "load_model": "musclewire.sensing",
     "Recording": "musclewire.signals",

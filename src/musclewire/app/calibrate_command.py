@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -33,6 +33,7 @@ from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_sample
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
+    from musclewire.identify.physical.advice import Advice
     from musclewire.identify.physical.calibration import Calibration
     from musclewire.identify.physical.search import Settings
     from musclewire.signals.recording import Recording
@@ -89,7 +90,9 @@ def calibrate(
     json: Json = False,
 ) -> None:
     """The physical parameters of your wire from recordings of it, with uncertainty."""
-    from musclewire.identify.physical.calibration import calibrate as run_calibrate
+    from musclewire.identify.physical.advice import next_experiments
+    from musclewire.identify.physical.calibrate import calibrate as run_calibrate
+    from musclewire.identify.physical.calibrated_wire import save_wire
 
     page = report or (output.with_suffix(".html") if output is not None else None)
     require_written(output, ".toml", "a wire", overwrite)
@@ -108,14 +111,17 @@ def calibrate(
             on_progress=on_progress,
             on_step=stop_if_asked,
         )
+    advice = next_experiments(found)
     if output is not None:
-        found.save(output)
+        save_wire(found, output)
     if page is not None:
-        found.report(page)
+        from musclewire.identify.physical.report import write_report
+
+        write_report(found, page, advice)
     if json:
-        emit_json(document(found, output, page))
+        emit_json(document(found, advice, output, page))
     else:
-        show_result(found, output, page)
+        show_result(found, advice, output, page)
     if not found.holds:
         raise typer.Exit(1)
 
@@ -170,26 +176,26 @@ def resumable(journal: Path | None) -> Iterator[None]:
         raise Stopped(stop.code if isinstance(stop.code, int) else 1, rest) from None
 
 
-def document(found: Calibration, output: Path | None, page: Path | None) -> dict[str, Any]:
+def document(found: Calibration, advice: Sequence[Advice], output: Path | None, page: Path | None) -> dict[str, Any]:
     """Return the answer under the keys of the interface."""
     return {
         **found.as_dict(),
-        "advice": [item.as_dict() for item in found.advice],
-        "recordings": list(found.asked.sources),
-        "started_from": found.asked.wire,
-        "priors": found.asked.priors.name,
+        "advice": [item.as_dict() for item in advice],
+        "recordings": list(found.inputs.sources),
+        "started_from": found.inputs.wire,
+        "priors": found.inputs.priors.name,
         "wire": None if output is None else str(output),
         "report": None if page is None else str(page),
     }
 
 
-def show_result(found: Calibration, output: Path | None, page: Path | None) -> None:
+def show_result(found: Calibration, advice: Sequence[Advice], output: Path | None, page: Path | None) -> None:
     """Print what was found and what to measure next on stdout."""
     show(str(found))
-    if found.advice:
+    if advice:
         show("\nwhat to measure next:")
-    for item in found.advice:
-        show(f"  {item.title}: {advice_words(item.tells, item.narrows)}")
+    for item in advice:
+        show(f"  {item.title}: {advice_text(item)}")
     if output is not None:
         show(f"\nwire written to {output}")
     if page is not None:
@@ -198,8 +204,8 @@ def show_result(found: Calibration, output: Path | None, page: Path | None) -> N
         say("warning: the fit does not hold; the report shows where")
 
 
-def advice_words(tells: tuple[str, ...], narrows: tuple[str, ...]) -> str:
-    """Say what an experiment would add."""
-    parts = [f"would tell {', '.join(tells)}"] if tells else []
-    parts += [f"would halve the interval of {', '.join(narrows)}"] if narrows else []
+def advice_text(item: Advice) -> str:
+    """Return what an experiment would add."""
+    parts = [f"would identify {', '.join(item.identifies)}"] if item.identifies else []
+    parts += [f"would halve the interval of {', '.join(item.narrows)}"] if item.narrows else []
     return "; ".join(parts)

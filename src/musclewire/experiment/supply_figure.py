@@ -15,7 +15,17 @@ WARM, COLD, INK, GREY = "#c8553d", "#1f6f8b", "#2b2b2b", "#9aa0a6"
 
 
 def drive_axes(sizing: SupplySizing) -> Axes:
-    """Draw contraction, temperature and current over time, one above the other; return the uppermost axes."""
+    """Draw contraction [%], temperature [C] and current [mA] over time [s], one above the other, with pyplot.
+
+    Parameters
+    ----------
+    sizing
+        A simulated drive with its numbers.
+
+    Returns
+    -------
+    The uppermost axes, those of the contraction.
+    """
     import matplotlib.pyplot as plt
 
     from musclewire.identify.catalogue_check import UNCOUNTED_STRAIN

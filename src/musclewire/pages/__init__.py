@@ -1,12 +1,14 @@
-"""What all pages share: one style sheet, one look of figures, figures as text that stands in the page itself."""
+"""What all pages share: style sheet, key numbers as cards, tables, the look of figures, figures as text in the page."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from importlib.metadata import version
 from importlib.resources import files
 from string import Template
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import matplotlib as mpl
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -14,7 +16,20 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["AVERAGE", "COOLING", "HEATING", "PAPER", "STYLE", "TARGET", "page_template", "style_sheet", "svg"]
+__all__ = [
+    "AVERAGE",
+    "COOLING",
+    "HEATING",
+    "PAPER",
+    "STYLE",
+    "TARGET",
+    "Card",
+    "cards",
+    "page",
+    "svg",
+    "table",
+    "table_rows",
+]
 
 HEATING, COOLING, AVERAGE, PAPER, TARGET = "#c8553d", "#1f6f8b", "#2b2b2b", "#8a5fbf", "#9aa0a6"
 STYLE: Mapping[str, object] = {
@@ -57,23 +72,101 @@ def svg(figure: Figure, name: str) -> str:
     return whole[whole.index("<svg") :]
 
 
-def style_sheet() -> str:
-    """Return the style sheet that all pages share."""
-    return (files("musclewire.pages") / "style.css").read_text("utf-8")
+class Card(NamedTuple):
+    """A key number of a page.
+
+    Parameters
+    ----------
+    name
+        What it is, as HTML.
+    value
+        The number with its unit, as HTML.
+    note
+        What is said beneath it, as plain text.
+    ok
+        False for a number that is not as it should be; it is shown in red.
+    """
+
+    name: str
+    value: str
+    note: str
+    ok: bool = True
 
 
-def page_template(package: str, name: str) -> Template:
-    """Return the page template beside the modules of a package.
+def cards(items: Iterable[Card]) -> str:
+    """Return key numbers as a row of cards.
+
+    Parameters
+    ----------
+    items
+        The key numbers, in their order; names are HTML, notes are escaped.
+
+    Returns
+    -------
+    HTML to stand in an element of class "cards".
+    """
+    return "".join(
+        f'<div class="card{"" if item.ok else " fails"}"><div class="name">{item.name}</div>'
+        f'<div class="value">{item.value}</div><div class="beside">{escape(item.note)}</div></div>'
+        for item in items
+    )
+
+
+def table_rows(rows: Iterable[Sequence[str]]) -> str:
+    """Return rows of a table, every cell escaped.
+
+    Parameters
+    ----------
+    rows
+        Cells of each row, as plain text.
+
+    Returns
+    -------
+    HTML to stand in a table's body.
+    """
+    return "".join("<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows)
+
+
+def table(head: str, body: str, style: str) -> str:
+    """Return a table that scrolls on narrow screens.
+
+    Parameters
+    ----------
+    head
+        HTML of the whole head, with its element.
+    body
+        HTML of the rows.
+    style
+        Class of the table in the style sheet.
+
+    Returns
+    -------
+    HTML of the table.
+    """
+    return f'<div class="scroll"><table class="{style}">{head}<tbody>{body}</tbody></table></div>'
+
+
+def page(package: str, name: str, parts: Mapping[str, object]) -> str:
+    """Return a page made of a template, its parts, the shared style sheet and our version.
 
     Parameters
     ----------
     package
-        Full name of the package, as "musclewire.app.report".
+        Full name of the package beside whose modules the template is, as "musclewire.app.report".
     name
         The template's file name.
+    parts
+        What stands for each ``$name`` of the template, besides ``$style`` and ``$version``.
 
     Returns
     -------
-    The template, with ``$names`` to be substituted.
+    HTML of the whole page.
+
+    Raises
+    ------
+    KeyError
+        If the template has a name that is not in ``parts``.
     """
-    return Template((files(package) / name).read_text("utf-8"))
+    template = Template((files(package) / name).read_text("utf-8"))
+    style = (files("musclewire.pages") / "style.css").read_text("utf-8")
+    return template.substitute(parts, style=style, version=escape(version("musclewire")))

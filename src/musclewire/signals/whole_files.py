@@ -9,7 +9,7 @@ from pathlib import Path
 
 from musclewire.errors import CallerError
 
-__all__ = ["write_whole"]
+__all__ = ["write_text_whole", "write_whole"]
 
 
 def write_whole(path: Path, write: Callable[[Path], None]) -> None:
@@ -27,6 +27,15 @@ def write_whole(path: Path, write: Callable[[Path], None]) -> None:
         raise CallerError(f"{path}: cannot be written: {problem.strerror or problem}; check the folder") from None
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def write_text_whole(path: Path, text: str) -> None:
+    """Write a text as UTF-8, whole or not at all. CallerError when the folder cannot be written to."""
+
+    def write(temporary: Path) -> None:
+        temporary.write_text(text, "utf-8")
+
+    write_whole(path, write)
 
 
 def _to_disk(path: Path) -> None:

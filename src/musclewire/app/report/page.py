@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from html import escape
-from importlib.metadata import version
-from string import Template
 from typing import TYPE_CHECKING
 
 from musclewire.app.report.figures import report_figures
-from musclewire.pages import page_template, style_sheet
+from musclewire.pages import Card, cards, page, table_rows
 from musclewire.parameters.library import load_alloy, load_bench, load_wire, read_published
-from musclewire.signals.whole_files import write_whole
+from musclewire.signals.whole_files import write_text_whole
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -20,69 +18,47 @@ if TYPE_CHECKING:
     from musclewire.experiment.metrics import StepMetrics
     from musclewire.parameters.schema import Parameter
 
-__all__ = ["report_style", "table_rows", "template", "write_report"]
+__all__ = ["write_report"]
 
 
 def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
     """Write the report of a demo, whole or not at all."""
     figures = report_figures(result)
     metadata = result.run.metadata
-    page = template("report.html").substitute(
-        figures,
-        style=report_style(),
-        cards=cards(result, wall_s),
-        steps=steps_table(result),
-        sweep_rows=sweep_table(result),
-        assumed=parameters_table(result, "assumed"),
-        fitted=parameters_table(result, "fitted"),
-        warnings=warnings_list(result.model.warnings),
-        gap=f"{100 * result.gaps.strain_gap:.2f}",
-        share=f"{100 * result.gaps.segments.transformation_share:.0f}",
-        best=f"{result.sweep.best.pretension_n:.2f}",
-        wire=escape(str(metadata["wire"])),
-        seed=escape(str(metadata["seed"])),
-        time_step_ms=f"{1e3 * result.run.facts.time_step_s:g}",
-        grains=escape(str(metadata["grains"])),
-        started=escape(str(metadata["start_time"])),
-        version=escape(version("musclewire")),
-        files="".join(f"<li><code>{escape(file.name)}</code></li>" for file in result.files.values()),
-    )
-
-    def write(part: Path) -> None:
-        part.write_text(page, "utf-8")
-
-    write_whole(path, write)
+    parts = {
+        "cards": cards(key_numbers(result, wall_s)),
+        "steps": steps_table(result),
+        "sweep_rows": sweep_table(result),
+        "assumed": parameters_table(result, "assumed"),
+        "fitted": parameters_table(result, "fitted"),
+        "warnings": warnings_list(result.model.warnings),
+        "gap": f"{100 * result.gaps.strain_gap:.2f}",
+        "share": f"{100 * result.gaps.segments.transformation_share:.0f}",
+        "best": f"{result.sweep.best.pretension_n:.2f}",
+        "wire": escape(str(metadata["wire"])),
+        "seed": escape(str(metadata["seed"])),
+        "time_step_ms": f"{1e3 * result.run.facts.time_step_s:g}",
+        "grains": escape(str(metadata["grains"])),
+        "started": escape(str(metadata["start_time"])),
+        "files": "".join(f"<li><code>{escape(file.name)}</code></li>" for file in result.files.values()),
+    }
+    write_text_whole(path, page("musclewire.app.report", "report.html", {**figures, **parts}))
 
 
-def template(name: str) -> Template:
-    """Return one of the page templates that stand beside this file."""
-    return page_template("musclewire.app.report", name)
-
-
-def report_style() -> str:
-    """Return the style sheet that all pages share."""
-    return style_sheet()
-
-
-def cards(result: DemoResult, wall_s: float) -> str:
+def key_numbers(result: DemoResult, wall_s: float) -> list[Card]:
     """Return the key numbers beside the paper's."""
     paper = read_published("lan_fan_2010")["loop_100um"]
     table = read_published("lan_fan_2010")["table2"]
     printed = [*table["mae_rise_pct"], *table["mae_return_pct"]]
     model, metrics = result.model, result.run.metrics
-    rows = (
-        ("Strain gap", f"{100 * result.gaps.strain_gap:.3f} %", f"paper {paper['strain_gap_pct']} %"),
-        ("R<sub>min</sub>", f"{model.resistance_min_ohm:.3f} Ω", f"paper {paper['resistance_min_ohm']} Ω"),
-        ("R<sub>max</sub>", f"{model.resistance_max_ohm:.3f} Ω", f"paper {paper['resistance_max_ohm']} Ω"),
-        ("Largest step MAE", f"{metrics.mae_max_pct:.2f} %", f"paper {max(printed):.2f} %"),
-        ("Mean step MAE", f"{metrics.mae_mean_pct:.2f} %", f"paper {sum(printed) / len(printed):.2f} %"),
-        ("Computed in", f"{wall_s:.1f} s", f"{wire_seconds(result):.0f} s of wire time"),
-    )
-    return "".join(
-        f'<div class="card"><div class="name">{name}</div><div class="value">{value}</div>'
-        f'<div class="beside">{beside}</div></div>'
-        for name, value, beside in rows
-    )
+    return [
+        Card("Strain gap", f"{100 * result.gaps.strain_gap:.3f} %", f"paper {paper['strain_gap_pct']} %"),
+        Card("R<sub>min</sub>", f"{model.resistance_min_ohm:.3f} Ω", f"paper {paper['resistance_min_ohm']} Ω"),
+        Card("R<sub>max</sub>", f"{model.resistance_max_ohm:.3f} Ω", f"paper {paper['resistance_max_ohm']} Ω"),
+        Card("Largest step MAE", f"{metrics.mae_max_pct:.2f} %", f"paper {max(printed):.2f} %"),
+        Card("Mean step MAE", f"{metrics.mae_mean_pct:.2f} %", f"paper {sum(printed) / len(printed):.2f} %"),
+        Card("Computed in", f"{wall_s:.1f} s", f"{wire_seconds(result):.0f} s of wire time"),
+    ]
 
 
 def wire_seconds(result: DemoResult) -> float:
@@ -156,8 +132,3 @@ def warnings_list(warnings: Iterable[str]) -> str:
     """Return the model's warnings as a box, or nothing."""
     items = "".join(f"<li>{escape(text)}</li>" for text in warnings)
     return f'<div class="warning"><b>The fit says:</b><ul>{items}</ul></div>' if items else ""
-
-
-def table_rows(rows: Sequence[Sequence[str]]) -> str:
-    """Return rows of an HTML table, every cell escaped."""
-    return "".join("<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows)

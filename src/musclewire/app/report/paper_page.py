@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from html import escape
-from importlib.metadata import version
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from musclewire.app.report.page import report_style, template
 from musclewire.app.report.paper_figures import FIGURES, drawn
 from musclewire.app.report.row_text import limit_text, ours_text, paper_text, verdict
-from musclewire.signals.whole_files import write_whole
+from musclewire.pages import Card, cards, page, table
+from musclewire.signals.whole_files import write_text_whole
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -99,47 +98,36 @@ def write_paper_page(
     ]  # fmt: skip
     sections = []
     for with_figure, together in groupby(subjects, key=lambda pair: pair[0] in FIGURES):
-        parts = []
+        written = []
         for subject, rows in together:
             on_figure(subject)
-            parts.append(section(subject, rows, drawn(subject, result.runs)))
+            written.append(section(subject, rows, drawn(subject, result.runs)))
         # Those without a figure are short and stand in two columns.
-        sections.append("".join(parts) if with_figure else f'<div class="small">{"".join(parts)}</div>')
-    page = template("paper.html").substitute(
-        style=report_style(),
-        cards=cards(result),
-        links="".join(link(subject, rows) for subject, rows in subjects),
-        failing_title=failing_title(result),
-        failing=failing_part(result),
-        sections="".join(sections),
-        version=escape(version("musclewire")),
-        seed=result.seed,
-        selection=escape(selection),
-    )
-
-    def write(part: Path) -> None:
-        part.write_text(page, "utf-8")
-
-    write_whole(path, write)
+        sections.append("".join(written) if with_figure else f'<div class="small">{"".join(written)}</div>')
+    parts = {
+        "cards": cards(counts(result)),
+        "links": "".join(link(subject, rows) for subject, rows in subjects),
+        "failing_title": failing_title(result),
+        "failing": failing_part(result),
+        "sections": "".join(sections),
+        "seed": result.seed,
+        "selection": escape(selection),
+    }
+    write_text_whole(path, page("musclewire.app.report", "paper.html", parts))
 
 
-def cards(result: Reproduction) -> str:
-    """Return the counts of the page."""
-    measured = [row for row in result.rows if row.kind != "input"]
+def counts(result: Reproduction) -> list[Card]:
+    """Return how many rows hold, fail or were repaired."""
+    inputs = sum(row.kind == "input" for row in result.rows)
     holding = len(result.rows) - len(result.failing)
     known = len(result.failing) - len(result.new_failures)
-    shown = (
-        ("Rows that hold", f"{holding} of {len(result.rows)}", f"{len(result.rows) - len(measured)} of them inputs"),
-        ("Failing, known", str(known), "on the committed list"),
-        ("Failing, new", str(len(result.new_failures)), "not on the list"),
-        ("Repaired", str(len(result.repaired)), "on the list, and hold"),
-        ("Computed in", f"{result.wall_s:.1f} s", "before drawing"),
-    )
-    return "".join(
-        f'<div class="card"><div class="name">{name}</div><div class="value">{value}</div>'
-        f'<div class="beside">{beside}</div></div>'
-        for name, value, beside in shown
-    )
+    return [
+        Card("Rows that hold", f"{holding} of {len(result.rows)}", f"{inputs} of them inputs"),
+        Card("Failing, known", str(known), "on the committed list"),
+        Card("Failing, new", str(len(result.new_failures)), "not on the list"),
+        Card("Repaired", str(len(result.repaired)), "on the list, and hold"),
+        Card("Computed in", f"{result.wall_s:.1f} s", "before drawing"),
+    ]
 
 
 def short_title(subject: str) -> str:
@@ -162,7 +150,7 @@ def section(subject: str, rows: Sequence[Row], figure: str) -> str:
     drawing = f'<div class="figure">{figure}</div>' if figure else ""
     return (
         f'<section id="{subject}"><h2>{title}</h2>{paragraph}<div class="side">{drawing}'
-        f'<div class="scroll"><table class="rows">{HEADER}<tbody>{body(rows)}</tbody></table></div></div></section>'
+        f"{table(HEADER, body(rows), 'rows')}</div></section>"
     )
 
 
@@ -231,4 +219,4 @@ def failing_part(result: Reproduction) -> str:
         for row in rows
     )
     header = HEADER.replace("<th></th></tr>", "<th></th><th>reason</th></tr>")
-    return f'<div class="scroll"><table class="rows">{header}<tbody>{lines}</tbody></table></div>'
+    return table(header, lines, "rows")

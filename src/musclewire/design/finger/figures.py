@@ -28,7 +28,17 @@ MM = 1e3
 
 
 def plot_finger(result: FingerStudyResult) -> Figure:
-    """Return the figure of a result: shapes to the left, the curve to the right, the ways to pull it below."""
+    """Return the figure of a finger: its shapes at the left, its curve at the right, the ways to pull it below.
+
+    Parameters
+    ----------
+    result
+        A finger with its numbers at the endpoint wanted.
+
+    Returns
+    -------
+    The figure, not shown and not known to pyplot: lengths in mm, forces in N, stress in MPa.
+    """
     with mpl.rc_context(dict(STYLE)):  # type: ignore[arg-type]
         heights = [4.8, 3.2] if result.schemes else [4.8]
         figure = Figure(figsize=(9.6, sum(heights)), layout="constrained")

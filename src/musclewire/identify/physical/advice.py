@@ -1,4 +1,4 @@
-"""What to measure next: experiments simulated with the wire found, and which parameters each of them would tell.
+"""What to measure next: experiments simulated with the wire found, and which parameters each of them would identify.
 
 An experiment that nobody has made yet has no residuals, but its simulation has a derivative, and that is all it takes:
 the information of the experiment, added to that of the recordings and of the prior, says how wide each parameter's
@@ -12,40 +12,39 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.errors import MusclewireError
 from musclewire.identify.isobars import Isobar
+from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.candidates import Candidates, WireValues
+from musclewire.identify.physical.channels import RawChannel
 from musclewire.identify.physical.cooling import CoolingObservation
-from musclewire.identify.physical.driven import DrivenObservation, RawChannel
+from musclewire.identify.physical.driven import DrivenObservation
 from musclewire.identify.physical.isobaric import IsobaricObservation
 from musclewire.identify.physical.observations import Observation, residuals_of
-from musclewire.identify.physical.search import Workshop, jacobian, threads
-from musclewire.identify.physical.uncertainty import IDENTIFIABLE_SHARE
+from musclewire.identify.physical.search import ParallelProblem, jacobian, threads
+from musclewire.identify.physical.uncertainty import IDENTIFIABLE_FRACTION
 from musclewire.simulate.paths import isobaric_path
 from musclewire.simulate.wire import constants_of
 
-if TYPE_CHECKING:
-    from musclewire.identify.physical.calibration import Calibration
-
-__all__ = ["Advice", "Experiment", "advise", "how_to_tell", "proposed"]
+__all__ = ["Advice", "Experiment", "next_experiments", "how_to_identify", "proposed"]
 
 FloatArray = NDArray[np.float64]
 
-MOST_ADVICE = 3
+MAX_ADVICE = 3
 # Step of a derivative, in prior standard deviations: the edges of grain classes must not pass for information.
 STEP = 0.1
-# Instruments as people have them: noise of a sample; of resistance as a share.
+# Instruments as people have them: noise of a sample; of resistance as a fraction.
 NOISE = {"strain": 5e-5, "resistance": 3e-4, "force": 5e-3, "temperature": 0.3}
 UNITS = {"strain": "1", "resistance": "ohm", "force": "N", "temperature": "K"}
 PERIOD_S, SAMPLE_S, FAST_SAMPLE_S = 90.0, 0.05, 0.005
 STEP_ON_S, STEP_WHOLE_S = 1.0, 5.0
-MINOR_SHARE, LOW_SHARE, HIGH_SHARE = 0.875, 0.5, 2.0
-SENSE_SHARE = 0.05
+MINOR_FACTOR, LOW_FACTOR, HIGH_FACTOR = 0.875, 0.5, 2.0
+SENSE_FRACTION = 0.05
 ISOBAR_STRESSES_PA, ISOBAR_POINTS, ABOVE_TRANSFORMATION_K = (50e6, 100e6, 200e6), 150, 60.0
 COOLING_S, COOLING_SAMPLE_S = 20.0, 0.02
 
@@ -60,61 +59,73 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Advice:
-    """An experiment worth making: what to do, which parameters it would tell, which it would narrow by half or more.
+    """An experiment worth making: what to do, which parameters it would identify, which narrow by half or more.
 
     ``gain`` is by how much it would narrow all parameters together: the sum of the logarithms of before over after.
     """
 
     title: str
     text: str
-    tells: tuple[str, ...]
+    identifies: tuple[str, ...]
     narrows: tuple[str, ...]
     gain: float
 
     def as_dict(self) -> dict[str, object]:
         """Return plain values for JSON."""
-        return {"title": self.title, "text": self.text, "tells": list(self.tells), "narrows": list(self.narrows)}
+        return {"title": self.title, "text": self.text, "tells": list(self.identifies), "narrows": list(self.narrows)}
 
 
 @cache
 def texts() -> dict[str, Any]:
-    """Return the words of the data file."""
+    """Return the texts of the data file."""
     return tomllib.loads((files("musclewire.identify.physical") / "data" / "advice.toml").read_text("utf-8"))
 
 
-def how_to_tell(measure: str) -> str:
-    """Return in words what tells a parameter on general grounds, by the "measure" of its prior."""
+def how_to_identify(measure: str) -> str:
+    """Return what identifies a parameter on general grounds, by the "measure" of its prior."""
     return str(texts()["measures"].get(measure, measure))
 
 
-def advise(calibration: Calibration) -> tuple[Advice, ...]:
-    """Return the experiments that would tell most of what the recordings do not, three at most, best first."""
+def next_experiments(calibration: Calibration) -> tuple[Advice, ...]:
+    """Return what to measure next: the experiments that would identify most of what the recordings do not.
+
+    Up to nine experiments are simulated, with a derivative by every parameter: it takes seconds.
+
+    Parameters
+    ----------
+    calibration
+        What was found so far.
+
+    Returns
+    -------
+    At most three experiments, the best first; none if no usual experiment would identify another parameter.
+    """
     candidates, coordinates, information = everything(calibration)
     now = deviations(information)
     found = []
-    with threads(calibration.asked.settings.threads) as each:
+    with threads(calibration.inputs.settings.threads) as each:
         for experiment in proposed(calibration):
             try:
                 slope = slope_of(experiment.observation.refined(), candidates, coordinates, each)
             except MusclewireError:
-                continue  # the wire found cannot be taken through this experiment, so nobody is told to make it
+                continue  # the wire found cannot be taken through this experiment, so it is not advised
             found.append(advice_of(experiment.key, candidates.names, now, deviations(information + slope.T @ slope)))
-    worth = [item for item in found if item.tells or item.narrows]
-    return tuple(sorted(worth, key=lambda item: (-len(item.tells), -item.gain))[:MOST_ADVICE])
+    worth = [item for item in found if item.identifies or item.narrows]
+    return tuple(sorted(worth, key=lambda item: (-len(item.identifies), -item.gain))[:MAX_ADVICE])
 
 
 def advice_of(key: str, names: tuple[str, ...], now: FloatArray, then: FloatArray) -> Advice:
     """Return what an experiment is worth, from the deviations in units of the prior's before and after it, (n,)."""
-    words = texts()["experiments"][key]
-    unknown = now > IDENTIFIABLE_SHARE
-    tells = unknown & (then <= IDENTIFIABLE_SHARE)
-    narrows = unknown & ~tells & (then <= 0.5 * now)
-    # What would be told best comes first.
+    text = texts()["experiments"][key]
+    unknown = now > IDENTIFIABLE_FRACTION
+    identifies = unknown & (then <= IDENTIFIABLE_FRACTION)
+    narrows = unknown & ~identifies & (then <= 0.5 * now)
+    # What would be identified best comes first.
     order = np.argsort(then)
     return Advice(
-        words["title"],
-        words["text"],
-        tuple(names[index] for index in order if tells[index]),
+        text["title"],
+        text["text"],
+        tuple(names[index] for index in order if identifies[index]),
         tuple(names[index] for index in order if narrows[index]),
         float(np.sum(np.log(now / then))),
     )
@@ -125,16 +136,16 @@ def everything(calibration: Calibration) -> tuple[Candidates, FloatArray, FloatA
 
     Of those that the recordings could not touch, only the prior is known.
     """
-    fit, found = calibration.fit, calibration.found
+    problem, result = calibration.problem, calibration.search_result
     groups = (calibration.alloy, calibration.wire, calibration.bench)
-    candidates = Candidates(calibration.asked.priors, *groups)
+    candidates = Candidates(calibration.inputs.priors, *groups)
     groups_by_name = {"alloy": groups[0].values(), "wire": groups[1].values(), "bench": groups[2].values()}
     numbers = np.array(
         [groups_by_name[prior.group][name] for name, prior in zip(candidates.names, candidates.priors, strict=True)]
     )
     coordinates = np.clip(candidates.coordinates(numbers), candidates.low, candidates.high)
-    places = [candidates.names.index(name) for name in fit.candidates.names]
-    observed = found.jacobian[: -len(places)]
+    places = [candidates.names.index(name) for name in problem.candidates.names]
+    observed = result.jacobian[: -len(places)]
     information = np.eye(len(candidates))
     information[np.ix_(places, places)] += observed.T @ observed / calibration.excess_variance
     return candidates, coordinates, information
@@ -165,17 +176,17 @@ class Unmeasured:
 
 def slope_of(observation: Observation, candidates: Candidates, coordinates: FloatArray, each: Any) -> FloatArray:
     """Return the derivative of what an experiment would measure, over its uncertainty, by all parameters, (m, n)."""
-    workshop = Workshop(Unmeasured(observation, candidates), each)
-    here = workshop.residuals(coordinates)
+    parallel = ParallelProblem(Unmeasured(observation, candidates), each)
+    here = parallel.residuals(coordinates)
     if here is None:
         raise MusclewireError("the wire found cannot be simulated in this experiment")
-    return jacobian(workshop, coordinates, here, STEP, central=True)
+    return jacobian(parallel, coordinates, here, STEP, central=True)
 
 
 def proposed(calibration: Calibration) -> Iterator[Experiment]:
     """Yield the experiments that would add something, as they would look with the wire found."""
     values = calibration.values
-    observations = calibration.fit.observations
+    observations = calibration.problem.observations
     driven = [item for item in observations if isinstance(item, DrivenObservation)]
     bench = {**values.bench, **(driven[0].bench if driven else {})}
     highest_v = max((item.highest_drive_v for item in driven), default=values.wire["drive_amplitude_v"])
@@ -187,10 +198,10 @@ def proposed(calibration: Calibration) -> Iterator[Experiment]:
         return driven_experiment(values, around, slow_sine(drive * highest_v), SAMPLE_S, channels)
 
     if driven:
-        yield Experiment("half_pretension", loop(pretension=LOW_SHARE))
+        yield Experiment("half_pretension", loop(pretension=LOW_FACTOR))
         if largest_force_n(values, bench) <= values.wire["maximum_force_n"]:
-            yield Experiment("twice_pretension", loop(pretension=HIGH_SHARE))
-        yield Experiment("minor_loop", loop(drive=MINOR_SHARE))
+            yield Experiment("twice_pretension", loop(pretension=HIGH_FACTOR))
+        yield Experiment("minor_loop", loop(drive=MINOR_FACTOR))
         yield Experiment("fast_step", driven_experiment(values, bench, fast_step(highest_v), FAST_SAMPLE_S, usual))
         if "temperature" not in measured:
             yield Experiment("temperature", loop(channels=("temperature",)))
@@ -210,20 +221,20 @@ def largest_force_n(values: WireValues, bench: Mapping[str, float]) -> float:
     """Return the largest force that twice the pretension and the spring together could pull with."""
     leg_m = bench["wire_length_m"] / bench["legs"]
     stretch_n = bench["spring_stiffness_n_per_m"] * values.alloy["strain_saturated"] * leg_m
-    return HIGH_SHARE * bench["pretension_n"] + stretch_n
+    return HIGH_FACTOR * bench["pretension_n"] + stretch_n
 
 
 def slow_sine(highest_v: float) -> FloatArray:
     """Return one period of a slow sine from the sense voltage to the highest, (n,)."""
     phase = np.linspace(0.0, 2.0 * np.pi, int(PERIOD_S / SAMPLE_S))
-    lowest_v = SENSE_SHARE * highest_v
+    lowest_v = SENSE_FRACTION * highest_v
     return np.asarray(lowest_v + (highest_v - lowest_v) * 0.5 * (1.0 - np.cos(phase)))
 
 
 def fast_step(highest_v: float) -> FloatArray:
     """Return the highest voltage for a second, then the sense voltage, (n,)."""
     time_s = np.arange(0.0, STEP_WHOLE_S, FAST_SAMPLE_S)
-    return np.asarray(np.where(time_s < STEP_ON_S, highest_v, SENSE_SHARE * highest_v))
+    return np.asarray(np.where(time_s < STEP_ON_S, highest_v, SENSE_FRACTION * highest_v))
 
 
 def driven_experiment(

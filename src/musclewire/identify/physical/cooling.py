@@ -12,8 +12,17 @@ from numpy.typing import NDArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify.physical.bench import bench_of
 from musclewire.identify.physical.candidates import WireValues
-from musclewire.identify.physical.driven import RawChannel, even_clock, instruments_of, require_rows
-from musclewire.identify.physical.observations import Channel, binned, with_model_error
+from musclewire.identify.physical.channels import (
+    CURVE_STRETCHES,
+    MAX_STEP_S,
+    RawChannel,
+    bin_size,
+    binned_channel,
+    even_clock,
+    instruments_of,
+    require_rows,
+)
+from musclewire.identify.physical.observations import Channel, binned
 from musclewire.parameters.library import load_bench
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import drive_path
@@ -24,20 +33,15 @@ __all__ = ["CoolingObservation", "observe_cooling"]
 
 FloatArray = NDArray[np.float64]
 
-MOST_BINS = 400
-# What a model of this kind is not expected to get right: strain, share of the largest force, kelvins (a sensor on a
-# thin wire cools it); and over how many stretches of the curve.
-MODEL_ERROR = {"strain": 1e-4, "force": 3e-3, "temperature": 0.5}
-STRETCHES = 10
 # Nothing holds a cooling wire back, so it is fast: larger steps let it warm for a moment as it transforms.
-LARGEST_STEP_S, REFINED_STEP_S = 0.005, 0.001
-# A curve that falls by less tells no rate.
-LEAST_FALL_K, LEAST_STROKE, LEAST_OVER_NOISE = 5.0, 1e-3, 20.0
+REFINED_STEP_S = 0.001
+# A curve that falls by less shows no rate.
+MIN_FALL_K, MIN_OVER_NOISE = 5.0, 20.0
 # How far below the stated temperature of the air a curve may end: the accuracy of two thermometers.
 BELOW_AMBIENT_K = 3.0
 # The start is read off a parabola through the first part of the fall, so short that a parabola is right there, where it
 # holds enough samples; else it is the first sample.
-EARLY_SHARE, LEAST_EARLY = 0.1, 6
+EARLY_FRACTION, MIN_EARLY = 0.1, 6
 UNCOUNTED_ZERO = ("strain", "force")
 
 
@@ -65,21 +69,12 @@ class CoolingObservation:
         self._samples = samples
         self._bench = dict(bench)
         self._diameter_m = diameter_m
-        self._largest_step_s = LARGEST_STEP_S
-        self._bin = max(1, -(-samples // MOST_BINS))
-        self._channels = [self._binned_channel(name, raw) for name, raw in channels.items()]
-
-    def _binned_channel(self, name: str, raw: RawChannel) -> Channel:
-        deviation: FloatArray = np.sqrt(binned(raw.noise * raw.noise, self._bin) / self._bin)
-        error = MODEL_ERROR[name] * (float(np.ptp(raw.values)) if name == "force" else 1.0)
-        return Channel(
-            name,
-            raw.unit,
-            "time_s",
-            binned(np.asarray(self._period_s * np.arange(self._samples)), self._bin),
-            binned(raw.values, self._bin),
-            with_model_error(deviation, error, deviation.size, STRETCHES),
-        )
+        self._max_step_s = MAX_STEP_S
+        self._bin = bin_size(samples)
+        time_s = np.asarray(sample_period_s * np.arange(samples))
+        self._channels = [
+            binned_channel(name, raw, time_s, self._bin, CURVE_STRETCHES)[0] for name, raw in channels.items()
+        ]
 
     @property
     def title(self) -> str:
@@ -99,7 +94,7 @@ class CoolingObservation:
     def refined(self) -> CoolingObservation:
         """Return the same observation, simulated with the step that a rig uses."""
         finer = copy(self)
-        finer._largest_step_s = REFINED_STEP_S
+        finer._max_step_s = REFINED_STEP_S
         return finer
 
     def columns(self, values: WireValues) -> Mapping[str, FloatArray]:
@@ -107,7 +102,7 @@ class CoolingObservation:
         wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
         constants = constants_of(values.alloy, wire, {**values.bench, **self._bench})
         start = heated_state(constants, self._start_k)
-        steps = max(1, math.ceil(self._period_s / self._largest_step_s - 1e-9))
+        steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
         path, _ = drive_path(
             constants, np.zeros(self._samples - 1), dt_s=self._period_s / steps, steps=steps, state=start
         )
@@ -137,10 +132,10 @@ def observe_cooling(recording: Recording, bench: Mapping[str, float], title: str
     ``start_temperature_k``. Raises RecordingError where nothing cools, CallerError where bench or start is not known.
     """
     known = bench_of(recording, bench)
-    told = recording.with_metadata({**known, "leg_length_m": known["wire_length_m"] / known["legs"]})
-    require_rows(told)
-    even, period_s = even_clock(told["time_s"])
-    channels = {name: raw.at(even) for name, raw in instruments_of(told).items()}
+    complete = recording.with_metadata({**known, "leg_length_m": known["wire_length_m"] / known["legs"]})
+    require_rows(complete)
+    even, period_s = even_clock(complete["time_s"])
+    channels = {name: raw.at(even) for name, raw in instruments_of(complete).items()}
     if not channels:
         raise RecordingError(
             "neither voltages nor temperature, strain or force were recorded: there is nothing to compare"
@@ -163,8 +158,8 @@ def start_of(channels: Mapping[str, RawChannel], known: Mapping[str, float]) -> 
             "give --set start_temperature_k='120 degC'"
         )
     values = channels["temperature"].values
-    early = int(np.argmax(values < values[0] - EARLY_SHARE * np.ptp(values)))
-    if early < LEAST_EARLY:
+    early = int(np.argmax(values < values[0] - EARLY_FRACTION * np.ptp(values)))
+    if early < MIN_EARLY:
         return float(values[0])
     return float(np.polyfit(np.arange(early), values[:early], 2)[2])
 
@@ -174,10 +169,10 @@ def refuse_what_does_not_cool(channels: Mapping[str, RawChannel], start_k: float
     if "temperature" in channels:
         values = channels["temperature"].values
         fall, rise = start_k - float(values.min()), float(values.max()) - start_k
-        if fall < LEAST_FALL_K or rise > fall:
+        if fall < MIN_FALL_K or rise > fall:
             raise RecordingError(
                 f"without voltages a recording with a clock must be a cooling curve, and its temperature falls by "
-                f"{max(fall, 0.0):.2g} K only: nothing can be told from it"
+                f"{max(fall, 0.0):.2g} K only: nothing can be identified from it"
             )
         if float(values.min()) < ambient_k - BELOW_AMBIENT_K:
             raise RecordingError(
@@ -186,11 +181,11 @@ def refuse_what_does_not_cool(channels: Mapping[str, RawChannel], start_k: float
             )
         return
     moved = {name: float(np.ptp(raw.values)) for name, raw in channels.items()}
-    if not any(change > LEAST_OVER_NOISE * channels[name].noise[0] + 1e-12 for name, change in moved.items()):
+    if not any(change > MIN_OVER_NOISE * channels[name].noise[0] + 1e-12 for name, change in moved.items()):
         raise RecordingError("nothing moves by more than its noise: the wire did not transform")
-    if start_k < ambient_k + LEAST_FALL_K:
+    if start_k < ambient_k + MIN_FALL_K:
         raise RecordingError(
-            f"it begins at {start_k - 273.15:.1f} C, no warmer than the air: a wire at rest tells nothing"
+            f"it begins at {start_k - 273.15:.1f} C, no warmer than the air: a wire at rest says nothing"
         )
 
 

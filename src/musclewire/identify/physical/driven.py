@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from copy import copy
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,61 +12,42 @@ from numpy.typing import NDArray
 from musclewire.errors import RecordingError
 from musclewire.identify.physical.bench import bench_of
 from musclewire.identify.physical.candidates import WireValues
-from musclewire.identify.physical.observations import Channel, binned, with_model_error
-from musclewire.identify.recordings import required_quantity, resistance_reading
+from musclewire.identify.physical.channels import (
+    FIRST_ROWS,
+    MAX_STEP_S,
+    RawChannel,
+    bin_size,
+    binned_channel,
+    even_clock,
+    instruments_of,
+    require_rows,
+)
+from musclewire.identify.physical.observations import Channel, binned
+from musclewire.identify.recordings import resistance_reading
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import DrivenPath, drive_path
 from musclewire.simulate.wire import constants_of
 
-__all__ = ["DrivenObservation", "RawChannel", "even_clock", "instruments_of", "observe_drive", "require_rows"]
+__all__ = ["DrivenObservation", "observe_drive"]
 
 FloatArray = NDArray[np.float64]
 
 
-class RawChannel(NamedTuple):
-    """A column as recorded, sample by sample: unit, values, noise of each, and which of them can be used, (n,)."""
-
-    unit: str
-    values: FloatArray
-    noise: FloatArray
-    usable: NDArray[np.bool_]
-
-    def at(self, rows: NDArray[np.intp]) -> RawChannel:
-        """Return the channel at some rows."""
-        return RawChannel(self.unit, self.values[rows], self.noise[rows], self.usable[rows])
-
-    def grouped(self, size: int) -> RawChannel:
-        """Return means over groups of ``size`` samples."""
-        return RawChannel(
-            self.unit,
-            binned(np.where(self.usable, self.values, 0.0), size),
-            np.sqrt(binned(self.noise * self.noise, size) / size),
-            binned(self.usable.astype(float), size) > 0.999,
-        )
-
-
-MOST_BINS = 400
-# What a model of this kind is not expected to get right, whatever the noise: share of the leg in
-# displacement, share of the resistance, share of the largest contraction force, kelvins.
-MODEL_ERROR = {"strain": 1e-4, "resistance": 3e-4, "force": 3e-3, "temperature": 0.5}
-# Larger steps are as right on the whole, but the edges they leave in the residuals mislead a descent.
-LARGEST_STEP_S, REFINED_STEP_S = 0.005, 0.002
-# A recording has about this many stretches over which a model is wrong in one way.
+# The last descent and the derivative at the end are simulated with the step that a rig uses.
+REFINED_STEP_S = 0.002
+# A recording of a drive has about this many stretches over which a model is wrong in one way.
 STRETCHES = 20
-# A clock whose steps differ by more than this share of their median is laid on an even one.
-EVEN_CLOCK = 0.02
 # A simulated circuit needs some resistance beside the wire's, to read the current off; it falls across next to nothing.
-LEAST_SHUNT_OHM = 1e-3
-# An amplifier's command counts as its output where both agree to this share.
-COMMANDED_SHARE = 0.02
-# What a transformation changes at the least: strain; resistance, as a share; anything, in multiples of its noise.
-LEAST_STROKE, LEAST_RESISTANCE_SHARE, LEAST_OVER_NOISE = 1e-3, 0.01, 20.0
-# Strain that begins further from 0 than this share of its stroke was not counted from the cold wire.
-ZERO_SHARE = 0.05
+MIN_SHUNT_OHM = 1e-3
+# An amplifier's command counts as its output where both agree to this fraction.
+COMMANDED_FRACTION = 0.02
+# What a transformation changes at the least: strain; resistance, as a fraction; anything, in multiples of its noise.
+MIN_STROKE, MIN_RESISTANCE_CHANGE, MIN_OVER_NOISE = 1e-3, 0.01, 20.0
+# Strain that begins further from 0 than this fraction of its stroke was not counted from the cold wire.
+ZERO_FRACTION = 0.05
 # No NiTi's resistivity is outside of this; what is, has a wrong unit, diameter or length.
-LEAST_RESISTIVITY, MOST_RESISTIVITY = 0.4e-6, 2.0e-6
-FIRST_ROWS, LEAST_ROWS = 9, 30
+MIN_RESISTIVITY, MAX_RESISTIVITY = 0.4e-6, 2.0e-6
 
 
 class DrivenObservation:
@@ -93,25 +73,12 @@ class DrivenObservation:
         self._bench = dict(bench)
         self._circuit = dict(circuit or {})
         self._diameter_m = diameter_m
-        self._largest_step_s = LARGEST_STEP_S
-        self._bin = max(1, -(-drive_voltage_v.shape[0] // MOST_BINS))
-        self._keep: dict[str, NDArray[np.bool_]] = {}
-        binned_channels = [self._binned_channel(name, raw) for name, raw in channels.items()]
-        self._channels = [channel for channel in binned_channels if channel.measured.size]
-
-    def _binned_channel(self, name: str, raw: RawChannel) -> Channel:
-        keep = binned(raw.usable.astype(float), self._bin) > 0.999
-        self._keep[name] = keep
-        time_s = binned(self._period_s * np.arange(1, self._drive.shape[0] + 1), self._bin)
-        deviation = np.sqrt(binned(raw.noise**2, self._bin) / self._bin)
-        return Channel(
-            name,
-            raw.unit,
-            "time_s",
-            time_s[keep],
-            binned(np.where(raw.usable, raw.values, 0.0), self._bin)[keep],
-            with_model_error(deviation[keep], model_error(name, raw.values), int(keep.sum()), STRETCHES),
-        )
+        self._max_step_s = MAX_STEP_S
+        self._bin = bin_size(drive_voltage_v.shape[0])
+        time_s = sample_period_s * np.arange(1, drive_voltage_v.shape[0] + 1)
+        made = {name: binned_channel(name, raw, time_s, self._bin, STRETCHES) for name, raw in channels.items()}
+        self._keep = {name: keep for name, (_, keep) in made.items()}
+        self._channels = [channel for channel, _ in made.values() if channel.measured.size]
 
     @property
     def title(self) -> str:
@@ -141,14 +108,14 @@ class DrivenObservation:
     def refined(self) -> DrivenObservation:
         """Return the same observation, simulated with the step that a rig uses."""
         finer = copy(self)
-        finer._largest_step_s = REFINED_STEP_S
+        finer._max_step_s = REFINED_STEP_S
         return finer
 
     def path(self, values: WireValues) -> DrivenPath:
         """Return the simulated wire through the recording's drive, sample by sample."""
         wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
         constants = constants_of(values.alloy, wire, {**values.bench, **self._bench, **self._circuit})
-        steps = max(1, math.ceil(self._period_s / self._largest_step_s - 1e-9))
+        steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
         path, _ = drive_path(constants, self._drive, dt_s=self._period_s / steps, steps=steps)
         return path
 
@@ -179,19 +146,19 @@ def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) 
     not known.
     """
     known = bench_of(recording, bench)
-    told = recording.with_metadata({**known, "leg_length_m": known["wire_length_m"] / known["legs"]})
-    require_rows(told)
-    drive, circuit = drive_of(told)
+    complete = recording.with_metadata({**known, "leg_length_m": known["wire_length_m"] / known["legs"]})
+    require_rows(complete)
+    drive, circuit = drive_of(complete)
     if float(np.abs(drive).max()) <= 0.0:
-        raise RecordingError("the drive is 0 V throughout: a wire at rest tells nothing of its parameters")
-    even, known["sample_period_s"] = even_clock(told["time_s"])
-    channels = channels_of(told)
+        raise RecordingError("the drive is 0 V throughout: a wire at rest says nothing of its parameters")
+    even, known["sample_period_s"] = even_clock(complete["time_s"])
+    channels = channels_of(complete)
     if not channels.keys() & {"resistance", "strain", "force"}:
         raise RecordingError("neither resistance nor strain nor force was recorded: there is nothing to compare")
     refuse_idle(channels)
     if "diameter_m" in bench:
         refuse_other_metal(channels, known["wire_length_m"], bench["diameter_m"])
-    # Samples closer than the steps of a simulation cost time and tell nothing: they become one.
+    # Samples closer than the steps of a simulation cost time and add nothing: they become one.
     group = max(1, int(REFINED_STEP_S / known["sample_period_s"]))
     known["sample_period_s"] *= group
     return DrivenObservation(
@@ -205,12 +172,6 @@ def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) 
     )
 
 
-def require_rows(recording: Recording) -> None:
-    """Raise RecordingError for a recording too short to say anything."""
-    if len(recording) < LEAST_ROWS:
-        raise RecordingError(f"has {len(recording)} rows, a calibration needs {LEAST_ROWS} or more")
-
-
 def refuse_idle(channels: Mapping[str, RawChannel]) -> None:
     """Raise RecordingError where the wire did not transform."""
     if "strain" in channels:
@@ -218,7 +179,7 @@ def refuse_idle(channels: Mapping[str, RawChannel]) -> None:
     elif "resistance" in channels:
         raw = channels["resistance"]
         change = float(np.ptp(raw.values[raw.usable]) / np.median(raw.values[raw.usable]))
-        if change < LEAST_RESISTANCE_SHARE or not moves(raw):
+        if change < MIN_RESISTANCE_CHANGE or not moves(raw):
             raise RecordingError(
                 f"no transformation: the resistance changes by {100.0 * change:.2g} % at most: "
                 "drive the wire higher, until it contracts"
@@ -230,7 +191,7 @@ def refuse_idle(channels: Mapping[str, RawChannel]) -> None:
 def refuse_strain(strain: FloatArray) -> None:
     """Raise RecordingError where a strain, (n,), shows no transformation or is not one of contraction from cold."""
     stroke, noise = float(np.ptp(strain)), noise_level(strain)
-    if stroke < max(LEAST_STROKE, LEAST_OVER_NOISE * noise):
+    if stroke < max(MIN_STROKE, MIN_OVER_NOISE * noise):
         raise RecordingError(
             f"no transformation: the strain changes by {100.0 * stroke:.2g} % at most, its noise is "
             f"{100.0 * noise:.2g} %: drive the wire higher, until it contracts"
@@ -241,7 +202,7 @@ def refuse_strain(strain: FloatArray) -> None:
             "strain of the wrong sign: it falls from where it begins; contraction counts positive (--invert), and a "
             "recording must begin with a cold wire"
         )
-    if abs(cold) > ZERO_SHARE * stroke:
+    if abs(cold) > ZERO_FRACTION * stroke:
         raise RecordingError(
             f"strain begins at {100.0 * cold:.3g} %: contraction counts from the cold wire, give --zero"
         )
@@ -250,7 +211,7 @@ def refuse_strain(strain: FloatArray) -> None:
 def moves(raw: RawChannel) -> bool:
     """Tell whether a channel changes by more than its noise."""
     change = float(np.ptp(raw.values[raw.usable]))
-    return change > LEAST_OVER_NOISE * float(np.median(raw.noise[raw.usable])) + 1e-12
+    return change > MIN_OVER_NOISE * float(np.median(raw.noise[raw.usable])) + 1e-12
 
 
 def refuse_other_metal(channels: Mapping[str, RawChannel], length_m: float, diameter_m: float) -> None:
@@ -260,7 +221,7 @@ def refuse_other_metal(channels: Mapping[str, RawChannel], length_m: float, diam
     raw = channels["resistance"]
     resistance = float(np.median(raw.values[raw.usable]))
     resistivity = resistance * 0.25 * math.pi * diameter_m**2 / length_m
-    if not LEAST_RESISTIVITY <= resistivity <= MOST_RESISTIVITY:
+    if not MIN_RESISTIVITY <= resistivity <= MAX_RESISTIVITY:
         raise RecordingError(
             f"{resistance:.3g} ohm over {1e3 * length_m:.4g} mm of {1e6 * diameter_m:.4g} um wire is a resistivity of "
             f"{resistivity:.2g} ohm m, NiTi has about 0.9e-06: check units, length and diameter (--set diameter_m=...)"
@@ -274,11 +235,11 @@ def drive_of(recording: Recording) -> tuple[FloatArray, dict[str, float]]:
     """
     names = recording.columns
     shunt_ohm = recording.facts.number_or_none("shunt_resistance_ohm")
-    bare = {"shunt_resistance_ohm": LEAST_SHUNT_OHM, "lead_resistance_ohm": 0.0}
+    bare = {"shunt_resistance_ohm": MIN_SHUNT_OHM, "lead_resistance_ohm": 0.0}
     if "wire_voltage_v" in names and "shunt_voltage_v" in names and shunt_ohm is not None:
         measured = np.asarray(names["wire_voltage_v"] + names["shunt_voltage_v"])
         commanded = names.get("drive_voltage_v")
-        if commanded is not None and np.abs(commanded - measured).max() <= COMMANDED_SHARE * np.abs(measured).max():
+        if commanded is not None and np.abs(commanded - measured).max() <= COMMANDED_FRACTION * np.abs(measured).max():
             return commanded, {}
         return measured, {"lead_resistance_ohm": 0.0}
     if "wire_voltage_v" in names:
@@ -294,18 +255,7 @@ def drive_of(recording: Recording) -> tuple[FloatArray, dict[str, float]]:
         raise RecordingError(
             "drive_voltage_v is across wire and shunt, and the shunt is not known: give --shunt, '0 ohm' for none"
         )
-    return names["drive_voltage_v"], {"shunt_resistance_ohm": max(shunt_ohm, LEAST_SHUNT_OHM)}
-
-
-def even_clock(time_s: FloatArray) -> tuple[NDArray[np.intp], float]:
-    """Return which row stands for each tick of an even clock, and its period [s]."""
-    steps = np.diff(time_s)
-    period_s = float(np.median(steps))
-    if np.abs(steps - period_s).max() <= EVEN_CLOCK * period_s:
-        period_s = float((time_s[-1] - time_s[0]) / steps.size)
-        return np.arange(time_s.size), period_s
-    ticks = time_s[0] + period_s * np.arange(int((time_s[-1] - time_s[0]) / period_s) + 1)
-    return np.clip(np.searchsorted(time_s, ticks - 1e-12), 0, time_s.size - 1), period_s
+    return names["drive_voltage_v"], {"shunt_resistance_ohm": max(shunt_ohm, MIN_SHUNT_OHM)}
 
 
 def channels_of(recording: Recording) -> dict[str, RawChannel]:
@@ -318,31 +268,6 @@ def channels_of(recording: Recording) -> dict[str, RawChannel]:
     return found | instruments_of(recording)
 
 
-def instruments_of(recording: Recording) -> dict[str, RawChannel]:
-    """Return strain, contraction force and temperature, as far as a recording has them."""
-    found = {}
-    if "reference_strain" in recording or "displacement_m" in recording:
-        found["strain"] = raw_channel("1", required_quantity(recording, "strain"))
-    if "force_n" in recording:
-        found["force"] = raw_channel("N", contraction_force_n(recording))
-    if "wire_temperature_k" in recording:
-        found["temperature"] = raw_channel("K", recording["wire_temperature_k"])
-    return found
-
-
-def raw_channel(unit: str, values: FloatArray) -> RawChannel:
-    """Return a column of an instrument with the noise it shows, all of it usable."""
-    return RawChannel(unit, values, np.full(values.size, noise_level(values)), np.ones(values.size, dtype=bool))
-
-
-def contraction_force_n(recording: Recording) -> FloatArray:
-    """Return force beyond the pretension, (n,); a cell that was tared shows just that."""
-    force, pretension = recording["force_n"], recording.facts.pretension_n
-    first = float(np.median(force[:FIRST_ROWS]))
-    tared = abs(first - pretension) > abs(first)
-    return np.asarray(force - (first if tared else pretension))
-
-
 def resistance_noise(recording: Recording) -> FloatArray:
     """Return the standard deviation of each resistance [ohm], (n,): noise of both readings over their size."""
     other = next((name for name in ("shunt_voltage_v", "wire_current_a") if name in recording), None)
@@ -352,12 +277,3 @@ def resistance_noise(recording: Recording) -> FloatArray:
     for name in ("wire_voltage_v", other):
         share += (noise_level(recording[name]) / np.maximum(np.abs(recording[name]), 1e-9)) ** 2
     return np.asarray(np.sqrt(share) * np.abs(resistance_reading(recording).resistance_ohm))
-
-
-def model_error(name: str, measured: FloatArray) -> float:
-    """Return what the model is not expected to get right in a channel, in its unit."""
-    if name == "resistance":
-        return MODEL_ERROR[name] * float(np.median(measured[measured > 0.0]))
-    if name == "force":
-        return MODEL_ERROR[name] * float(np.ptp(measured))
-    return MODEL_ERROR[name]

@@ -6,7 +6,7 @@ from musclewire.identify.physical.uncertainty import Estimate
 
 __all__ = ["interval_bar", "key_of_bars"]
 
-PRIOR, TOLD, UNTOLD, BOUND = "#dfe3e8", "#1f6f8b", "#b9a27a", "#c8553d"
+PRIOR, IDENTIFIED, UNIDENTIFIED, BOUND = "#dfe3e8", "#1f6f8b", "#b9a27a", "#c8553d"
 WIDTH, HEIGHT = 190.0, 16.0
 # Prior standard deviations to either side that a bar shows, and what 95 % of a normal distribution takes.
 SHOWN_STD, SURE_STD = 3.0, 1.96
@@ -23,7 +23,7 @@ def interval_bar(item: Estimate) -> str:
 
     prior = (place(item.prior_mean - SURE_STD * item.prior_std), place(item.prior_mean + SURE_STD * item.prior_std))
     after = (place(item.interval[0]), place(item.interval[1]))
-    colour = BOUND if item.at_bound else TOLD if item.identifiable else UNTOLD
+    colour = BOUND if item.at_bound else IDENTIFIED if item.identifiable else UNIDENTIFIED
     middle = min(max(place(item.value), 1.2), WIDTH - 1.2)
     return (
         f'<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img" aria-label="95 % interval {item.interval[0]:.4g} to '
@@ -43,8 +43,8 @@ def key_of_bars() -> str:
     """Return what the colours mean."""
     names = (
         (PRIOR, "believed before (prior)"),
-        (TOLD, "told by the recordings"),
-        (UNTOLD, "mostly prior"),
+        (IDENTIFIED, "identifiable from the recordings"),
+        (UNIDENTIFIED, "mostly prior"),
         (BOUND, "at a bound"),
     )
     patch = '<svg viewBox="0 0 46 12"><rect x="2" y="2" width="42" height="8" rx="2" fill="{}"/></svg>'

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from musclewire.errors import RecordingError
 from musclewire.identify.isobars import Isobar
 from musclewire.identify.physical.candidates import WireValues
+from musclewire.identify.physical.channels import CURVE_STRETCHES
 from musclewire.identify.physical.observations import Channel, with_model_error
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
@@ -20,14 +21,13 @@ __all__ = ["IsobaricObservation", "counts_contraction", "in_elongation", "isobar
 
 FloatArray = NDArray[np.float64]
 
-# What a model of this kind is not expected to get right in the strain of an isobar, and over how many stretches of it.
-MODEL_ERROR = 2e-4
-STRETCHES = 10
-# Stress that wanders by less than this share is one isobar.
+# What a model of this kind is not expected to get right in the strain of an isobar.
+ISOBAR_ERROR = 2e-4
+# Stress that wanders by less than this fraction is one isobar.
 SAME_STRESS = 0.03
-LEAST_POINTS, LEAST_STROKE = 20, 1e-3
+MIN_POINTS, MIN_STROKE = 20, 1e-3
 # Temperatures that move by less show no loop; a wire breaks far below this stress.
-LEAST_RANGE_K, MOST_STRESS_PA = 5.0, 3e9
+MIN_RANGE_K, MAX_STRESS_PA = 5.0, 3e9
 
 
 class IsobaricObservation:
@@ -37,7 +37,7 @@ class IsobaricObservation:
     stresses counts.
     """
 
-    def __init__(self, title: str, isobars: Sequence[Isobar], model_error: float = MODEL_ERROR) -> None:
+    def __init__(self, title: str, isobars: Sequence[Isobar], model_error: float = ISOBAR_ERROR) -> None:
         """Take loops whose strains are positive in elongation."""
         self._title = title
         self._isobars = list(isobars)
@@ -48,7 +48,7 @@ class IsobaricObservation:
                 "temperature_k",
                 isobar.temperature_k,
                 isobar.strain,
-                with_model_error(noise_level(isobar.strain), model_error, isobar.strain.size, STRETCHES),
+                with_model_error(noise_level(isobar.strain), model_error, isobar.strain.size, CURVE_STRETCHES),
             )
             for isobar in isobars
         ]
@@ -81,9 +81,9 @@ class IsobaricObservation:
 
 
 def counts_contraction(isobars: Sequence[Isobar]) -> bool:
-    """Tell whether strain grows with temperature: contraction positive, as our own recordings have it.
+    """Return whether strain grows with temperature: contraction positive, as our own recordings have it.
 
-    All loops are asked at once, the larger ones louder: under next to no load there is only thermal expansion.
+    All loops count at once, the larger ones more: under next to no load there is only thermal expansion.
     """
     return sum(float(np.cov(item.temperature_k, item.strain)[0, 1]) for item in isobars) > 0.0
 
@@ -100,11 +100,11 @@ def isobars_in(recording: Recording) -> list[Isobar]:
     Raises RecordingError where temperature is constant, or stress is not over a loop.
     """
     temperature_k, stress_pa = recording["wire_temperature_k"], recording["stress_pa"]
-    if np.ptp(temperature_k) < LEAST_RANGE_K:
+    if np.ptp(temperature_k) < MIN_RANGE_K:
         raise RecordingError(
             f"the temperature moves by {np.ptp(temperature_k):.2g} K: an isobar goes from cold to hot and back"
         )
-    if not (stress_pa.min() >= 0.0 and stress_pa.max() < MOST_STRESS_PA):
+    if not (stress_pa.min() >= 0.0 and stress_pa.max() < MAX_STRESS_PA):
         raise RecordingError(
             f"stress goes from {stress_pa.min() / 1e6:.4g} to {stress_pa.max() / 1e6:.4g} MPa: it must be tension, "
             "positive, and below what breaks a wire; check its unit and sign"
@@ -114,10 +114,10 @@ def isobars_in(recording: Recording) -> list[Isobar]:
     starts = [0, *(np.flatnonzero(np.abs(np.diff(stress_pa)) > SAME_STRESS * np.abs(stress_pa[1:]) + 1e5) + 1)]
     for start, stop in zip(starts, [*starts[1:], len(recording)], strict=True):
         part = slice(int(start), int(stop))
-        if stop - start < LEAST_POINTS:
+        if stop - start < MIN_POINTS:
             raise RecordingError(
                 f"stress changes at row {int(stop) + 1} after {int(stop - start)} rows: an isobar needs at "
-                f"least {LEAST_POINTS} points at one stress, over heating and cooling"
+                f"least {MIN_POINTS} points at one stress, over heating and cooling"
             )
         found.append(Isobar(float(np.median(stress_pa[part])), temperature_k[part], strain[part]))
     return found
@@ -126,7 +126,7 @@ def isobars_in(recording: Recording) -> list[Isobar]:
 def observe_isobars(isobars: Sequence[Isobar], title: str) -> IsobaricObservation:
     """Return isobars as one observation. Raises RecordingError where none of them shows a transformation."""
     strokes = [float(np.ptp(item.strain)) for item in isobars]
-    if max(strokes) < LEAST_STROKE:
+    if max(strokes) < MIN_STROKE:
         raise RecordingError(
             f"strain changes by {100.0 * max(strokes):.3g} % at most: nothing transforms between "
             f"{min(item.temperature_k.min() for item in isobars) - 273.15:.0f} C and "

@@ -70,7 +70,22 @@ class Observation(Protocol):
         ...
 
     def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
-        """Return each channel as this wire would have given it."""
+        """Return each channel as this wire would have given it.
+
+        Parameters
+        ----------
+        values
+            The numbers of the wire on its bench, SI.
+
+        Returns
+        -------
+        By the channel's name, its values in its unit and on its axis, (n,).
+
+        Raises
+        ------
+        NumericsError
+            If the wire cannot be simulated.
+        """
         ...
 
 

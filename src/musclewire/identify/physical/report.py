@@ -1,90 +1,92 @@
-"""The report of a calibration as one HTML file that needs nothing beside it."""
+"""The report of a calibration as one HTML file that needs no other file."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from html import escape
-from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 
 from musclewire.errors import CallerError
-from musclewire.identify.physical.advice import Advice, how_to_tell
+from musclewire.identify.physical.advice import Advice, how_to_identify, next_experiments
+from musclewire.identify.physical.calibration import Calibration
+from musclewire.identify.physical.figures import loop_figure, observation_figure
 from musclewire.identify.physical.interval_bars import interval_bar, key_of_bars
-from musclewire.identify.physical.pictures import loop_figure, observation_figure
-from musclewire.identify.physical.words import number, verdict
-from musclewire.pages import STYLE, page_template, style_sheet, svg
+from musclewire.identify.physical.observations import Comparison
+from musclewire.identify.physical.text import number, verdict
+from musclewire.identify.physical.uncertainty import Estimate
+from musclewire.pages import STYLE, Card, cards, page, svg
 from musclewire.parameters.schema import Alloy, Bench, Wire
-from musclewire.signals.whole_files import write_whole
-
-if TYPE_CHECKING:
-    from musclewire.identify.physical.calibration import Calibration
-    from musclewire.identify.physical.observations import Comparison
-    from musclewire.identify.physical.uncertainty import Estimate
+from musclewire.signals.whole_files import write_text_whole
 
 __all__ = ["write_report"]
 
 FIELDS = {**Alloy.model_fields, **Wire.model_fields, **Bench.model_fields}
 
 
-def write_report(calibration: Calibration, path: Path) -> None:
-    """Write the page of a calibration, whole or not at all. Raises CallerError for another suffix than .html."""
+def write_report(calibration: Calibration, path: str | Path, advice: Sequence[Advice] | None = None) -> None:
+    """Write the page of a calibration as one HTML file, whole or not at all.
+
+    Parameters
+    ----------
+    calibration
+        What was found.
+    path
+        File to write; it ends in .html, and an existing one is replaced.
+    advice
+        What to measure next, as :func:`next_experiments` returns it; simulated now if it is None.
+
+    Raises
+    ------
+    CallerError
+        If the path has another suffix, or its folder cannot be written to.
+    """
+    path = Path(path)
     if path.suffix != ".html":
         raise CallerError(f"{path}: a report is an .html file")
-    asked = calibration.asked
-    names = ", ".join(Path(name).name for name in asked.sources)
-    page = page_template("musclewire.identify.physical", "report.html").substitute(
-        style=style_sheet(),
-        title=escape(names),
-        heading=escape(
-            f"The wire in {names}" if len(asked.sources) <= 3 else f"The wire in {len(asked.sources)} files"
+    inputs = calibration.inputs
+    names = ", ".join(Path(name).name for name in inputs.sources)
+    parts = {
+        "title": escape(names),
+        "heading": escape(
+            f"The wire in {names}" if len(inputs.sources) <= 3 else f"The wire in {len(inputs.sources)} files"
         ),
-        cards=cards(calibration),
-        given=given(calibration),
-        channels="".join(channel_row(title, pair) for title, pair in calibration.comparisons()),
-        figures=figures(calibration),
-        key=key_of_bars(),
-        parameters=parameter_rows(calibration),
-        correlated=correlated(calibration),
-        advice=advice(calibration),
-        how=how(calibration),
-        version=escape(version("musclewire")),
-        seed=asked.settings.seed,
-        simulations=calibration.found.simulations,
-        wall_s=f"{calibration.wall_s:.0f}",
-        priors=escape(asked.priors.name),
-    )
-
-    def write(part: Path) -> None:
-        part.write_text(page, "utf-8")
-
-    write_whole(path, write)
+        "cards": cards(key_numbers(calibration)),
+        "given": given(calibration),
+        "channels": "".join(channel_row(title, pair) for title, pair in calibration.comparisons()),
+        "figures": figures(calibration),
+        "key": key_of_bars(),
+        "parameters": parameter_rows(calibration),
+        "correlated": correlated(calibration),
+        "advice": advice_part(next_experiments(calibration) if advice is None else advice),
+        "how": how(calibration),
+        "seed": inputs.settings.seed,
+        "simulations": calibration.search_result.simulations,
+        "wall_s": f"{calibration.wall_s:.0f}",
+        "priors": escape(inputs.priors.name),
+    }
+    write_text_whole(path, page("musclewire.identify.physical", "report.html", parts))
 
 
-def cards(calibration: Calibration) -> str:
+def key_numbers(calibration: Calibration) -> list[Card]:
     """Return the key numbers."""
-    told, whole = len(calibration.identifiable), len(calibration.estimates)
-    costs = sorted(calibration.found.costs)
+    identifiable, whole = len(calibration.identifiable), len(calibration.estimates)
+    costs = sorted(calibration.search_result.costs)
     agree = sum(cost < 1.05 * costs[0] + 1.0 for cost in costs)
     bound = sum(item.at_bound for item in calibration.estimates)
-    items = (
-        ("The fit", "holds" if calibration.holds else "does not hold", worst_words(calibration), calibration.holds),
-        ("Left over", f"{calibration.rmse:.2f}", "of its uncertainty, rms", True),
-        ("Told by the recordings", f"{told} of {whole}", "parameters", True),
-        ("At a bound of the search", f"{bound}", "parameters", bound == 0),
-        ("Descents that agree", f"{agree} of {len(costs)}", "end within 5 % of the best", True),
-    )
-    return "".join(
-        f'<div class="card{"" if good else " fails"}"><div class="name">{name}</div><div class="value">{value}</div>'
-        f'<div class="beside">{escape(beside)}</div></div>'
-        for name, value, beside, good in items
-    )
+    verdict = "holds" if calibration.holds else "does not hold"
+    return [
+        Card("The fit", verdict, worst_channel(calibration), calibration.holds),
+        Card("Left over", f"{calibration.rmse:.2f}", "of its uncertainty, rms"),
+        Card("Identifiable from the recordings", f"{identifiable} of {whole}", "parameters"),
+        Card("At a bound of the search", f"{bound}", "parameters", bound == 0),
+        Card("Descents that agree", f"{agree} of {len(costs)}", "end within 5 % of the best"),
+    ]
 
 
-def worst_words(calibration: Calibration) -> str:
-    """Say which channel is furthest off."""
+def worst_channel(calibration: Calibration) -> str:
+    """Return which channel is furthest off."""
     title, pair = max(calibration.comparisons(), key=lambda item: item[1].normalised_rms)
     return f"worst: {pair.channel.name}, {pair.normalised_rms:.2f}" + (f" ({title})" if len(title) < 20 else "")
 
@@ -93,9 +95,9 @@ def given(calibration: Calibration) -> str:
     """Return how the recordings were understood, what was assumed, and the wire started from."""
     wire = calibration.wire
     lines = [
-        *calibration.asked.notes,
-        f"started from {calibration.asked.wire} ({1e6 * wire.diameter_m.value:.4g} um), priors "
-        f"{calibration.asked.priors.name}: {calibration.asked.priors.description}",
+        *calibration.inputs.notes,
+        f"started from {calibration.inputs.wire} ({1e6 * wire.diameter_m.value:.4g} um), priors "
+        f"{calibration.inputs.priors.name}: {calibration.inputs.priors.description}",
     ]
     return f"<ul>{''.join(f'<li>{escape(line)}</li>' for line in lines)}</ul>"
 
@@ -115,7 +117,7 @@ def figures(calibration: Calibration) -> str:
     """Return the figures of every recording as SVG."""
     parts = []
     with mpl.rc_context(dict(STYLE)):  # type: ignore[arg-type]  # matplotlib lists every key as a literal
-        for place, observation in enumerate(calibration.fit.observations):
+        for place, observation in enumerate(calibration.problem.observations):
             parts.append(f"<h3>{escape(Path(observation.title).name)}</h3>")
             loop = loop_figure(calibration, observation)
             if loop is not None:
@@ -125,13 +127,17 @@ def figures(calibration: Calibration) -> str:
 
 
 def parameter_rows(calibration: Calibration) -> str:
-    """Return the table's rows: parameters that are told, then those that stay prior, then those at a bound."""
+    """Return the table's rows: parameters that are identifiable, then those that stay prior, then those at a bound."""
     at_bound = [item for item in calibration.estimates if item.at_bound]
-    told = [item for item in calibration.identifiable if not item.at_bound]
+    identifiable = [item for item in calibration.identifiable if not item.at_bound]
     prior = [item for item in calibration.not_identifiable if not item.at_bound]
     groups = (
-        ("Told by the recordings", "interval at most half the prior's", told),
-        ("Mostly prior", "the recordings narrow it by less than half; what would tell it on general grounds", prior),
+        ("Identifiable from the recordings", "interval at most half the prior's", identifiable),
+        (
+            "Mostly prior",
+            "the recordings narrow it by less than half; what would identify it on general grounds",
+            prior,
+        ),
         ("At a bound of the search", "the best value lies at the edge of what was thought possible", at_bound),
     )
     return "".join(
@@ -143,8 +149,8 @@ def parameter_rows(calibration: Calibration) -> str:
 
 
 def parameter_row(item: Estimate) -> str:
-    """Return one parameter: value, deviation, its interval over the prior's, and how to tell it."""
-    about = "" if item.identifiable and not item.at_bound else how_to_tell(item.measure)
+    """Return one parameter: value, deviation, its interval over the prior's, and how to identify it."""
+    about = "" if item.identifiable and not item.at_bound else how_to_identify(item.measure)
     described = FIELDS[item.name].description or ""
     return (
         f'<tr><td title="{escape(described)}"><code>{item.name}</code></td><td class="number">{number(item.value)}</td>'
@@ -155,7 +161,7 @@ def parameter_row(item: Estimate) -> str:
 
 
 def correlated(calibration: Calibration) -> str:
-    """Return what the recordings tell together rather than apart, and what they cannot touch."""
+    """Return what the recordings identify together rather than apart, and what does not show in them."""
     parts = []
     pairs = calibration.correlated
     if pairs:
@@ -163,13 +169,14 @@ def correlated(calibration: Calibration) -> str:
             f"<li><code>{one}</code> and <code>{other}</code>: r = {r:+.3f}</li>" for one, other, r in pairs[:12]
         )
         parts.append(
-            "<h3>Told together rather than apart</h3><p class='plain'>Where |r| is above 0.9, the recordings tell a "
-            f"combination of the two better than either: change one, and the other follows.</p><ul>{lines}</ul>"
+            "<h3>Identifiable together rather than apart</h3><p class='plain'>If |r| is above 0.9, the recordings "
+            "identify a combination of the two better than either: change one, and the other follows.</p>"
+            f"<ul>{lines}</ul>"
         )
     if calibration.not_searched:
         parts.append(
             "<h3>Not looked for</h3><p class='plain'>Nothing in these recordings depends on "
-            f"{codes(calibration.not_searched)}: the wire keeps the values of {escape(calibration.asked.wire)}.</p>"
+            f"{codes(calibration.not_searched)}: the wire keeps the values of {escape(calibration.inputs.wire)}.</p>"
         )
     return "".join(parts)
 
@@ -179,31 +186,32 @@ def codes(names: Iterable[str]) -> str:
     return ", ".join(f"<code>{escape(name)}</code>" for name in names)
 
 
-def advice(calibration: Calibration) -> str:
-    """Return the experiments worth making, with the parameters each would tell."""
-    if not calibration.advice:
-        return "<p>None of the usual experiments would tell a parameter that these recordings do not.</p>"
-    found = "".join(advice_card(place, item) for place, item in enumerate(calibration.advice, 1))
+def advice_part(advice: Sequence[Advice]) -> str:
+    """Return the experiments worth making, with the parameters each would identify."""
+    if not advice:
+        return "<p>None of the usual experiments would identify a parameter that these recordings do not.</p>"
+    found = "".join(advice_card(place, item) for place, item in enumerate(advice, 1))
     return (
         "<p>Each of the usual experiments was simulated with the wire found, and what it would add was computed from "
-        "its derivative. These would tell most of what is still mostly prior.</p>"
+        "its derivative. These would identify most of what is still mostly prior.</p>"
         f"<div class='advice'>{found}</div>"
     )
 
 
 def advice_card(place: int, item: Advice) -> str:
     """Return one experiment."""
-    count = len(item.tells)
-    tells = f"<p class='tells'>would tell {count} more parameter{'' if count == 1 else 's'}</p>" if count else ""
-    listed = f"<ul>{''.join(f'<li><code>{name}</code></li>' for name in item.tells)}</ul>"
+    count = len(item.identifies)
+    more = f"<p class='tells'>would identify {count} more parameter{'' if count == 1 else 's'}</p>" if count else ""
+    listed = f"<ul>{''.join(f'<li><code>{name}</code></li>' for name in item.identifies)}</ul>"
     narrows = f"<p>and would halve the interval of {codes(item.narrows)}</p>" if item.narrows else ""
-    return f"<div><h3>{place}. {escape(item.title)}</h3><p>{escape(item.text)}</p>{tells}{listed}{narrows}</div>"
+    return f"<div><h3>{place}. {escape(item.title)}</h3><p>{escape(item.text)}</p>{more}{listed}{narrows}</div>"
 
 
 def how(calibration: Calibration) -> str:
     """Return how the search went."""
-    settings, found = calibration.asked.settings, calibration.found
-    costs = ", ".join(f"{cost:.1f}" for cost in found.costs)
+    settings, result = calibration.inputs.settings, calibration.search_result
+    costs = ", ".join(f"{cost:.1f}" for cost in result.costs)
+    holds = verdict(calibration.comparisons(), calibration.estimates)
     widened = (
         f"<p>What is left over varies {calibration.excess_variance:.1f} times as much as the stated uncertainty says: "
         "all intervals were widened to match.</p>"
@@ -211,9 +219,9 @@ def how(calibration: Calibration) -> str:
         else ""
     )
     return (
-        f"<p>{escape(verdict(calibration)).capitalize()}. {len(found.costs)} descents (at most {settings.starts} from "
+        f"<p>{escape(holds).capitalize()}. {len(result.costs)} descents (at most {settings.starts} from "
         f"the prior and {settings.jumps} from jumps off the best so far) ended at sums of squares of {costs}; the "
-        f"last, with all digits, at {found.cost:.1f}. Where several agree, the minimum is the only one in sight.</p>"
+        f"last, with all digits, at {result.cost:.1f}. Where several agree, the minimum is the only one in sight.</p>"
         f"{widened}"
         "<p>Intervals are Laplace's approximation: the curvature of the sum of squares at its minimum, with the prior. "
         "They hold where the model is right up to the stated uncertainty and no other minimum is near.</p>"

@@ -25,12 +25,12 @@ from musclewire.identify.physical.journal import Journal
 
 __all__ = [
     "EFFORTS",
-    "Found",
+    "SearchResult",
     "OnProgress",
     "OnStep",
     "Problem",
     "Settings",
-    "Workshop",
+    "ParallelProblem",
     "jacobian",
     "search",
     "settings_of_effort",
@@ -71,7 +71,22 @@ class Problem(Protocol):
         ...
 
     def residuals(self, coordinates: FloatArray) -> FloatArray:
-        """Return residuals; may raise NumericsError or return numbers that are not finite for impossible vectors."""
+        """Return the residuals of a vector, in standard deviations.
+
+        Parameters
+        ----------
+        coordinates
+            Vector, (n,), dimensionless.
+
+        Returns
+        -------
+        Residuals of the observations, then of the prior, (n_observed + n,); not finite for an impossible vector.
+
+        Raises
+        ------
+        NumericsError
+            If the vector cannot be simulated.
+        """
         ...
 
     def refined(self) -> Problem:
@@ -107,14 +122,29 @@ EFFORTS: Mapping[str, Settings] = {
 
 
 def settings_of_effort(effort: str) -> Settings:
-    """Return the settings that a word stands for. Raises CallerError for another word."""
+    """Return the settings of a search that a word stands for.
+
+    Parameters
+    ----------
+    effort
+        "quick" (one descent), "normal" (the default of a calibration) or "thorough".
+
+    Returns
+    -------
+    The settings.
+
+    Raises
+    ------
+    CallerError
+        If the word is another one.
+    """
     if effort not in EFFORTS:
         raise CallerError(f"there is no effort '{effort}'{nearest_hint(effort, EFFORTS)}")
     return EFFORTS[effort]
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class SearchResult:
     """Where a search ended: vector (n,), residuals (m,), their derivative (m, n), and what it cost to get there.
 
     ``costs`` are the sums of squares at which the descents ended, in their order: where several agree, the minimum is
@@ -133,7 +163,7 @@ class Found:
         return float(self.residuals @ self.residuals)
 
 
-class Workshop:
+class ParallelProblem:
     """A problem with threads to simulate it on, and a count of simulations; ``on_step`` may raise to stop a search."""
 
     def __init__(
@@ -186,7 +216,7 @@ def search(
     journal: Journal | None = None,
     on_progress: OnProgress | None = None,
     on_step: OnStep | None = None,
-) -> Found:
+) -> SearchResult:
     """Return the best vector found, repeatable for one seed whatever the number of threads.
 
     With a ``journal`` an interrupted search goes on after the last descent that it finished. ``on_progress`` is called
@@ -195,12 +225,12 @@ def search(
     """
     report = on_progress or (lambda *_: None)
     with threads(settings.threads) as each:
-        workshop = Workshop(problem, each, on_step)
-        ends = descents(workshop, settings, journal, report)
+        parallel = ParallelProblem(problem, each, on_step)
+        ends = descents(parallel, settings, journal, report)
         if not np.isfinite(min(cost for cost, _ in ends)):
             raise NumericsError("no candidate could be simulated: check the recording's bench, drive and units")
         rough = min(ends, key=lambda end: end[0])[1]
-        fine = Workshop(problem.refined(), each, on_step)
+        fine = ParallelProblem(problem.refined(), each, on_step)
         best = rough
         for step in LAST_STEPS:
             _, best = descend(fine, best, 1.0, settings.evaluations_last, step)
@@ -209,14 +239,16 @@ def search(
             raise NumericsError("the best candidate cannot be simulated: report this with the recording")
         report("local search", 1, 1, float(residuals @ residuals))
         slope = jacobian(fine, best, residuals, FINAL_STEP, central=True)
-    return Found(best, residuals, slope, tuple(cost for cost, _ in ends), workshop.simulations + fine.simulations)
+    return SearchResult(
+        best, residuals, slope, tuple(cost for cost, _ in ends), parallel.simulations + fine.simulations
+    )
 
 
 def descents(
-    workshop: Workshop, settings: Settings, journal: Journal | None, report: OnProgress
+    parallel: ParallelProblem, settings: Settings, journal: Journal | None, report: OnProgress
 ) -> list[tuple[float, FloatArray]]:
     """Return the ends of all graduated descents, (cost, vector), in their order."""
-    size = workshop.problem.low.size
+    size = parallel.problem.low.size
     ends: list[tuple[float, FloatArray]] = []
     for number in range(settings.starts + settings.jumps):
         # Each start has its own stream, so that what a journal remembers does not shift the rest.
@@ -224,12 +256,12 @@ def descents(
         remembered = journal.next() if journal is not None else None
         if remembered is not None:
             ends.append((remembered[0], np.array(remembered[2:])))
-            workshop.simulations += int(remembered[1])
+            parallel.simulations += int(remembered[1])
         else:
-            before = workshop.simulations
-            ends.append(one_descent(workshop, ends, number, settings, random, size))
+            before = parallel.simulations
+            ends.append(one_descent(parallel, ends, number, settings, random, size))
             if journal is not None:
-                journal.write([ends[-1][0], workshop.simulations - before, *ends[-1][1]])
+                journal.write([ends[-1][0], parallel.simulations - before, *ends[-1][1]])
         costs = sorted(cost for cost, _ in ends)
         report("global search", number + 1, settings.starts + settings.jumps, costs[0])
         if len(costs) >= AGREEING and costs[AGREEING - 1] <= (1.0 + AGREEMENT) * costs[0]:
@@ -238,7 +270,7 @@ def descents(
 
 
 def one_descent(
-    workshop: Workshop,
+    parallel: ParallelProblem,
     ends: Sequence[tuple[float, FloatArray]],
     number: int,
     settings: Settings,
@@ -254,14 +286,14 @@ def one_descent(
         vector, blunt = min(ends, key=lambda end: end[0])[1] + JUMP_SPREAD * jump, FROM_A_JUMP
     cost = np.inf
     for bluntness in blunt:
-        cost, vector = descend(workshop, vector, bluntness, settings.evaluations_each, SEARCH_STEP)
+        cost, vector = descend(parallel, vector, bluntness, settings.evaluations_each, SEARCH_STEP)
         if not np.isfinite(cost):
             break
     return cost, vector
 
 
 def descend(
-    workshop: Workshop, start: FloatArray, bluntness: float, evaluations: int, step: float
+    parallel: ParallelProblem, start: FloatArray, bluntness: float, evaluations: int, step: float
 ) -> tuple[float, FloatArray]:
     """Return cost and vector of the least-squares minimum next to ``start``, with observations made blunt.
 
@@ -270,27 +302,27 @@ def descend(
     """
     from scipy.optimize import least_squares
 
-    first = workshop.residuals(workshop.inside(start))
+    first = parallel.residuals(parallel.inside(start))
     if first is None:
         return np.inf, start
     weight = np.ones(first.size)
     weight[: first.size - start.size] /= bluntness
 
     def residuals(vector: FloatArray) -> FloatArray:
-        found = workshop.residuals(vector)
+        found = parallel.residuals(vector)
         return np.full(first.size, IMPOSSIBLE) if found is None else weight * found
 
     def slope(vector: FloatArray) -> FloatArray:
-        here = workshop.residuals(vector)
+        here = parallel.residuals(vector)
         if here is None:
             return np.zeros((first.size, vector.size))
-        return np.asarray(weight[:, None] * jacobian(workshop, vector, here, step, central=False))
+        return np.asarray(weight[:, None] * jacobian(parallel, vector, here, step, central=False))
 
     fit = least_squares(
         residuals,
-        workshop.inside(start),
+        parallel.inside(start),
         jac=slope,
-        bounds=(workshop.problem.low, workshop.problem.high),
+        bounds=(parallel.problem.low, parallel.problem.high),
         ftol=1e-3 if bluntness > 1.0 else 1e-5,
         xtol=1e-4,
         max_nfev=evaluations,
@@ -299,20 +331,20 @@ def descend(
 
 
 def jacobian(
-    workshop: Workshop, coordinates: FloatArray, here: FloatArray, step: float, *, central: bool
+    parallel: ParallelProblem, coordinates: FloatArray, here: FloatArray, step: float, *, central: bool
 ) -> FloatArray:
     """Return the derivative of residuals by coordinates, (m, n), by differences within the bounds.
 
     ``here`` are the residuals at ``coordinates``. Beside a wire that cannot be, no slope is known and none is claimed.
     """
-    low, high = workshop.problem.low, workshop.problem.high
+    low, high = parallel.problem.low, parallel.problem.high
     vectors = []
     for index in range(coordinates.size):
         for sign in (-1.0, 1.0) if central else (1.0 if coordinates[index] + step < high[index] else -1.0,):
             vector = coordinates.copy()
             vector[index] = min(max(vector[index] + sign * step, low[index]), high[index])
             vectors.append(vector)
-    found = workshop.several(vectors)
+    found = parallel.several(vectors)
     columns = []
     for index in range(coordinates.size):
         before, after = (found[2 * index], found[2 * index + 1]) if central else (here, found[index])

@@ -25,10 +25,10 @@ from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire
 from musclewire.signals.columns import ISOBAR_TABLE
 from musclewire.signals.recording import Recording
 
-__all__ = ["Start", "observations_of", "start_of", "told_by"]
+__all__ = ["Start", "observations_of", "start_of", "observable_parameters"]
 
 ELECTRICAL = ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
-# Parameters that a kind of observation cannot tell, by what their names contain.
+# Parameters that do not show in a kind of observation, by what their names contain.
 ELECTRICITY, HEAT, GUIDE = ("resistivity",), ("specific_heat", "latent_heat", "convection"), ("guide_friction",)
 # The highest voltage allowed lies above the highest one recorded by this factor.
 VOLTAGE_HEADROOM = 1.125
@@ -103,7 +103,7 @@ def observations_of(
             if is_isobaric(recording):
                 loops = isobars_in(recording)
                 isobars += loops
-                notes.append(f"{name}: {isobar_words(loops)}")
+                notes.append(f"{name}: {isobar_text(loops)}")
                 isobar_names.append(name)
                 continue
             refuse_tables(recording)
@@ -126,7 +126,7 @@ def is_isobaric(recording: Recording) -> bool:
     return set(ISOBAR_TABLE) <= set(recording.names) and not any(column in recording for column in ELECTRICAL)
 
 
-def isobar_words(isobars: list[Isobar]) -> str:
+def isobar_text(isobars: list[Isobar]) -> str:
     """Say what a recording of isobars was understood as."""
     stresses = ", ".join(f"{item.stress_pa / 1e6:.4g}" for item in isobars)
     low, high = (pick(pick(item.temperature_k) for item in isobars) - 273.15 for pick in (min, max))
@@ -137,7 +137,7 @@ def refuse_tables(recording: Recording) -> None:
     """Raise RecordingError for what has no clock and is no isobar."""
     if recording.is_branch_table:
         raise RecordingError(
-            "strain against resistance without a drive and a clock tells nothing of heat, stress and temperature: "
+            "strain against resistance without a drive and a clock holds nothing of heat, stress and temperature: "
             "calibrate from the recording it was taken from"
         )
 
@@ -152,8 +152,8 @@ def named_errors(name: str) -> Iterator[None]:
         raise problem from None
 
 
-def told_by(priors: PriorSet, observations: list[Observation]) -> list[str]:
-    """Return the parameters that could matter to these observations at all.
+def observable_parameters(priors: PriorSet, observations: list[Observation]) -> list[str]:
+    """Return the parameters on which these observations depend at all.
 
     Isobars know neither heat nor electricity, a cooling curve knows no electricity, and where nothing slides there is
     no friction to find.

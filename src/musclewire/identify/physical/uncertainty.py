@@ -1,4 +1,4 @@
-"""How well the observations tell each parameter, beside what was known before."""
+"""How well the observations identify each parameter, beside what was known before."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Estimate", "covariance", "estimates", "excess_variance"]
 FloatArray = NDArray[np.float64]
 
 # An interval at most half its prior's is knowledge from the data; a wider one is mostly the prior's.
-IDENTIFIABLE_SHARE = 0.5
+IDENTIFIABLE_FRACTION = 0.5
 NEAR_BOUND = 0.02
 
 
@@ -36,7 +36,7 @@ class Estimate:
     @property
     def identifiable(self) -> bool:
         """Whether the data narrowed the prior to half its width or less."""
-        return self.std <= IDENTIFIABLE_SHARE * self.prior_std
+        return self.std <= IDENTIFIABLE_FRACTION * self.prior_std
 
     @property
     def at_bound(self) -> bool:

@@ -13,9 +13,15 @@ from numpy.typing import NDArray
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.identify.physical.advice import proposed
-from musclewire.identify.physical.calibration import Calibration, Fit, calibrate, observations_of
+from musclewire.identify.physical.advice import Advice, next_experiments, proposed
+from musclewire.identify.physical.calibrate import calibrate
+from musclewire.identify.physical.calibrated_wire import save_wire
+from musclewire.identify.physical.calibration import Calibration
+from musclewire.identify.physical.figures import channel_axes
+from musclewire.identify.physical.posterior import PosteriorProblem
+from musclewire.identify.physical.report import write_report
 from musclewire.identify.physical.search import settings_of_effort
+from musclewire.identify.physical.sources import observations_of
 from musclewire.parameters.library import bench_known_with, load_alloy, load_wire
 from musclewire.signals import Recording
 
@@ -32,6 +38,12 @@ RECORDINGS = {
 def found(*names: str) -> Calibration:
     """A quick calibration from some of the recordings."""
     return calibrate({name: RECORDINGS[name] for name in names}, settings=settings_of_effort("quick"))
+
+
+@cache
+def advised(*names: str) -> tuple[Advice, ...]:
+    """What to measure after such a calibration."""
+    return next_experiments(found(*names))
 
 
 def true_number(name: str) -> float:
@@ -67,7 +79,7 @@ def test_the_wire_is_found_again_and_its_intervals_hold_it(names: tuple[str, ...
 def log_ratio(calibration: Calibration, above: str, below: str) -> tuple[float, float]:
     """The logarithm of one parameter over another, and its standard deviation (first order)."""
     items = {item.name: item for item in calibration.estimates}
-    names = calibration.fit.candidates.names
+    names = calibration.problem.candidates.names
     one, other = items[above], items[below]
     shares = one.std / one.value, other.std / other.value
     r = calibration.correlation[names.index(above), names.index(below)]
@@ -100,9 +112,9 @@ def test_a_loop_and_a_cooling_curve_together_tell_convection() -> None:
 def test_isobars_bring_what_advice_said_they_would() -> None:
     """Outside check: the advice is computed from a derivative alone, this from measuring and calibrating again."""
     before, after = found("loop"), found("loop", "isobars")
-    advice = next(item for item in before.advice if item.title.startswith("Isobars"))
-    assert len(advice.tells) >= 4
-    promised = {item.name: item for item in after.estimates if item.name in advice.tells}
+    advice = next(item for item in advised("loop") if item.title.startswith("Isobars"))
+    assert len(advice.identifies) >= 4
+    promised = {item.name: item for item in after.estimates if item.name in advice.identifies}
     kept = [item for item in promised.values() if item.identifiable]
     assert len(kept) >= 0.75 * len(promised)
     # The advice is linear, and the search ends where rounding takes it: one promise in four may go unkept, none
@@ -117,38 +129,39 @@ def test_advice_speaks_only_of_what_is_not_told_yet_and_never_of_what_was_measur
     for names in (("loop",), ("isobars",), ("loop", "isobars")):
         calibration = found(*names)
         told = {item.name for item in calibration.identifiable}
-        assert 1 <= len(calibration.advice) <= 3
-        for item in calibration.advice:
-            assert not told & set(item.tells + item.narrows)
+        advice = advised(*names)
+        assert 1 <= len(advice) <= 3
+        for item in advice:
+            assert not told & set(item.identifies + item.narrows)
             assert not ("isobars" in names and item.title.startswith("Isobars"))
-        counts = [len(item.tells) for item in calibration.advice]
+        counts = [len(item.identifies) for item in advice]
         assert counts == sorted(counts, reverse=True)
 
 
 def test_nobody_is_told_to_pull_a_wire_apart() -> None:
     """Twice 1.9 N and the spring are more than the 4.601 N of this wire; twice 1.0 N are not."""
-    gentle = replace(found("loop"), fit=fit_of(driven(TRUTH, slow_sine(), bench={"pretension_n": 1.0})))
+    gentle = replace(found("loop"), problem=problem_of(driven(TRUTH, slow_sine(), bench={"pretension_n": 1.0})))
     for calibration, offered in ((found("loop"), False), (gentle, True)):
         keys = {experiment.key for experiment in proposed(calibration)}
         assert ("twice_pretension" in keys) is offered
         assert "half_pretension" in keys
 
 
-def fit_of(recording: Recording) -> Fit:
-    return Fit(found("loop").fit.candidates, observations_of({"loop": recording})[0])
+def problem_of(recording: Recording) -> PosteriorProblem:
+    return PosteriorProblem(found("loop").problem.candidates, observations_of({"loop": recording})[0])
 
 
 @pytest.mark.slow
 def test_after_isobars_alone_a_loop_with_current_would_tell_resistivities() -> None:
-    best = found("isobars").advice[0]
+    best = advised("isobars")[0]
     assert best.title == "A slow loop with current"
-    assert {"austenite_resistivity_ohm_m", "martensite_resistivity_ohm_m", "convection_factor"} <= set(best.tells)
+    assert {"austenite_resistivity_ohm_m", "martensite_resistivity_ohm_m", "convection_factor"} <= set(best.identifies)
     assert set(found("isobars").not_searched) >= {"austenite_resistivity_ohm_m", "convection_factor"}
 
 
 def test_the_wire_file_is_the_wire_found(tmp_path: Path) -> None:
     calibration = found("loop")
-    calibration.save(tmp_path / "mine.toml")
+    save_wire(calibration, tmp_path / "mine.toml")
     wire = load_wire(str(tmp_path / "mine.toml"))
     assert wire.values() == calibration.wire.values()
     assert load_alloy(wire.alloy).values() == calibration.alloy.values()
@@ -160,11 +173,11 @@ def test_the_wire_file_is_the_wire_found(tmp_path: Path) -> None:
     assert known.pop("guide_friction_n") == calibration.values.bench["guide_friction_n"]
     assert known == {**BENCH}
     with pytest.raises(CallerError, match=r"a wire is a \.toml file"):
-        calibration.save(tmp_path / "mine.json")
+        save_wire(calibration, tmp_path / "mine.json")
 
 
 def test_a_rig_with_the_wire_found_does_the_loop_that_was_measured(tmp_path: Path) -> None:
-    found("loop").save(tmp_path / "mine.toml")
+    save_wire(found("loop"), tmp_path / "mine.toml")
     drive = RECORDINGS["loop"]["drive_voltage_v"]
     quiet = {"displacement_noise_m": 0.0, "guide_presliding_m": TRUTH.bench["guide_presliding_m"]}
     with mw.open_rig("simulated", wire=str(tmp_path / "mine.toml"), **quiet) as rig:
@@ -180,15 +193,15 @@ def test_it_prints_something_useful_and_plots(tmp_path: Path) -> None:
     assert "the fit holds" in text
     assert "martensite_temperature_k" in text
     assert "<table>" in calibration._repr_html_()
-    assert len(found("loop").plot().lines) == 2
-    calibration.report(tmp_path / "mine.html")
+    assert len(channel_axes(found("loop")).lines) == 2
+    write_report(calibration, tmp_path / "mine.html")
     page = (tmp_path / "mine.html").read_text("utf-8")
     assert page.count("<svg") > len(calibration.estimates)
-    for word in ("What to measure next", "Told by the recordings", "Mostly prior", "left over"):
+    for word in ("What to measure next", "Identifiable from the recordings", "Mostly prior", "left over"):
         assert word in page
     assert "$" not in page.replace("$x$", "")
     with pytest.raises(CallerError, match=r"a report is an \.html file"):
-        calibration.report(tmp_path / "mine.pdf")
+        write_report(calibration, tmp_path / "mine.pdf")
 
 
 @pytest.mark.slow
@@ -208,7 +221,7 @@ def test_what_the_model_cannot_follow_is_said_not_to_hold() -> None:
 def test_one_recording_may_come_bare_and_several_as_a_list() -> None:
     one = calibrate(RECORDINGS["isobars"], settings=settings_of_effort("quick"))
     same = calibrate([RECORDINGS["isobars"]], settings=settings_of_effort("quick"))
-    assert np.array_equal(one.found.coordinates, same.found.coordinates)
+    assert np.array_equal(one.search_result.coordinates, same.search_result.coordinates)
     with pytest.raises(CallerError, match="no recording"):
         calibrate([])
     assert isinstance(RECORDINGS["loop"], Recording)

@@ -10,10 +10,11 @@ from made_wires import BENCH, candidates, cooling, driven, isobars, slow_sine, t
 from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.identify.physical.calibration import calibrate
-from musclewire.identify.physical.driven import DrivenObservation, even_clock
+from musclewire.identify.physical.calibrate import calibrate
+from musclewire.identify.physical.channels import even_clock
+from musclewire.identify.physical.driven import DrivenObservation
 from musclewire.identify.physical.observations import Observation, compare
-from musclewire.identify.physical.sources import observations_of, start_of, told_by
+from musclewire.identify.physical.sources import observable_parameters, observations_of, start_of
 from musclewire.parameters.priors import load_priors
 from musclewire.signals import Recording
 
@@ -134,7 +135,7 @@ def test_under_next_to_no_load_the_other_isobars_tell_the_sign() -> None:
 
 def test_what_recordings_can_tell_follows_from_what_they_are() -> None:
     names = {
-        kind: set(told_by(load_priors(), observations_of({"a": recording})[0]))
+        kind: set(observable_parameters(load_priors(), observations_of({"a": recording})[0]))
         for kind, recording in (("loop", LOOP), ("isobars", isobars(TRUTH)), ("cooling", cooling(TRUTH)))
     }
     assert names["loop"] == set(candidates().names)

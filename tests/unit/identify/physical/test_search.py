@@ -12,9 +12,9 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.identify.physical.journal import Journal
 from musclewire.identify.physical.search import (
     EFFORTS,
-    Found,
+    ParallelProblem,
+    SearchResult,
     Settings,
-    Workshop,
     jacobian,
     search,
     settings_of_effort,
@@ -77,7 +77,7 @@ def test_bounds_are_kept() -> None:
     assert np.all(found.coordinates <= problem.high)
 
 
-def same(one: Found, other: Found) -> bool:
+def same(one: SearchResult, other: SearchResult) -> bool:
     return (
         one.coordinates.tobytes() == other.coordinates.tobytes()
         and one.jacobian.tobytes() == other.jacobian.tobytes()
@@ -130,10 +130,10 @@ def test_where_no_vector_can_be_simulated_the_search_says_so() -> None:
 def test_a_derivative_beside_a_bound_looks_inward() -> None:
     problem = Linear()
     with threads(1) as each:
-        workshop = Workshop(problem, each)
-        here = workshop.residuals(problem.high)
+        parallel = ParallelProblem(problem, each)
+        here = parallel.residuals(problem.high)
         assert here is not None
-        slope = jacobian(workshop, problem.high, here, 0.1, central=False)
+        slope = jacobian(parallel, problem.high, here, 0.1, central=False)
     assert slope[:30] == pytest.approx(Linear.matrix)
 
 

@@ -9,15 +9,14 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.driven import DrivenObservation
 from musclewire.identify.physical.isobaric import IsobaricObservation
+from musclewire.identify.physical.observations import Comparison, Observation
 from musclewire.pages import AVERAGE, HEATING, TARGET
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from musclewire.identify.physical.calibration import Calibration
-    from musclewire.identify.physical.observations import Comparison, Observation
 
 __all__ = ["channel_axes", "isobar_figure", "loop_figure", "observation_figure"]
 
@@ -27,8 +26,8 @@ MEASURED, FITTED = TARGET, HEATING
 # Isobars from the lightest load to the heaviest.
 SHADES = ("#7fb3c8", "#4a93ae", "#1f6f8b", "#15506a", "#0d374c", "#071f2d")
 WIDTH, ROW_HEIGHT = 9.6, 2.75
-# Resistance less certain than this share of its range is not drawn against strain.
-UNSEEN_SHARE = 0.12
+# Resistance less certain than this fraction of its range is not drawn against strain.
+UNSEEN_FRACTION = 0.12
 
 
 class Shown(NamedTuple):
@@ -50,10 +49,20 @@ RESIDUAL_FACTOR = {"resistance": 1e3, "strain": 100.0, "force": 1e3, "temperatur
 
 
 def channel_axes(calibration: Calibration) -> Axes:
-    """Draw the first recording's channels over residuals with pyplot; return the axes of the first channel."""
+    """Draw the channels of the first recording, measured and fitted, over their residuals, with pyplot.
+
+    Parameters
+    ----------
+    calibration
+        What was found, with the observations it was found from.
+
+    Returns
+    -------
+    The axes of the first channel.
+    """
     import matplotlib.pyplot as plt
 
-    pairs = compared(calibration, calibration.fit.observations[0])
+    pairs = compared(calibration, calibration.problem.observations[0])
     figure = plt.figure(figsize=(WIDTH, ROW_HEIGHT * len(pairs)), layout="constrained")
     return draw_channels(figure, pairs)
 
@@ -119,10 +128,10 @@ def loop_figure(calibration: Calibration, observation: Observation) -> Figure | 
         return None
     resistance, quantity = pairs["resistance"], pairs[other]
     shown = SHOWN[other]
-    # Bins without a current have no resistance; the others are told by their times.
+    # Bins without a current have no resistance; the others are matched by their times.
     times, here, there = np.intersect1d(resistance.channel.axis, quantity.channel.axis, return_indices=True)
     # With next to no current there is next to no resistance to see, only its noise.
-    unseen = resistance.channel.uncertainty > UNSEEN_SHARE * np.ptp(resistance.predicted)
+    unseen = resistance.channel.uncertainty > UNSEEN_FRACTION * np.ptp(resistance.predicted)
     figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
     axes, over_drive = figure.subplots(1, 2)
     lines = (

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from musclewire.errors import CallerError
 from musclewire.identify.physical.bench import SETTABLE
+from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.isobaric import IsobaricObservation
 from musclewire.parameters.schema import Bench, Parameter
 from musclewire.parameters.wire_file import is_wire_file, wire_file_text
-from musclewire.signals.whole_files import write_whole
-
-if TYPE_CHECKING:
-    from musclewire.identify.physical.calibration import Calibration
+from musclewire.signals.whole_files import write_text_whole
 
 __all__ = ["known_bench", "save_wire"]
 
@@ -21,43 +18,52 @@ __all__ = ["known_bench", "save_wire"]
 NOT_KEPT = ("sample_period_s",)
 
 
-def save_wire(calibration: Calibration, path: Path, name: str | None) -> None:
-    """Write the wire found, its alloy and what is known of the bench as one file, whole or not at all.
+def save_wire(calibration: Calibration, path: str | Path, name: str | None = None) -> None:
+    """Write the wire found, its alloy and what is known of the bench as one wire file, whole or not at all.
 
-    Raises CallerError for another suffix than .toml or a folder that cannot be written to.
+    Parameters
+    ----------
+    calibration
+        What was found.
+    path
+        File to write; it ends in .toml, and an existing one is replaced.
+    name
+        Name of the wire; the file's without its suffix if it is None.
+
+    Raises
+    ------
+    CallerError
+        If the path has another suffix, or its folder cannot be written to.
     """
+    path = Path(path)
     if not is_wire_file(path.name):
         raise CallerError(f"{path}: a wire is a .toml file")
     text = wire_file_text(
         name or path.stem, description(calibration), calibration.wire, calibration.alloy, known_bench(calibration)
     )
-
-    def write(part: Path) -> None:
-        part.write_text(text, "utf-8")
-
-    write_whole(path, write)
+    write_text_whole(path, text)
 
 
 def description(calibration: Calibration) -> str:
-    """Return in a sentence how a wire was found."""
-    told, all_of_them = len(calibration.identifiable), len(calibration.estimates)
+    """Return a sentence that says how a wire was found."""
+    identifiable, whole = len(calibration.identifiable), len(calibration.estimates)
     verdict = "" if calibration.holds else "; the fit does not hold: the model does not follow every channel"
     return (
-        f"Found from {', '.join(calibration.asked.sources)}, started from {calibration.asked.wire} with the priors "
-        f"{calibration.asked.priors.name}: {told} of {all_of_them} parameters told by the recordings, residuals "
-        f"{calibration.rmse:.2f} of their uncertainty{verdict}"
+        f"Found from {', '.join(calibration.inputs.sources)}, started from {calibration.inputs.wire} with the priors "
+        f"{calibration.inputs.priors.name}: {identifiable} of {whole} parameters identifiable from the recordings, "
+        f"residuals {calibration.rmse:.2f} of their uncertainty{verdict}"
     )
 
 
 def known_bench(calibration: Calibration) -> dict[str, Parameter]:
     """Return what was found of the bench, then what all recordings of a drive or of cooling say of it alike."""
-    found = {key: item for key, item in calibration.bench.items() if key in calibration.fit.candidates.names}
+    found = {key: item for key, item in calibration.bench.items() if key in calibration.problem.candidates.names}
     stated = [
         item.bench  # type: ignore[attr-defined]
-        for item in calibration.fit.observations
+        for item in calibration.problem.observations
         if not isinstance(item, IsobaricObservation)
     ]
-    source = f"stated with {', '.join(calibration.asked.sources)}, or read off force and displacement"
+    source = f"stated with {', '.join(calibration.inputs.sources)}, or read off force and displacement"
     for key in stated[0] if stated else ():
         alike = len({bench.get(key) for bench in stated}) == 1
         if alike and key in Bench.model_fields and key not in found and key not in NOT_KEPT:

@@ -1,0 +1,182 @@
+"""From recordings to the physical parameters of a wire, with uncertainty."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from musclewire.compiled import kernel_source_hash
+from musclewire.errors import CallerError, MusclewireError
+from musclewire.identify.physical.bench import checked_settings
+from musclewire.identify.physical.calibration import Calibration, CalibrationInputs
+from musclewire.identify.physical.candidates import Candidates
+from musclewire.identify.physical.journal import Journal
+from musclewire.identify.physical.posterior import PosteriorProblem
+from musclewire.identify.physical.search import OnProgress, OnStep, SearchResult, Settings, search
+from musclewire.identify.physical.sources import Start, observable_parameters, observations_of, start_of
+from musclewire.identify.physical.uncertainty import Estimate, covariance, estimates, excess_variance
+from musclewire.parameters.library import bench_known_with, load_alloy, load_wire
+from musclewire.parameters.priors import PriorSet, load_priors
+from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire
+from musclewire.signals.recording import Recording
+
+__all__ = ["calibrate"]
+
+Group = TypeVar("Group", Alloy, Wire, Bench)
+
+
+def calibrate(
+    recordings: Mapping[str, Recording] | Recording | Sequence[Recording],
+    *,
+    wire: str = "paper-100um",
+    priors: str | PriorSet = "niti-wire",
+    bench: Mapping[str, float | str] | None = None,
+    settings: Settings | None = None,
+    journal_path: Path | None = None,
+    on_progress: OnProgress | None = None,
+    on_step: OnStep | None = None,
+) -> Calibration:
+    """Find the physical parameters of a wire from recordings of it, with uncertainty.
+
+    Parameters
+    ----------
+    recordings
+        One or more, of any mix, by name or without: driven by a voltage from cold (loops, steps), isobars
+        (wire_temperature_k, reference_strain, stress_pa), or cooling without voltages (time_s with wire_temperature_k,
+        strain or force).
+    wire
+        The wire to start from, by name or wire file; it states what is not searched for: diameter, density, limits.
+    priors
+        What is known before, by name, TOML file or loaded; by default bounds and priors from the literature.
+    bench
+        Numbers of the bench that the recordings do not state, by name, in SI or as text with a unit; also diameter_m
+        and start_temperature_k. None if the recordings state all.
+    settings
+        Seed and effort of the search; None for the settings of a wire with some thirty unknowns.
+    journal_path
+        File from which an interrupted search goes on; removed when the search is done. None keeps nothing.
+    on_progress
+        Called after each descent with stage, number, total and the best cost so far.
+    on_step
+        Called several times a second; what it raises ends the search.
+
+    Returns
+    -------
+    Every parameter with its uncertainty, and how well the observations are met.
+
+    Raises
+    ------
+    RecordingError
+        If a recording cannot constrain anything.
+    CallerError
+        For unknown names, a bench that is not known, or a journal of another search.
+    NumericsError
+        If no candidate can be simulated.
+    """
+    started = time.monotonic()
+    chosen = settings or Settings()
+    named = named_recordings(recordings)
+    given = {key: item.value for key, item in bench_known_with(wire).items()} | checked_settings(bench or {})
+    start, notes = start_of(named, wire, given)
+    observations, more_notes = observations_of(named, given | {"diameter_m": start.wire.diameter_m.value})
+    prior_set = priors if isinstance(priors, PriorSet) else load_priors(priors)
+    problem = PosteriorProblem(
+        Candidates(prior_set, *start, only=observable_parameters(prior_set, observations)), observations
+    )
+    journal = None
+    if journal_path is not None:
+        journal = Journal(journal_path, fingerprint(named, prior_set, chosen, wire, given))
+    try:
+        result = search(problem, chosen, journal=journal, on_progress=on_progress, on_step=on_step)
+    except MusclewireError:
+        if journal is not None:
+            journal.remove()  # there is nothing to go on with
+        raise
+    inputs = CalibrationInputs(tuple(named), wire, prior_set, chosen, (*notes, *more_notes))
+    calibration = calibration_of(problem, result, start, inputs, started)
+    if journal is not None:
+        journal.remove()
+    return calibration
+
+
+def calibration_of(
+    problem: PosteriorProblem, result: SearchResult, start: Start, inputs: CalibrationInputs, started: float
+) -> Calibration:
+    """Return the calibration that follows from where a search ended."""
+    unknowns = len(problem.candidates)
+    observed, derivative = result.residuals[:-unknowns], result.jacobian[:-unknowns]
+    excess = excess_variance(observed, unknowns)
+    spread = covariance(derivative, excess)
+    deviation = np.sqrt(np.diag(spread))
+    items = tuple(estimates(problem.candidates, result.coordinates, deviation))
+    source = f"fitted by musclewire calibrate to {', '.join(inputs.sources)}"
+    return Calibration(
+        alloy=with_estimates(start.alloy, items, source),
+        wire=with_estimates(start.wire, items, source),
+        bench=with_estimates(start.bench, items, source),
+        estimates=items,
+        correlation=np.asarray(spread / np.outer(deviation, deviation)),
+        problem=problem.refined(),
+        search_result=result,
+        excess_variance=excess,
+        wall_s=time.monotonic() - started,
+        inputs=inputs,
+    )
+
+
+def with_estimates(group: Group, items: Sequence[Estimate], source: str) -> Group:
+    """Return an alloy, wire or bench with what was found of it; what the data do not identify is marked assumed."""
+    kind = type(group).__name__.lower()
+    changed = {}
+    for item in items:
+        if item.group != kind:
+            continue
+        changed[item.name] = Parameter(
+            value=item.value,
+            unit=item.unit,
+            kind="fitted" if item.identifiable else "assumed",
+            source=source if item.identifiable else "prior; the recordings do not tell it",
+            note=f"95 % interval {item.interval[0]:.4g} to {item.interval[1]:.4g}",
+        )
+    return group.model_copy(update=changed)
+
+
+def named_recordings(recordings: Mapping[str, Recording] | Recording | Sequence[Recording]) -> dict[str, Recording]:
+    """Return recordings by name. Raises CallerError where there is none."""
+    if isinstance(recordings, Recording):
+        return {"recording": recordings}
+    if isinstance(recordings, Mapping):
+        found = dict(recordings)
+    else:
+        found = {f"recording {number}": item for number, item in enumerate(recordings, 1)}
+    if not found:
+        raise CallerError("there is no recording to calibrate from")
+    return found
+
+
+def fingerprint(
+    recordings: Mapping[str, Recording],
+    priors: PriorSet,
+    settings: Settings,
+    wire: str,
+    bench: Mapping[str, float],
+) -> str:
+    """Return a short hash of all that decides how a search runs, the simulator included."""
+    digest = hashlib.sha256(kernel_source_hash().encode())
+    for name, recording in recordings.items():
+        digest.update(name.encode())
+        digest.update(repr(sorted(recording.metadata.items())).encode())
+        for column, values in recording.columns.items():
+            digest.update(column.encode())
+            digest.update(values.tobytes())
+    settled = replace(settings, threads=None)
+    start = load_wire(wire)
+    around = (start.model_dump(), load_alloy(start.alloy).model_dump())
+    digest.update(repr((priors.model_dump(), settled, around, sorted(bench.items()))).encode())
+    return digest.hexdigest()[:16]
