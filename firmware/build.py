@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from musclewire.controllers import DriveLimits, FuzzyPidSettings
+from musclewire.controllers import DriveLimits
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
-from musclewire.experiment.closed_loop import RANGE_AS_PERCENT_STRAIN
+from musclewire.experiment.closed_loop import settings_for
 from musclewire.export.c import write_library
 from musclewire.parameters.validation import validated
 from musclewire.rigs.mounted import MountedWire
@@ -127,13 +127,6 @@ def board_constants(board: str, description: dict[str, Any], model: SensingModel
     start = f"/* Written by firmware/build.py from boards/{board}/board.toml, the model and the wire file. */\n"
     guard = "MW_BOARD_CONSTANTS_H"
     return f"{start}#ifndef {guard}\n#define {guard}\n\n" + "\n".join(lines) + "\n\n#endif\n"
-
-
-def settings_for(model: SensingModel) -> FuzzyPidSettings:
-    """Return the controller's settings as `musclewire control` chooses them for a model's quantity."""
-    if model.quantity == "strain":
-        return FuzzyPidSettings()
-    return FuzzyPidSettings(error_unit=(model.quantity_max - model.quantity_min) / RANGE_AS_PERCENT_STRAIN)
 
 
 def write_sources(board: str, model_file: Path, wire_file: Path, folder: Path) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from musclewire.controllers.protection import ProtectionLimits, ProtectionTable, protection_table
+from musclewire.controllers.protection import ProtectionLimits, ProtectionTable, Signal, State, protection_table
+from musclewire.controllers.protection.table import Drive
 from musclewire.rigs.configuration import open_rig
 
 HEAD = """# What keeps the wire safe
@@ -10,27 +11,18 @@ HEAD = """# What keeps the wire safe
 Written by `python docs/images/draw.py physics` from the table the code runs by; a test holds this page to it. Do not
 edit it by hand. `musclewire protection` prints the same table, `musclewire protection RIG` also the limits of a rig.
 
-One table of states, events and actions stands below every rig: simulated, replayed, on a card, on a board. A script
+One table of states, signals and events stands below every rig: simulated, replayed, on a card, on a board. A script
 reaches the wire only through `rig.exchange(...)`, and `exchange` asks the table before a voltage goes out and after a
 sample has come back. The C library of `musclewire export c` and the firmware carry the same table, made from the same
 file, and follow it when the host is gone. What the table cannot do stands at the end of this page.
 """
 
-DIAGRAM = """```mermaid
-stateDiagram-v2
-    [*] --> off
-    off --> sense: open or ARM
-    sense --> run: first command
-    run --> hold: a reading or command is missing
-    hold --> run: it is back
-    hold --> sense: after {sense} s
-    sense --> run: it is back
-    sense --> tripped: after {trip} s
-    run --> tripped: any event that trips
-    hold --> tripped: any event that trips
-    run --> off: close, OFF
-    tripped --> off: close; only opening or arming again leaves it
-```"""
+TRANSITIONS_HEAD = """## Transitions
+
+Everything that happens to the protection is one of {signals} signals. The table gives for each state and signal the
+state that follows and the effect on the way; `-` means that nothing happens. Host, C library and firmware look every
+transition up here; no other line of code changes the state.
+"""
 
 RULES = """- **Latched.** After a trip the drive stays off whatever is asked; the first cause stays, too. The rig
   must be opened again, a board armed again.
@@ -40,8 +32,19 @@ RULES = """- **Latched.** After a trip the drive stays off whatever is asked; th
   falls to the sense voltage after {sense} s and goes off after {trip} s. Nothing that a script commands is followed
   meanwhile.
 - **Averaged.** A reading is judged as a mean over at least {reading} ms: one noisy sample of a fast rig is no event.
-- **Told.** A trip raises `ProtectionTripError`, a `RigError` with the event in `.event`; a command ends with exit code
-  3, and the recording says the cause in `ended`.
+- **Reported.** A trip raises `ProtectionTripError`, a `RigError` with the event in `.event`; a command ends with exit
+  code 3, and the recording says the cause in `ended`.
+"""
+
+EVENTS_HEAD = """## Events
+
+What is watched. An event that trips is the signal `fault`, once it has lasted for its time; an event that degrades is
+the signal `missing`, `missing_long` or `missing_too_long`, by how long it has been seen.
+"""
+
+RESERVED_HEAD = """\
+Reserved: nothing uses these any more, and nothing else will. A program written for them still compiles, and a
+board with firmware 1.0 is understood: its state 3 is `armed` or what is now `degraded`.
 """
 
 LIMITS_HEAD = """## Limits
@@ -70,9 +73,11 @@ def page() -> str:
     times = {"sense": f"{table.sense_after_s:g}", "trip": f"{table.trip_after_s:g}"}
     parts = [
         HEAD,
-        f"## States\n\n{states(table)}\n\n{DIAGRAM.format(**times)}\n\n"
+        f"## States\n\n{states(table)}\n\n{diagram(table)}\n\n"
         f"{RULES.format(**times, reading=f'{1e3 * table.reading_period_s:g}')}",
-        f"## Events\n\n{events(table)}\n",
+        f"{TRANSITIONS_HEAD.format(signals=len(table.signal))}\n{transitions(table)}\n\n"
+        f"{signals(table)}\n\n{effects(table)}\n",
+        f"{EVENTS_HEAD}\n{events(table)}\n\n{RESERVED_HEAD}\n{reserved(table)}\n",
         f"{LIMITS_HEAD}\n{limits()}\n",
         LAST,
     ]
@@ -83,6 +88,62 @@ def states(table: ProtectionTable) -> str:
     """Return the states as a table."""
     rows = [f"| {row.number} | `{row.name}` | {row.output} | {row.meaning} |" for row in table.state]
     return "\n".join(["| No. | State | Output | Meaning |", "|---|---|---|---|", *rows])
+
+
+def diagram(table: ProtectionTable) -> str:
+    """Return the transitions as a diagram: one arrow for what leads from every driven state to the same one.
+
+    What leads from every state to the same one (``arm``) is drawn only from the states that drive nothing.
+    """
+    driven = [state for state in State if table.drives[state] is not Drive.NONE]
+    edges: dict[tuple[str, str], list[str]] = {}
+    inner: dict[tuple[str, str], list[str]] = {}
+    for signal in Signal:
+        follow = {state: table.transitions[state][signal].state for state in State}
+        reached = {follow[state] for state in driven}
+        shared = len(reached) == 1 and not reached & set(driven)
+        if shared:
+            edges.setdefault(("driven", follow[driven[0]].name.lower()), []).append(signal.name.lower())
+        everywhere = len(set(follow.values())) == 1
+        for state in State:
+            if follow[state] is state or (state in driven and (shared or everywhere)):
+                continue
+            group = inner if state in driven else edges
+            group.setdefault((state.name.lower(), follow[state].name.lower()), []).append(signal.name.lower())
+    lines = ["```mermaid", "stateDiagram-v2", "    [*] --> off", '    state "a drive is out" as driven {']
+    lines += [f"        {start} --> {end}: {', '.join(names)}" for (start, end), names in inner.items()]
+    lines += ["    }"]
+    lines += [f"    {start} --> {end}: {', '.join(names)}" for (start, end), names in edges.items()]
+    return "\n".join([*lines, "```"])
+
+
+def transitions(table: ProtectionTable) -> str:
+    """Return what each signal does in each state as a table."""
+    names = list(table.signal[0].then)
+    lines = [f"| Signal | {' | '.join(f'in `{name}`' for name in names)} |", "|---|" + "---|" * len(names)]
+    for row in table.signal:
+        cells = (row.then[name] for name in names)
+        shown = ("-" if then.effect == "nothing" else f"`{then.to}`: {then.effect}" for then in cells)
+        lines.append(f"| `{row.name}` | {' | '.join(shown)} |")
+    return "\n".join(lines)
+
+
+def signals(table: ProtectionTable) -> str:
+    """Return when each signal comes as a table."""
+    rows = [f"| `{row.name}` | {row.when} |" for row in table.signal]
+    return "\n".join(["| Signal | When |", "|---|---|", *rows])
+
+
+def effects(table: ProtectionTable) -> str:
+    """Return what each effect is as a table."""
+    rows = [f"| {row.name} | {row.meaning} |" for row in table.effect if row.name != "nothing"]
+    return "\n".join(["| Effect | What it does |", "|---|---|", *rows])
+
+
+def reserved(table: ProtectionTable) -> str:
+    """Return the names and numbers that are not used any more as a table."""
+    rows = [f"| {row.kind} | {row.number} | `{row.name}` | {row.why} |" for row in table.reserved]
+    return "\n".join(["| What | No. | Name | Why |", "|---|---|---|---|", *rows])
 
 
 def events(table: ProtectionTable) -> str:

@@ -29,9 +29,7 @@ static uint8_t event_at_reset(uint8_t cause)
     if (board_retained.magic != RETAINED_MAGIC || board_retained.check != retained_check()) {
         return MW_EVENT_NONE; /* the memory lost its content with the power */
     }
-    const uint8_t state = board_retained.state;
-    const bool ran = state == MW_STATE_RUN || state == MW_STATE_HOLD || state == MW_STATE_SENSE;
-    return ran ? MW_EVENT_POWER_LOST : board_retained.event;
+    return mw_state_drives(board_retained.state) ? MW_EVENT_POWER_LOST : board_retained.event;
 }
 
 static void send(mw_application *application, mw_message *message)

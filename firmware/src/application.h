@@ -9,7 +9,7 @@
 #include "standalone.h"
 
 #define MW_FIRMWARE_MAJOR 1u
-#define MW_FIRMWARE_MINOR 0u
+#define MW_FIRMWARE_MINOR 1u
 /* So many broken frames within this time are a storm. */
 #define MW_STORM_FRAMES 16u
 #define MW_STORM_S 0.2f

@@ -4,10 +4,9 @@
 
 #include "board_constants.h"
 
-void mw_loop_start(mw_control_loop *loop)
+/* Nothing has been commanded yet, and a host is in charge. */
+static void forget_commands(mw_control_loop *loop)
 {
-    mw_start(&loop->core);
-    mw_protect_off(&loop->core.protection);
     loop->command_v = 0.0f;
     loop->target = NAN;
     loop->closed_loop = false;
@@ -16,24 +15,24 @@ void mw_loop_start(mw_control_loop *loop)
     loop->command_age_s = loop->reading_age_s = 0.0f;
 }
 
+void mw_loop_start(mw_control_loop *loop)
+{
+    forget_commands(loop);
+    mw_start(&loop->core);
+    mw_protect_off(&loop->core.protection);
+}
+
 void mw_loop_arm(mw_control_loop *loop)
 {
-    mw_protection *protection = &loop->core.protection;
-    const mw_real above_k = protection->above_ambient_k;
-    mw_loop_start(loop);
-    mw_protect_arm(protection);
+    forget_commands(loop);
     /* A wire that has just been switched off for its heat is not cold because someone arms again. */
-    protection->above_ambient_k = above_k > 0 ? above_k : 0;
+    mw_start_again(&loop->core);
     loop->command_v = (float)MW_SENSE_VOLTAGE_V;
 }
 
 void mw_loop_off(mw_control_loop *loop)
 {
-    mw_protection *protection = &loop->core.protection;
-    if (protection->state != MW_STATE_TRIPPED) {
-        protection->event = MW_EVENT_STOPPED;
-    }
-    mw_protect_off(protection);
+    mw_protect_stop(&loop->core.protection);
 }
 
 void mw_loop_trip(mw_control_loop *loop, uint8_t event)
@@ -42,13 +41,6 @@ void mw_loop_trip(mw_control_loop *loop, uint8_t event)
     if (mw_loop_armed(loop)) {
         mw_protect_trip(&loop->core.protection, event);
     }
-}
-
-/* With 0 V out the wire loses heat as the protection has it: m c dT/dt = -G (T - T_ambient), backward Euler. */
-static void cool(mw_control_loop *loop, float passed_s)
-{
-    const mw_real rate = MW_HEAT_LOSS_W_PER_K / MW_HEAT_CAPACITY_J_PER_K * (mw_real)passed_s;
-    loop->core.protection.above_ambient_k /= 1 + rate;
 }
 
 /* The on-board loop begins anew from what is out, with no reading of before. */
@@ -61,18 +53,13 @@ static void take_over(mw_control_loop *loop)
 
 bool mw_loop_armed(const mw_control_loop *loop)
 {
-    const uint8_t state = loop->core.protection.state;
-    return state == MW_STATE_RUN || state == MW_STATE_HOLD || state == MW_STATE_SENSE;
+    return mw_state_drives(loop->core.protection.state);
 }
 
 void mw_loop_renew(mw_control_loop *loop)
 {
-    mw_protection *protection = &loop->core.protection;
     loop->command_age_s = 0.0f;
-    if (mw_loop_armed(loop) && protection->event == MW_EVENT_COMMAND_MISSING) {
-        protection->state = MW_STATE_RUN;
-        protection->event = MW_EVENT_NONE;
-        protection->missing_us = 0;
+    if (mw_protect_recover(&loop->core.protection, MW_EVENT_COMMAND_MISSING)) {
         take_over(loop);
     }
 }
@@ -111,8 +98,7 @@ static void follow(mw_control_loop *loop, uint8_t ticks)
         mw_protect_command(protection, (mw_real)loop->command_v);
         return;
     }
-    const bool follows =
-        protection->state == MW_STATE_RUN || (protection->state == MW_STATE_SENSE && protection->event == MW_EVENT_NONE);
+    const bool follows = mw_protect_follows(protection);
     if (!follows) {
         take_over(loop); /* what the loop last asked for is not what is out, and what was read is no reading */
     }
@@ -146,7 +132,7 @@ void mw_loop_reading(mw_control_loop *loop, const mw_board_reading *reading)
 {
     const float passed_s = (float)reading->ticks * MW_TICK_S;
     if (!mw_loop_armed(loop)) {
-        cool(loop, passed_s);
+        mw_protect_cool(&loop->core.protection, (mw_real)passed_s);
         return;
     }
     /* Ticks without a reading have been counted when they passed. */

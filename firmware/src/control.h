@@ -27,7 +27,7 @@ typedef struct {
 } mw_control_loop;
 
 void mw_loop_start(mw_control_loop *loop); /* state off, 0 V */
-/* State sense; a trip is forgotten, a host is in charge. How warm the wire is by its power is not forgotten. */
+/* State armed; a trip is forgotten, a host is in charge. How warm the wire is by its power is not forgotten. */
 void mw_loop_arm(mw_control_loop *loop);
 void mw_loop_off(mw_control_loop *loop);
 void mw_loop_trip(mw_control_loop *loop, uint8_t event);

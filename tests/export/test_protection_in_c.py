@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,15 +15,20 @@ from export_parts import Exported
 from musclewire.controllers.protection import (
     Event,
     ProtectionState,
+    Signal,
     State,
     allowed_drive_v,
     armed,
+    closed,
     protect_command,
     protect_missing,
     protect_reading,
     protection_table,
+    rested,
     tripped_by,
 )
+from musclewire.controllers.protection.protect import after
+from musclewire.controllers.protection.table import Effect
 from musclewire.export.c.constants import ACTIONS
 from musclewire.export.c.host import HostLibrary
 
@@ -107,7 +113,84 @@ def other_things(
     if what < 0.782:
         library.trip(Event.LINK_CORRUPTED)
         return tripped_by(python, Event.LINK_CORRUPTED)
+    if what < 0.8:
+        library.rest()
+        return rested(python, limits)
     return python
+
+
+@pytest.mark.parametrize("double", [True, False], ids=["double", "single"])
+@pytest.mark.parametrize("seed", range(3))
+def test_host_and_c_follow_the_same_random_signals_through_every_pair_of_the_table(
+    exported: Callable[[str], Exported], loaded: Loaded, seed: int, double: bool
+) -> None:
+    limits, table = exported("fixed").limits, protection_table()
+    library, random = loaded("fixed", double), np.random.default_rng(seed)
+    both = Both(library, limits, random, start(library, limits))
+    seen = set()
+    # How often each comes: a latched state is left only by arming, and a long silence ends there.
+    often = {"arm": 4, "command": 6, "present": 6, "missing": 8, "missing_long": 4, "rest": 3}
+    weights = np.array([often.get(signal.name.lower(), 1) for signal in Signal], float)
+    for _ in range(6000):
+        signal = Signal(random.choice(len(Signal), p=weights / weights.sum()))
+        before = both.python.state
+        assert library.follows() is (table.transitions[before][Signal.COMMAND].effect is Effect.FOLLOW)
+        getattr(both, signal.name.lower())()
+        assert both.python.state is table.transitions[before][signal].state
+        agree(library, both.python, limits)
+        seen.add((before, signal))
+    assert len(seen) == len(State) * len(Signal)
+
+
+@dataclass
+class Both:
+    """The C library and Python's state beside it: every signal goes to both."""
+
+    library: HostLibrary
+    limits: Any
+    random: np.random.Generator
+    python: ProtectionState
+
+    def arm(self) -> None:
+        self.python = start(self.library, self.limits)
+
+    def command(self) -> None:
+        drive_v = float(np.float32(self.random.uniform(0.0, self.limits.maximum_voltage_v)))
+        self.library.command(drive_v)
+        self.python = protect_command(self.python, self.limits, drive_v)
+
+    def present(self) -> None:
+        """Say that what was missing is back."""
+        assert self.library.recover(self.python.event) is (self.python.state in (State.HOLD, State.DEGRADED))
+        self.python = after(self.python, Signal.PRESENT, protection_table())
+
+    def missing(self, from_s: float = 0.0, to_s: float = 0.099) -> None:
+        event = Event(self.random.choice([Event.COMMAND_MISSING, Event.SAMPLE_LATE]))
+        missing_s = self.random.uniform(from_s, to_s)
+        self.library.missing(event, missing_s)
+        self.python = protect_missing(self.python, event, missing_s)
+
+    def missing_long(self) -> None:
+        self.missing(0.101, 0.249)
+
+    def missing_too_long(self) -> None:
+        self.missing(0.251, 1.0)
+
+    def fault(self) -> None:
+        if self.random.random() < 0.5:
+            self.library.command(math.nan)
+            self.python = protect_command(self.python, self.limits, math.nan)
+        else:
+            self.library.trip(Event.LINK_CORRUPTED)
+            self.python = tripped_by(self.python, Event.LINK_CORRUPTED)
+
+    def rest(self) -> None:
+        self.library.rest()
+        self.python = rested(self.python, self.limits)
+
+    def close(self) -> None:
+        self.library.off()
+        self.python = closed(self.python)
 
 
 def agree(library: HostLibrary, python: ProtectionState, limits: Any) -> None:
@@ -123,7 +206,7 @@ def test_an_event_seen_outside_does_what_the_table_says(loaded: Loaded, event: E
     library.start()
     library.command(1.0)
     library.event(event, 0.15)
-    expected = {"trip": State.TRIPPED, "degrade": State.SENSE, "report": State.RUN}
+    expected = {"trip": State.TRIPPED, "degrade": State.DEGRADED}
     assert State(library.protection()[0]) is expected[protection_table().row(event).action]
 
 
@@ -138,7 +221,7 @@ def test_a_silence_is_held_then_sensed_then_off_at_the_table_s_times_by_ticks_of
     for tick in range(1, 300):
         library.missing(Event.COMMAND_MISSING, tick * 1e-3)
         states.append(State(library.protection()[0]))
-    assert states.index(State.SENSE) + 1 == round(table.sense_after_s * 1e3)
+    assert states.index(State.DEGRADED) + 1 == round(table.sense_after_s * 1e3)
     assert states.index(State.TRIPPED) + 1 == round(table.trip_after_s * 1e3)
 
 
@@ -150,20 +233,28 @@ def test_what_is_off_stays_off_until_it_is_started_again(loaded: Loaded) -> None
     library.reading(1.0, 0.9, 0.1, 0.05)
     assert library.protection()[:3] == (State.OFF, Event.NONE, 0.0)
     library.start()
-    assert State(library.protection()[0]) is State.SENSE
+    assert State(library.protection()[0]) is State.ARMED
 
 
 def test_the_table_in_the_header_is_python_s(exported: Callable[[str], Exported]) -> None:
     header = (exported("fixed").library.folder / "src/mw_constants.h").read_text("utf-8")
     defined = dict(re.findall(r"#define MW_(\w+) \(?(-?\d+)\)?(?: /\*.*)?$", header, re.M))
-    for kind, items in (("STATE", State), ("EVENT", Event)):
-        assert {item.name: str(item.value) for item in items} == {
-            name.removeprefix(f"{kind}_"): number for name, number in defined.items() if name.startswith(f"{kind}_")
-        }
     table = protection_table()
+    reserved = {f"{row.kind.upper()}_{row.name.upper()}": row.number for row in table.reserved}
+    for kind, items in (("STATE", State), ("EVENT", Event), ("SIGNAL", Signal), ("EFFECT", Effect)):
+        named = {f"{kind}_{item.name}": item.value for item in items}
+        named |= {name: number for name, number in reserved.items() if name.startswith(f"{kind}_")}
+        found = {name: int(number) for name, number in defined.items() if name.startswith(f"{kind}_")}
+        found.pop("EFFECT_WEIGHT", None)
+        assert found == named
+    weight = int(defined["EFFECT_WEIGHT"])
+    pairs = [then for row in table.transitions for then in row]
+    assert [divmod(number, weight) for number in array(header, "TRANSITIONS")] == [(e, s) for s, e in pairs]
+    assert array(header, "OUT") == list(table.drives)
     assert defined["SENSE_AFTER_US"] == str(round(1e6 * table.sense_after_s))
     assert defined["TRIP_AFTER_US"] == str(round(1e6 * table.trip_after_s))
-    actions = [0, *(ACTIONS[table.row(event).action] for event in Event if event is not Event.NONE)]
+    rows = {row.number: row for row in table.event}
+    actions = [ACTIONS[rows[number].action] if number in rows else 0 for number in range(max(Event) + 1)]
     assert array(header, "ACTIONS") == actions
     lasting = [Event(number) for number in array(header, "LASTING_EVENTS")]
     assert array(header, "LASTING_US") == [round(1e6 * table.row(event).lasts_s) for event in lasting]

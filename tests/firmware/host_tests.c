@@ -213,6 +213,7 @@ static void arming_puts_out_the_sense_voltage_and_a_drive_takes_effect_at_once(v
     fresh(MW_RESET_POWER_ON);
     say(MW_ARM, "", 0);
     MUST(acknowledged() == MW_DONE && output_v == (float)MW_SENSE_VOLTAGE_V);
+    MUST(mw_loop_state(&app.loop) == MW_STATE_ARMED);
     drive(1.5f);
     MUST(acknowledged() == MW_DONE && output_v == 1.5f);
     say(MW_OFF, "", 0);
@@ -258,7 +259,7 @@ static void silence_of_the_host_is_held_then_sensed_then_off(void)
     live(ticks_of(0.09f));
     MUST(output_v == 2.0f && mw_loop_state(&app.loop) == MW_STATE_HOLD);
     live(ticks_of(0.02f));
-    MUST(output_v == (float)MW_SENSE_VOLTAGE_V && mw_loop_state(&app.loop) == MW_STATE_SENSE);
+    MUST(output_v == (float)MW_SENSE_VOLTAGE_V && mw_loop_state(&app.loop) == MW_STATE_DEGRADED);
     live(ticks_of(0.15f));
     MUST(output_v == 0.0f && mw_loop_state(&app.loop) == MW_STATE_TRIPPED);
     MUST(mw_loop_event(&app.loop) == MW_EVENT_COMMAND_MISSING);

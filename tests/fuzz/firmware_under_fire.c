@@ -119,13 +119,13 @@ float board_knob(void)
 static void judge(void)
 {
     const uint8_t state = mw_loop_state(&application.loop);
-    if (state > MW_STATE_TRIPPED || mw_loop_event(&application.loop) > 23u) {
+    if (state >= MW_STATES || mw_loop_event(&application.loop) >= MW_EVENTS) {
         fail("a state or event that is not in the table");
     }
     if ((state == MW_STATE_OFF || state == MW_STATE_TRIPPED) && output_v != 0.0f) {
         fail("voltage while off");
     }
-    if (state == MW_STATE_SENSE && output_v != (float)MW_SENSE_VOLTAGE_V) {
+    if ((state == MW_STATE_ARMED || state == MW_STATE_DEGRADED) && output_v != (float)MW_SENSE_VOLTAGE_V) {
         fail("another voltage than the sense voltage while sensing");
     }
     if (ticks_since_command > EXPIRED_TICKS && output_v != 0.0f) {

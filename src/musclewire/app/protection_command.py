@@ -54,8 +54,8 @@ def limits_of_rig(rig: str) -> ProtectionLimits:
 def document(table: ProtectionTable, limits: ProtectionLimits | None) -> dict[str, Any]:
     """Return the table, and the limits where there are some, as one JSON document."""
     answer: dict[str, Any] = table.model_dump(mode="json")
-    answer = {**{key: answer[key] for key in answer if key not in ("state", "event")},
-              "states": answer["state"], "events": answer["event"]}  # fmt: skip
+    plural = {"state": "states", "effect": "effects", "signal": "signals", "event": "events"}
+    answer = {plural.get(key, key): value for key, value in answer.items()}
     if limits is not None:
         finite = {name: value for name, value in limits._asdict().items() if value < float("inf")}
         answer["limits"] = {**finite, "readings_noisy": bool(limits.readings_noisy)}
@@ -63,9 +63,18 @@ def document(table: ProtectionTable, limits: ProtectionLimits | None) -> dict[st
 
 
 def table_text(table: ProtectionTable) -> str:
-    """Return states and events for a terminal."""
+    """Return states, transitions and events for a terminal."""
+    names = list(table.signal[0].then)
     lines = ["States"]
     lines += [f"  {row.name:8} {row.output}: {row.meaning}" for row in table.state]
+    lines += ["", f"{'Signals, and the state that follows':36}" + "".join(f"{f'in {name}':13}" for name in names)]
+    for signal in table.signal:
+        follow = (signal.then[name] for name in names)
+        lines.append(
+            (
+                f"  {signal.name:34}" + "".join(f"{'-' if one.effect == 'nothing' else one.to:13}" for one in follow)
+            ).rstrip()
+        )
     lines += [
         "",
         f"What is missing: hold at once, sense voltage after {table.sense_after_s:g} s, off after "

@@ -21,7 +21,7 @@ from musclewire.controllers.protection import (
     protection_table,
     tripped_by,
 )
-from musclewire.controllers.protection.protect import LASTING
+from musclewire.controllers.protection.protect import CONDITION_EVENTS
 from musclewire.errors import CallerError
 
 LIMITS = ProtectionLimits(
@@ -166,7 +166,7 @@ def test_what_is_missing_is_held_then_sensed_then_off_and_held_again_when_it_was
         seen.append(state.state)
     table = protection_table()
     assert seen[0] is State.HOLD
-    assert seen.index(State.SENSE) == round(table.sense_after_s / 0.01) - 1
+    assert seen.index(State.DEGRADED) == round(table.sense_after_s / 0.01) - 1
     assert seen.index(State.TRIPPED) == round(table.trip_after_s / 0.01) - 1
     back = protect_reading(protect_reading(run(), LIMITS, 2.0, 2.0, 0.0, 0.05), LIMITS, 2.0, *reading(16.0), 0.05)
     assert back.state is State.RUN
@@ -185,7 +185,7 @@ def test_while_something_is_missing_commands_are_not_followed() -> None:
     asked = protect_command(held, LIMITS, 3.0)
     assert allowed_drive_v(asked, LIMITS) == 2.0
     sensing = protect_reading(held, LIMITS, 2.0, 2.0, 0.0, 0.05)
-    assert sensing.state is State.SENSE
+    assert sensing.state is State.DEGRADED
     assert allowed_drive_v(protect_command(sensing, LIMITS, 3.0), LIMITS) == LIMITS.sense_voltage_v
 
 
@@ -249,7 +249,7 @@ def test_no_healthy_wire_is_ever_switched_off(ohm: float, drive_v: float, seed: 
 def test_the_table_says_everything_the_functions_do() -> None:
     table = protection_table()
     assert {row.number for row in table.event} == {event.value for event in Event} - {0}
-    assert all(table.row(event).action == "trip" for event in LASTING)
+    assert all(table.row(event).action == "trip" for event in CONDITION_EVENTS)
     assert all(row.lasts_s + max(PERIODS_S) < SAFE_WITHIN_S for row in table.event)
     assert table.trip_after_s + max(PERIODS_S) < SAFE_WITHIN_S
     assert all(row.cause and row.remedy and row.when for row in table.event)

@@ -1,4 +1,4 @@
-"""What keeps a heated wire safe: one table of states, events and actions, and the functions that follow it."""
+"""What keeps a heated wire safe: one table of states, signals and events, and the functions that follow it."""
 
 from musclewire.controllers.protection.limits import ProtectionLimits
 from musclewire.controllers.protection.protect import (
@@ -7,23 +7,26 @@ from musclewire.controllers.protection.protect import (
     armed,
     closed,
     protect_command,
+    protect_event,
     protect_missing,
     protect_reading,
     rested,
     tripped_by,
 )
-from musclewire.controllers.protection.table import Event, ProtectionTable, State, protection_table
+from musclewire.controllers.protection.table import Event, ProtectionTable, Signal, State, protection_table
 
 __all__ = [
     "Event",
     "ProtectionLimits",
     "ProtectionState",
     "ProtectionTable",
+    "Signal",
     "State",
     "allowed_drive_v",
     "armed",
     "closed",
     "protect_command",
+    "protect_event",
     "protect_missing",
     "protect_reading",
     "protection_table",

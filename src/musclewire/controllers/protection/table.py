@@ -1,18 +1,32 @@
-"""The protection table as data: states, events, how long each must last, what happens then."""
+"""The protection table as data: states, signals, what each signal does in each state; events and how long they last."""
 
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Sequence
 from enum import IntEnum
 from functools import cached_property, lru_cache
 from importlib.resources import files
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-__all__ = ["Action", "Event", "EventRow", "ProtectionTable", "State", "StateRow", "protection_table"]
+__all__ = [
+    "Action",
+    "Drive",
+    "Effect",
+    "Event",
+    "EventRow",
+    "ProtectionTable",
+    "ReservedRow",
+    "Signal",
+    "State",
+    "StateRow",
+    "Transition",
+    "protection_table",
+]
 
-Action = Literal["trip", "degrade", "report"]
+Action = Literal["trip", "degrade"]
 
 
 class State(IntEnum):
@@ -21,12 +35,48 @@ class State(IntEnum):
     OFF = 0
     RUN = 1
     HOLD = 2
-    SENSE = 3
+    ARMED = 3
     TRIPPED = 4
+    DEGRADED = 5
+
+
+class Drive(IntEnum):
+    """Which drive voltage may be out in a state."""
+
+    NONE = 0
+    COMMANDED = 1
+    SENSE = 2
+
+
+class Signal(IntEnum):
+    """What can change the state; the numbers are those of the table."""
+
+    ARM = 0
+    COMMAND = 1
+    PRESENT = 2
+    MISSING = 3
+    MISSING_LONG = 4
+    MISSING_TOO_LONG = 5
+    FAULT = 6
+    REST = 7
+    CLOSE = 8
+
+
+class Effect(IntEnum):
+    """What a transition does beside the change of state; the numbers are those of the table."""
+
+    NOTHING = 0
+    ARM = 1
+    FOLLOW = 2
+    BRIDGE = 3
+    RESUME = 4
+    LATCH = 5
+    PAUSE = 6
+    SWITCH_OFF = 7
 
 
 class Event(IntEnum):
-    """What has happened; the numbers are those of the table and of the serial protocol."""
+    """What has happened; the numbers are those of the table and of the serial protocol. 22 is reserved."""
 
     NONE = 0
     OVER_CURRENT = 1
@@ -50,27 +100,58 @@ class Event(IntEnum):
     SAMPLE_LATE = 19
     WATCHDOG = 20
     POWER_LOST = 21
-    OVER_FORCE = 22
     STOPPED = 23
 
 
-class StateRow(BaseModel):
-    """One state: what is out, and what it means."""
+class Transition(NamedTuple):
+    """The state that a signal leads to, and what it does on the way."""
+
+    state: State
+    effect: Effect
+
+
+class Row(BaseModel):
+    """What every row of the table has."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     name: str
-    number: int
+    number: int = Field(ge=0, le=255)
+
+
+class StateRow(Row):
+    """One state: what is out, and what it means."""
+
+    drive: Literal["none", "commanded", "sense"]
     output: str
     meaning: str
 
 
-class EventRow(BaseModel):
-    """One event: when it is seen, how long it must last [s], and what happens then."""
+class EffectRow(Row):
+    """One effect of a transition, in words."""
+
+    meaning: str
+
+
+class Then(BaseModel):
+    """Where a signal leads to from one state, by name."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    name: str
+    to: str
+    effect: str
+
+
+class SignalRow(Row):
+    """One signal: when it comes, and what it does in each state."""
+
+    when: str
+    then: dict[str, Then]
+
+
+class EventRow(Row):
+    """One event: when it is seen, how long it must last [s], and what happens then."""
+
     number: int = Field(ge=1, le=255)
     lasts_s: float = Field(ge=0.0, le=0.5)
     action: Action
@@ -80,8 +161,15 @@ class EventRow(BaseModel):
     remedy: str
 
 
+class ReservedRow(Row):
+    """A name and number that older programs know and nothing uses any more."""
+
+    kind: Literal["event", "state", "action"]
+    why: str
+
+
 class ProtectionTable(BaseModel):
-    """All states and events, and the times of the degrade rule [s]."""
+    """All states, signals and events, and the times of what is missing [s]; refuses a table with holes."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -89,40 +177,76 @@ class ProtectionTable(BaseModel):
     sense_after_s: float = Field(gt=0.0)
     trip_after_s: float = Field(gt=0.0, le=0.5)
     state: tuple[StateRow, ...]
+    effect: tuple[EffectRow, ...]
+    signal: tuple[SignalRow, ...]
     event: tuple[EventRow, ...]
+    reserved: tuple[ReservedRow, ...]
 
     @model_validator(mode="after")
     def _agrees_with_the_code(self) -> ProtectionTable:
-        states = {row.name.upper(): row.number for row in self.state}
-        events = {"NONE": 0, **{row.name.upper(): row.number for row in self.event}}
-        for names, kind in ((states, State), (events, Event)):
-            if names != {item.name: item.value for item in kind}:
-                raise ValueError(f"the table's {kind.__name__.lower()}s are not those of the code")
+        _require_same(self.state, State)
+        _require_same(self.effect, Effect)
+        _require_same(self.signal, Signal)
+        _require_same(self.event, Event, without=("NONE",))
+        taken = {row.number for row in self.event} & {row.number for row in self.reserved if row.kind == "event"}
+        if taken:
+            raise ValueError(f"the event numbers {sorted(taken)} are reserved")
         if self.sense_after_s >= self.trip_after_s:
             raise ValueError("sense_after_s must come before trip_after_s")
         return self
 
-    def row(self, event: Event) -> EventRow:
-        """Return the row of an event. Raises KeyError for ``Event.NONE``, which has none."""
-        return self._rows()[event]
-
-    def lasts_s(self) -> tuple[float, ...]:
-        """Return for each event number how long it must last [s]; 0 where it has no row."""
-        return self.durations_s
+    @model_validator(mode="after")
+    def _says_every_pair_once(self) -> ProtectionTable:
+        states = {row.name for row in self.state}
+        for signal in self.signal:
+            if set(signal.then) != states:
+                raise ValueError(f"the signal {signal.name} must say what it does in each of {sorted(states)}")
+            for state, then in signal.then.items():
+                if then.to not in states or then.effect.upper() not in Effect.__members__:
+                    raise ValueError(f"{signal.name} in {state}: there is no state {then.to} or effect {then.effect}")
+                if then.effect == "nothing" and then.to != state:
+                    raise ValueError(f"{signal.name} in {state} goes to {then.to}: it needs an effect")
+        return self
 
     @cached_property
-    def durations_s(self) -> tuple[float, ...]:
-        """What ``lasts_s`` returns, made once: it is asked for while a fault lasts, in a loop that must be on time."""
-        rows = self._rows()
-        return tuple(rows[event].lasts_s if event in rows else 0.0 for event in Event)
+    def transitions(self) -> tuple[tuple[Transition, ...], ...]:
+        """What each signal does in each state: ``transitions[state][signal]``."""
+        signals = sorted(self.signal, key=lambda row: row.number)
+        return tuple(
+            tuple(_transition(signal.then[state.name]) for signal in signals)
+            for state in sorted(self.state, key=lambda row: row.number)
+        )
 
-    def sentence(self, event: Event) -> str:
-        """Return cause and remedy of an event as part of an error message."""
-        row = self.row(event)
-        return f"{row.cause}: {row.remedy}"
+    @cached_property
+    def drives(self) -> tuple[Drive, ...]:
+        """Which drive may be out in each state, by the state's number."""
+        return tuple(Drive[row.drive.upper()] for row in sorted(self.state, key=lambda row: row.number))
 
-    def _rows(self) -> dict[Event, EventRow]:
+    def row(self, event: Event) -> EventRow:
+        """Return the row of an event. Raises KeyError for ``Event.NONE``, which has none."""
+        return self._rows[event]
+
+    @cached_property
+    def lasts_s(self) -> tuple[float, ...]:
+        """How long each event must last [s], by the event's number; 0 for a number that has no event."""
+        return tuple(
+            self._rows[Event(number)].lasts_s if number in self._rows else 0.0 for number in range(max(Event) + 1)
+        )
+
+    @cached_property
+    def _rows(self) -> dict[int, EventRow]:
         return {Event(row.number): row for row in self.event}
+
+
+def _transition(then: Then) -> Transition:
+    return Transition(State[then.to.upper()], Effect[then.effect.upper()])
+
+
+def _require_same(rows: Sequence[Row], kind: type[IntEnum], without: tuple[str, ...] = ()) -> None:
+    """Raise ValueError where names and numbers of some rows are not those of an enumeration, each once."""
+    found = sorted((row.name.upper(), row.number) for row in rows)
+    if found != sorted((item.name, item.value) for item in kind if item.name not in without):
+        raise ValueError(f"the table's {kind.__name__.lower()}s are not those of the code")
 
 
 @lru_cache(maxsize=1)

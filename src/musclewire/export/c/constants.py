@@ -15,8 +15,9 @@ import numpy as np
 
 from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase, kernels
 from musclewire.controllers.fuzzy import packed_rules
-from musclewire.controllers.protection import Event, ProtectionLimits, State, protection_table
+from musclewire.controllers.protection import Event, ProtectionLimits, protection_table
 from musclewire.controllers.protection import protect as protection_rules
+from musclewire.controllers.protection.table import Drive
 from musclewire.errors import CallerError
 from musclewire.sensing.curve import MARGIN
 from musclewire.sensing.model import SensingModel
@@ -25,7 +26,8 @@ from musclewire.sensing.resistance import wire_resistance
 __all__ = ["ACTIONS", "CONTROL_HEADINGS", "Constant", "Constants", "collect", "control_numbers"]
 
 Kind = Literal["real", "integer"]
-ACTIONS = {"": 0, "trip": 1, "degrade": 2, "report": 3}
+ACTIONS = {"": 0, "trip": 1, "degrade": 2}
+EFFECT_WEIGHT = 16
 INFERENCES = {"constant": 0, "product-weighted-sum": 1, "min-max-centroid": 2}
 MICROSECONDS_PER_S = 1e6
 RANGE_ENDS = {f"k{k}_{end}": f"k{k}_range[{i}]" for k in "pid" for i, end in enumerate(("minimum", "maximum"))}
@@ -168,7 +170,7 @@ def _rules(rule_base: RuleBase) -> list[Constant]:
 
 
 def _protection(limits: ProtectionLimits) -> list[Constant]:
-    saturated = protection_rules.SATURATED_SHARE
+    saturated = protection_rules.SATURATED_FRACTION
     above_k = limits.maximum_temperature_k - limits.ambient_temperature_k
     return [
         _real(
@@ -189,29 +191,69 @@ def _protection(limits: ProtectionLimits) -> list[Constant]:
 
 
 def _table() -> list[Constant]:
+    return [*_machine(), *_events(), *_conditions(), *_times(), *_reserved()]
+
+
+def _machine() -> list[Constant]:
+    """Return states, signals and effects, and what each signal does in each state: effect and state in one byte."""
     table = protection_table()
-    lasts_s = table.lasts_s()
-    lasting = protection_rules.LASTING
-    rows = {row.number: row for row in table.event}
-    actions = tuple(float(ACTIONS[rows[event].action if event in rows else ""]) for event in Event)
-    shares = ("DRIVEN_SHARE", "STUCK_SHARE", "SUPPLY_SHARE", "SHORT_SHARE", "MOVED_SHARE", "MAXIMUM_ROUNDING")
+    transitions = tuple(float(EFFECT_WEIGHT * effect + state) for row in table.transitions for state, effect in row)
     return [
-        *(_integer(f"STATE_{state.name}", state.value) for state in State),
-        _integer("EVENTS", len(Event)),
+        *(_integer(f"STATE_{row.name.upper()}", row.number, row.output) for row in table.state),
+        _integer("STATES", len(table.state)),
+        *(_integer(f"SIGNAL_{row.name.upper()}", row.number, row.when) for row in table.signal),
+        _integer("SIGNALS", len(table.signal)),
+        *(_integer(f"EFFECT_{row.name.upper()}", row.number, row.meaning) for row in table.effect),
+        _integer("EFFECT_WEIGHT", EFFECT_WEIGHT, "a transition is its effect times this, plus the state that follows"),
+        Constant("TRANSITIONS", transitions, "integer", table=True, meaning="by state, then by signal"),
+        *(_integer(f"OUT_{drive.name}", drive.value) for drive in Drive),
+        Constant("OUT", tuple(float(drive) for drive in table.drives), "integer", table=True, meaning="by state"),
+    ]
+
+
+def _events() -> list[Constant]:
+    rows = {row.number: row for row in protection_table().event}
+    count = max(Event) + 1
+    actions = tuple(float(ACTIONS[rows[number].action if number in rows else ""]) for number in range(count))
+    return [
+        _integer("EVENTS", count),
         *(_integer(f"EVENT_{event.name}", event.value, rows[event].cause if event in rows else "") for event in Event),
         *(_integer(f"ACTION_{name.upper()}", number) for name, number in ACTIONS.items() if name),
         Constant("ACTIONS", actions, "integer", table=True, meaning="by event"),
-        _integer("LASTING", len(lasting), "events that must last, in the order in which they are judged"),
-        *(_integer(f"LASTING_{event.name}", index) for index, event in enumerate(lasting)),
-        Constant("LASTING_EVENTS", tuple(float(event) for event in lasting), "integer", table=True),
-        Constant("LASTING_US", tuple(_microseconds(lasts_s[event]) for event in lasting), "integer", table=True),
+    ]
+
+
+def _conditions() -> list[Constant]:
+    """Return the events that must last, in the order in which they are judged."""
+    lasts_s = protection_table().lasts_s
+    events = protection_rules.CONDITION_EVENTS
+    return [
+        _integer("LASTING", len(events), "events that must last, in the order in which they are judged"),
+        *(_integer(f"LASTING_{event.name}", index) for index, event in enumerate(events)),
+        Constant("LASTING_EVENTS", tuple(float(event) for event in events), "integer", table=True),
+        Constant("LASTING_US", tuple(_microseconds(lasts_s[event]) for event in events), "integer", table=True),
+    ]
+
+
+def _times() -> list[Constant]:
+    table = protection_table()
+    fractions = {name: f"{name}_FRACTION" for name in ("DRIVEN", "STUCK", "SUPPLY", "SHORT", "MOVED")}
+    return [
         _integer("READING_PERIOD_US", _microseconds(table.reading_period_s), "samples are averaged over this time"),
         _integer("SENSE_AFTER_US", _microseconds(table.sense_after_s)),
         _integer("TRIP_AFTER_US", _microseconds(table.trip_after_s)),
         _integer("FROZEN_US", _microseconds(protection_rules.FROZEN_S)),
         _integer("FROZEN_READINGS", int(protection_rules.FROZEN_READINGS)),
-        *(_real(name, getattr(protection_rules, name)) for name in shares),
+        # The C names are those of the first version of the library.
+        *(_real(f"{name}_SHARE", getattr(protection_rules, fraction)) for name, fraction in fractions.items()),
+        _real("MAXIMUM_ROUNDING", protection_rules.MAXIMUM_ROUNDING),
     ]
+
+
+def _reserved() -> list[Constant]:
+    """Return the names that programs written for an older library may use."""
+    rows = protection_table().reserved
+    return [_integer(f"{row.kind.upper()}_{row.name.upper()}", row.number, f"reserved: {row.why}") for row in rows]
 
 
 def _microseconds(time_s: float) -> int:

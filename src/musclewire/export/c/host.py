@@ -50,6 +50,9 @@ void shim_missing(mw_controller *c, unsigned char event, double missing)
 }
 void shim_trip(mw_controller *c, unsigned char event) { mw_protect_trip(&c->protection, event); }
 void shim_off(mw_controller *c) { mw_protect_off(&c->protection); }
+void shim_rest(mw_controller *c) { mw_protect_rest(&c->protection); }
+int shim_recover(mw_controller *c, unsigned char event) { return mw_protect_recover(&c->protection, event); }
+int shim_follows(const mw_controller *c) { return mw_protect_follows(&c->protection); }
 void shim_reading(mw_controller *c, double drive, double wire, double shunt, double dt)
 {
     mw_protect_reading(&c->protection, (mw_real)drive, (mw_real)wire, (mw_real)shunt, (mw_real)dt);
@@ -179,6 +182,18 @@ class HostLibrary:
     def off(self) -> None:
         """Switch off."""
         self._c.shim_off(self._state)
+
+    def rest(self) -> None:
+        """Pause at the sense voltage."""
+        self._c.shim_rest(self._state)
+
+    def recover(self, event: int) -> bool:
+        """Say that what was missing under an event is back; return whether it was missing."""
+        return bool(self._c.shim_recover(self._state, ctypes.c_ubyte(event)))
+
+    def follows(self) -> bool:
+        """Return whether a command would be followed."""
+        return bool(self._c.shim_follows(self._state))
 
     def protection(self) -> tuple[int, int, float, float]:
         """Return state, event, drive allowed [V] and temperature above the air's [K]."""

@@ -106,6 +106,9 @@ typedef struct {
 /* Cold start: sense voltage, nothing known of the wire, protection armed. */
 void mw_start(mw_controller *controller);
 
+/* The same after a run: a trip is forgotten, how warm the wire is by its power is not. */
+void mw_start_again(mw_controller *controller);
+
 /* One converter tick of tick_s: sum up for the mean and run the protection. A trip shows in the output. A tick_s that is
  * no number above 0 trips: the protection lives on it. */
 mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real tick_s);

@@ -9,6 +9,14 @@ void mw_start(mw_controller *controller)
     mw_protect_arm(&controller->protection);
 }
 
+void mw_start_again(mw_controller *controller)
+{
+    const mw_protection before = controller->protection;
+    mw_start(controller);
+    controller->protection = before;
+    mw_protect_arm_again(&controller->protection);
+}
+
 static mw_output output_of(const mw_controller *controller)
 {
     mw_output output;

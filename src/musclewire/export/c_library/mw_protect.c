@@ -2,7 +2,7 @@
 /* The protection's arithmetic. The steps and their order are those of musclewire's controllers/protection/protect.py. */
 #include "mw_protect.h"
 
-#define MOST_MICROSECONDS 4000000000u
+#define MAX_MICROSECONDS 4000000000u
 
 static mw_real size_of(mw_real value)
 {
@@ -16,39 +16,155 @@ static uint8_t is_number(mw_real value)
 
 static uint32_t later(uint32_t time_us, uint32_t step_us)
 {
-    return step_us > MOST_MICROSECONDS - time_us ? MOST_MICROSECONDS : time_us + step_us;
+    return step_us > MAX_MICROSECONDS - time_us ? MAX_MICROSECONDS : time_us + step_us;
 }
 
 uint32_t mw_microseconds(mw_real time_s)
 {
     if (!(time_s > 0))
         return 0;
-    return time_s < 4000 ? (uint32_t)(time_s * MW_R(1e6) + MW_R(0.5)) : MOST_MICROSECONDS;
+    return time_s < 4000 ? (uint32_t)(time_s * MW_R(1e6) + MW_R(0.5)) : MAX_MICROSECONDS;
+}
+
+/* What a signal may carry: a drive, the event that is its cause, how long something has been missing. */
+typedef struct {
+    mw_real drive_voltage_v;
+    uint32_t missing_us;
+    uint8_t event;
+} carried;
+
+/* What the table names for a signal: an effect and the state that follows. */
+static uint8_t transition(const mw_protection *protection, uint8_t signal)
+{
+    MW_TABLE uint8_t transitions[MW_STATES * MW_SIGNALS] = MW_TRANSITIONS;
+    /* A state that is none, in a memory that has been overwritten, is as good as tripped. */
+    const uint8_t state = protection->state < MW_STATES ? protection->state : MW_STATE_TRIPPED;
+    return transitions[state * MW_SIGNALS + signal];
+}
+
+static void begin_anew(mw_protection *protection, mw_real drive_voltage_v)
+{
+    const mw_protection armed = {.state = protection->state,
+                                 .drive_voltage_v = drive_voltage_v,
+                                 .above_ambient_k = protection->above_ambient_k};
+    *protection = armed;
+}
+
+static void rest_at(mw_protection *protection, mw_real drive_voltage_v)
+{
+    if (protection->drive_voltage_v > drive_voltage_v)
+        protection->drive_voltage_v = drive_voltage_v;
+    protection->settled_ohm = 0;
+    protection->wire_repeats = protection->shunt_repeats = 0;
+}
+
+/* Follow the table: the only place in which the state changes. Returns the effect. */
+static uint8_t follow(mw_protection *protection, uint8_t signal, carried with)
+{
+    const uint8_t found = transition(protection, signal);
+    const uint8_t effect = found / MW_EFFECT_WEIGHT;
+    protection->state = found % MW_EFFECT_WEIGHT;
+    switch (effect) {
+    case MW_EFFECT_ARM:
+        begin_anew(protection, with.drive_voltage_v);
+        break;
+    case MW_EFFECT_FOLLOW:
+        protection->drive_voltage_v = with.drive_voltage_v;
+        break;
+    case MW_EFFECT_BRIDGE:
+        protection->event = with.event;
+        protection->missing_us = with.missing_us;
+        break;
+    case MW_EFFECT_RESUME:
+        protection->event = MW_EVENT_NONE;
+        protection->missing_us = 0;
+        break;
+    case MW_EFFECT_LATCH:
+        protection->event = with.event;
+        protection->drive_voltage_v = 0;
+        break;
+    case MW_EFFECT_PAUSE:
+        rest_at(protection, with.drive_voltage_v);
+        break;
+    case MW_EFFECT_SWITCH_OFF:
+        protection->event = with.event != MW_EVENT_NONE ? with.event : protection->event;
+        protection->drive_voltage_v = 0;
+        break;
+    default:
+        break;
+    }
+    return effect;
+}
+
+static uint8_t signalled(mw_protection *protection, uint8_t signal, mw_real drive_voltage_v, uint8_t event)
+{
+    const carried with = {drive_voltage_v, 0, event};
+    return follow(protection, signal, with);
+}
+
+static uint8_t out_in(uint8_t state)
+{
+    MW_TABLE uint8_t out[MW_STATES] = MW_OUT;
+    return state < MW_STATES ? out[state] : MW_OUT_NONE;
+}
+
+uint8_t mw_state_drives(uint8_t state)
+{
+    return out_in(state) != MW_OUT_NONE;
 }
 
 void mw_protect_arm(mw_protection *protection)
 {
-    const mw_protection armed = {.state = MW_STATE_SENSE, .drive_voltage_v = MW_SENSE_VOLTAGE_V};
-    *protection = armed;
+    const mw_protection cold = {.state = MW_STATE_OFF};
+    *protection = cold;
+    mw_protect_arm_again(protection);
+}
+
+void mw_protect_arm_again(mw_protection *protection)
+{
+    if (!(protection->above_ambient_k > 0))
+        protection->above_ambient_k = 0;
+    signalled(protection, MW_SIGNAL_ARM, MW_SENSE_VOLTAGE_V, MW_EVENT_NONE);
 }
 
 void mw_protect_off(mw_protection *protection)
 {
-    protection->drive_voltage_v = 0;
-    if (protection->state != MW_STATE_TRIPPED)
-        protection->state = MW_STATE_OFF;
+    signalled(protection, MW_SIGNAL_CLOSE, 0, MW_EVENT_NONE);
+}
+
+void mw_protect_stop(mw_protection *protection)
+{
+    signalled(protection, MW_SIGNAL_CLOSE, 0, MW_EVENT_STOPPED);
+}
+
+void mw_protect_rest(mw_protection *protection)
+{
+    signalled(protection, MW_SIGNAL_REST, MW_SENSE_VOLTAGE_V, MW_EVENT_NONE);
 }
 
 void mw_protect_trip(mw_protection *protection, uint8_t event)
 {
-    if (protection->state == MW_STATE_TRIPPED)
-        return;
-    protection->state = MW_STATE_TRIPPED;
-    protection->event = event;
-    protection->drive_voltage_v = 0;
+    signalled(protection, MW_SIGNAL_FAULT, 0, event);
 }
 
-void mw_protect_event(mw_protection *protection, uint8_t event, mw_real missing_s)
+static void missing_for(mw_protection *protection, uint8_t event, uint32_t missing_us)
+{
+    const carried with = {0, missing_us, event};
+    uint8_t signal = MW_SIGNAL_MISSING;
+    if (missing_us >= MW_TRIP_AFTER_US)
+        signal = MW_SIGNAL_MISSING_TOO_LONG;
+    else if (missing_us >= MW_SENSE_AFTER_US)
+        signal = MW_SIGNAL_MISSING_LONG;
+    follow(protection, signal, with);
+}
+
+void mw_protect_missing(mw_protection *protection, uint8_t event, mw_real missing_s)
+{
+    missing_for(protection, event, mw_microseconds(missing_s));
+}
+
+/* What the table says of an event that has been seen for so long. */
+static void event_for(mw_protection *protection, uint8_t event, uint32_t seen_us)
 {
     MW_TABLE uint8_t actions[MW_EVENTS] = MW_ACTIONS;
     if (event >= MW_EVENTS)
@@ -56,53 +172,45 @@ void mw_protect_event(mw_protection *protection, uint8_t event, mw_real missing_
     if (actions[event] == MW_ACTION_TRIP)
         mw_protect_trip(protection, event);
     else if (actions[event] == MW_ACTION_DEGRADE)
-        mw_protect_missing(protection, event, missing_s);
+        missing_for(protection, event, seen_us);
+}
+
+void mw_protect_event(mw_protection *protection, uint8_t event, mw_real missing_s)
+{
+    event_for(protection, event, mw_microseconds(missing_s));
+}
+
+uint8_t mw_protect_recover(mw_protection *protection, uint8_t event)
+{
+    if (protection->event != event)
+        return 0;
+    return signalled(protection, MW_SIGNAL_PRESENT, 0, MW_EVENT_NONE) == MW_EFFECT_RESUME;
 }
 
 void mw_protect_command(mw_protection *protection, mw_real drive_voltage_v)
 {
     /* Written so that a NaN is refused. */
-    if (!(drive_voltage_v >= 0 && drive_voltage_v <= MW_MAXIMUM_VOLTAGE_V * MW_MAXIMUM_ROUNDING)) {
-        mw_protect_trip(protection, MW_EVENT_COMMAND_REFUSED);
-        return;
-    }
-    if (protection->state == MW_STATE_RUN
-        || (protection->state == MW_STATE_SENSE && protection->event == MW_EVENT_NONE)) {
-        protection->state = MW_STATE_RUN;
-        protection->drive_voltage_v = drive_voltage_v;
-    }
+    if (drive_voltage_v >= 0 && drive_voltage_v <= MW_MAXIMUM_VOLTAGE_V * MW_MAXIMUM_ROUNDING)
+        signalled(protection, MW_SIGNAL_COMMAND, drive_voltage_v, MW_EVENT_NONE);
+    else
+        event_for(protection, MW_EVENT_COMMAND_REFUSED, 0);
+}
+
+uint8_t mw_protect_follows(const mw_protection *protection)
+{
+    return transition(protection, MW_SIGNAL_COMMAND) / MW_EFFECT_WEIGHT == MW_EFFECT_FOLLOW;
 }
 
 mw_real mw_protect_allowed(const mw_protection *protection)
 {
-    switch (protection->state) {
-    case MW_STATE_SENSE:
+    switch (out_in(protection->state)) {
+    case MW_OUT_SENSE:
         return MW_SENSE_VOLTAGE_V;
-    case MW_STATE_RUN:
-    case MW_STATE_HOLD:
+    case MW_OUT_COMMANDED:
         return protection->drive_voltage_v;
     default:
         return 0;
     }
-}
-
-static void missing_for(mw_protection *protection, uint8_t event, uint32_t missing_us)
-{
-    if (protection->state == MW_STATE_TRIPPED || protection->state == MW_STATE_OFF)
-        return;
-    if (missing_us >= MW_TRIP_AFTER_US) {
-        mw_protect_trip(protection, event);
-        return;
-    }
-    protection->state =
-        missing_us >= MW_SENSE_AFTER_US || protection->state == MW_STATE_SENSE ? MW_STATE_SENSE : MW_STATE_HOLD;
-    protection->event = event;
-    protection->missing_us = missing_us;
-}
-
-void mw_protect_missing(mw_protection *protection, uint8_t event, mw_real missing_s)
-{
-    missing_for(protection, event, mw_microseconds(missing_s));
 }
 
 /* Whether so much drive is out that voltage and current must be there. */
@@ -122,22 +230,18 @@ static uint8_t missing_event(mw_real drive_voltage_v, mw_real wire_voltage_v, mw
     return size_of(shunt_voltage_v) < MW_OPEN_SHUNT_VOLTAGE_V ? MW_EVENT_WIRE_OPEN : MW_EVENT_NONE;
 }
 
-static void recover(mw_protection *protection)
-{
-    if (protection->missing_us == 0 && protection->event == MW_EVENT_NONE)
-        return;
-    if (protection->state == MW_STATE_HOLD || protection->state == MW_STATE_SENSE)
-        protection->state = MW_STATE_RUN;
-    protection->event = MW_EVENT_NONE;
-    protection->missing_us = 0;
-}
-
 /* m c dT/dt = P - G (T - T_ambient) by backward Euler: stable for any dt. */
 static void heat(mw_protection *protection, mw_real power_w, mw_real dt_s)
 {
     const mw_real rate = MW_HEAT_LOSS_W_PER_K / MW_HEAT_CAPACITY_J_PER_K * dt_s;
     const mw_real rise = dt_s * power_w / MW_HEAT_CAPACITY_J_PER_K;
     protection->above_ambient_k = (protection->above_ambient_k + rise) / (1 + rate);
+}
+
+void mw_protect_cool(mw_protection *protection, mw_real dt_s)
+{
+    if (!mw_state_drives(protection->state))
+        heat(protection, 0, dt_s);
 }
 
 static uint16_t once_more(uint16_t repeats, uint8_t same)
@@ -231,7 +335,7 @@ static void judge(mw_protection *protection, const uint8_t *seen, uint32_t dt_us
         protection->lasting_us[index] = seen[index] ? later(protection->lasting_us[index], dt_us) : 0;
     for (index = 0; index < MW_LASTING; index++) {
         if (seen[index] && protection->lasting_us[index] >= must_last_us[index]) {
-            mw_protect_trip(protection, events[index]);
+            event_for(protection, events[index], protection->lasting_us[index]);
             return;
         }
     }
@@ -243,17 +347,17 @@ void mw_protect_reading(mw_protection *protection, mw_real drive_voltage_v, mw_r
     const uint32_t dt_us = mw_microseconds(dt_s);
     uint8_t seen[MW_LASTING] = {0};
     uint8_t missing;
-    if (protection->state == MW_STATE_TRIPPED || protection->state == MW_STATE_OFF)
+    if (!mw_state_drives(protection->state))
         return;
     missing = missing_event(drive_voltage_v, wire_voltage_v, shunt_voltage_v);
     if (missing != MW_EVENT_NONE) {
         heat(protection, 0, dt_s);
-        missing_for(protection, missing, later(protection->missing_us, dt_us));
+        event_for(protection, missing, later(protection->missing_us, dt_us));
         return;
     }
     heat(protection, wire_voltage_v * (shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM), dt_s);
     count_repeats(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v);
     see(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_us, seen);
-    recover(protection);
+    signalled(protection, MW_SIGNAL_PRESENT, 0, MW_EVENT_NONE);
     judge(protection, seen, dt_us);
 }
