@@ -46,7 +46,7 @@ def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
 
 
 def key_numbers(result: DemoResult, wall_s: float) -> list[Card]:
-    """Return the key numbers beside the paper's."""
+    """Return the key numbers next to the paper's."""
     paper = read_published("lan_fan_2010")["loop_100um"]
     table = read_published("lan_fan_2010")["table2"]
     printed = [*table["mae_rise_pct"], *table["mae_return_pct"]]

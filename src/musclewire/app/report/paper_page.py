@@ -105,7 +105,7 @@ def write_paper_page(
         for subject, rows in together:
             on_figure(subject)
             written.append(section(subject, rows, drawn(subject, result.runs)))
-        # Those without a figure are short and stand in two columns.
+        # Those without a figure are short and set in two columns.
         sections.append("".join(written) if with_figure else f'<div class="small">{"".join(written)}</div>')
     parts = {
         "cards": cards(counts(result)),
