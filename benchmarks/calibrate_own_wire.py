@@ -5,9 +5,9 @@ its noise, and calibrated from that recording alone. Bars: strain against resist
 90 % of the parameters called identifiable inside their stated 95 % intervals, which are at most half their prior's; at
 most 120 s a wire on two cores. Exit 1 where one fails.
 
-    python benchmarks/calibrate_own_wire.py [--quick]     10 wires, or 1 without a verdict on fractions and times
+    python benchmarks/calibrate_own_wire.py [--quick]     10 wires, or 2 without a verdict on shares and times
 
-One wire is too few for a fraction, and a shared machine too noisy for times.
+Two wires are too few for a share, and a shared machine too noisy for times.
 """
 
 from __future__ import annotations
@@ -24,10 +24,11 @@ from musclewire.identify.physical.search import Settings
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.priors import load_priors
 from musclewire.parameters.schema import Alloy, Bench, Wire
-from musclewire.rigs.simulated import SimulatedRig
+from musclewire.rigs.guarded import GuardedRig
+from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.signals.recording import Recording
 
-WIRES, QUICK_WIRES = 10, 1
+WIRES, QUICK_WIRES = 10, 2
 # Hot enough for most wires that the priors hold; one that does not transform fully is harder, and stays in.
 AMPLITUDE_V = 3.6
 RMS_BAR_PCT, COVERAGE_BAR, WALL_BAR_S = 0.05, 0.9, 120.0
@@ -48,13 +49,13 @@ def drawn_wire(seed: int) -> tuple[Candidates, np.ndarray]:
 
 def slow_loop(values: WireValues, seed: int) -> Recording:
     """Return one slow sine of a wire on the simulated rig."""
-    rig = SimulatedRig(
+    device = SimulatedDevice(
         with_values(load_alloy("flexinol"), values.alloy),
         with_values(load_wire("paper-100um"), values.wire),
         with_values(load_bench("paper"), values.bench),
         seed=seed,
     )
-    with rig:
+    with GuardedRig(device) as rig:
         return mw.characterize(rig, amplitude_v=AMPLITUDE_V, cycles=1)
 
 

@@ -109,7 +109,7 @@ def by_the_clock(name: str, rate_hz: int, lasting_s: float) -> dict[str, object]
     with served(name, rate_hz, "clock") as address, musclewire.open_rig(changed(name, rate_hz, address)) as rig:
         for _ in range(20):
             first = rig.exchange(rig.sense_voltage_v)
-        began, late_before = time.monotonic(), rig.late_samples
+        began, late_before = time.monotonic(), rig.metadata()["late_samples"]
         count, wanted = 0, round(lasting_s * rate_hz)
         while count < wanted:
             # At the sense voltage a late sample is counted and does not end the run.
@@ -117,7 +117,7 @@ def by_the_clock(name: str, rate_hz: int, lasting_s: float) -> dict[str, object]
             count += 1
         wall_s = time.monotonic() - began
         card_s = sample.time_s - first.time_s
-        late = rig.late_samples - late_before
+        late = rig.metadata()["late_samples"] - late_before
     return {
         "rig": name,
         "rate_hz": rate_hz,

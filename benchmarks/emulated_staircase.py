@@ -26,7 +26,6 @@ from musclewire.experiment.on_board import control_on_board
 from musclewire.export.c import loop_checksum
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.serial.configuration import SerialConfiguration
-from musclewire.rigs.serial.rig import SerialRig
 from musclewire.sensing.model import SensingModel, load_model
 from musclewire.signals.recording import Recording
 
@@ -53,8 +52,7 @@ def on_simulated(model: SensingModel, reference: Staircase) -> ControlRun:
 def on_emulated(model: SensingModel, reference: Staircase, *, closed_by_board: bool) -> ControlRun:
     """Return the run through the firmware, with the true displacement from the bench's log as its instrument."""
     with EmulatedBoard(pace="lockstep") as board:
-        with rig_file(board.port_url).open() as rig:
-            assert isinstance(rig, SerialRig)
+        with open_rig(rig_file(board.port_url)) as rig:
             if closed_by_board:
                 checksum = loop_checksum(model, FuzzyPidSettings())
                 run = control_on_board(rig, model, reference, checksum=checksum, approach_s=APPROACH_S)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 
 from emulation.daq_card import Card, Model
@@ -10,8 +9,9 @@ from musclewire.errors import CallerError
 from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
 from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
 from musclewire.rigs.nidaq.rig import COLUMNS
-from musclewire.rigs.simulated import SimulatedRig
+from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.signals.commands import Drive
+from musclewire.signals.samples import RawSample
 
 __all__ = ["PCI_6229", "USB_6001", "WiredRig", "card_of"]
 
@@ -46,10 +46,10 @@ class WiredRig:
     """
 
     def __init__(
-        self, rig: SimulatedRig, wiring: NiDaqConfiguration, errors: dict[str, tuple[float, float]] | None = None
+        self, device: SimulatedDevice, wiring: NiDaqConfiguration, errors: dict[str, tuple[float, float]] | None = None
     ) -> None:
-        """Wire a rig; it is driven below its own protection, as the circuit on a bench is."""
-        self.rig = rig
+        """Wire a device; it is driven without a protection of its own, as the circuit on a bench is."""
+        self.device = device
         self.largest_drive_v = 0.0
         self._wiring = wiring
         self._inputs = {COLUMNS[name]: item for name, item in wiring.inputs.wired().items()}
@@ -59,8 +59,9 @@ class WiredRig:
         """Return the voltages at the input terminals after a tick with these at the outputs."""
         drive_v = self._wiring.output.rule.quantity(outputs_v[self._wiring.output.channel])
         self.largest_drive_v = max(self.largest_drive_v, drive_v)
-        # A rig's own exchange would protect the wire; behind a card nothing does but who drives the card.
-        sample = self.rig._exchange(Drive(max(drive_v, 0.0)))
+        # A rig's exchange would protect the wire; behind a card nothing does but who drives the card.
+        sample = self.device.exchange(Drive(max(drive_v, 0.0)))
+        assert isinstance(sample, RawSample)  # nothing paces it, and a wire behind a card has no faults of its own
         read_v = {}
         for column, item in self._inputs.items():
             value = getattr(sample, column)
@@ -96,16 +97,8 @@ def card_of(
         amplifier_resolution_v=2.0 * model.range_v / 2**model.bits,
         shunt_resistance_ohm=found.shunt,
     )
-    if not isinstance(rig, SimulatedRig):
+    device = rig.device
+    if not isinstance(device, SimulatedDevice):
         rig.close()
         raise CallerError(f"{wire} is not simulated: it cannot stand behind an emulated card")
-    if paced:
-        ready_to_run_by_the_clock()
-    return Card(found.device, model, WiredRig(rig, found, errors), tick_s, paced=paced)
-
-
-@cache
-def ready_to_run_by_the_clock() -> None:
-    """Load the simulated wire's kernels: loading takes longer than a host may be silent, and holds up every thread."""
-    with open_rig("simulated") as rig:
-        rig.exchange(rig.sense_voltage_v)
+    return Card(found.device, model, WiredRig(device, found, errors), tick_s, paced=paced)

@@ -10,10 +10,10 @@ from pydantic import TypeAdapter
 
 from musclewire.errors import CallerError
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.rigs.configuration import with_settings
 from musclewire.rigs.faults import Fault, Faults
 from musclewire.rigs.mechanism import Mechanism
 from musclewire.rigs.simulated_building import wires_of
+from musclewire.rigs.simulated_configuration import with_settings
 from musclewire.simulate.loads import spring_load
 
 __all__ = ["BenchWire", "Converted", "Truth"]

@@ -12,33 +12,49 @@ from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
 
 from musclewire.rigs.configuration import rig_configuration
+from musclewire.rigs.device import Answer, DeviceFacts
+from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
-from musclewire.rigs.nidaq.guardian import GuardianOrders
 from musclewire.rigs.nidaq.output import GuardedOutput
-from musclewire.rigs.nidaq.rig import NiDaqRig
+from musclewire.rigs.nidaq.rig import NiDaqDevice, Silence
+from musclewire.rigs.protocol import Metadata
+from musclewire.signals.commands import Command
 
-__all__ = ["NIDAQ_COLD_OHM", "NIDAQ_RIGS", "RigAtSeam", "at_seam", "wiring_of"]
+__all__ = ["NIDAQ_COLD_OHM", "NIDAQ_RIGS", "DeviceAtSeam", "at_seam", "wiring_of"]
 
 
-class RigAtSeam(NiDaqRig):
-    """A rig that brings its server along."""
+class DeviceAtSeam:
+    """A device that brings its server along; everything else is that of the card."""
 
     def __init__(self, configuration: NiDaqConfiguration, server: DaqServer) -> None:
         self.server = server
-        super().__init__(configuration.model_copy(update={"grpc": server.address}))
+        # If time passes by reading, the guardian's seconds are those of a busy test machine and not of the wire.
+        silence = None if server.card.paced else Silence(5.0, 10.0)
+        self.at_card = NiDaqDevice(configuration.model_copy(update={"grpc": server.address}), silence)
         # A test that does not close its rig: output first, because switching off needs the server.
-        weakref.finalize(self, closed, self._output, server)
+        weakref.finalize(self, closed, self.at_card._output, server)
 
-    def _orders(self) -> GuardianOrders:
-        orders = super()._orders()
-        if self.server.card.paced:
-            return orders
-        # Where time passes by reading, the guardian's seconds are those of a busy test machine and not of the wire.
-        return orders._replace(sense_after_s=5.0, trip_after_s=10.0)
+    @property
+    def facts(self) -> DeviceFacts:
+        return self.at_card.facts
 
-    def _switch_off(self) -> None:
-        super()._switch_off()
+    @property
+    def drive_voltage_v(self) -> float:
+        return self.at_card.drive_voltage_v
+
+    def metadata(self) -> Metadata:
+        return self.at_card.metadata()
+
+    def exchange(self, command: Command) -> Answer:
+        return self.at_card.exchange(command)
+
+    def sense(self) -> bool:
+        return self.at_card.sense()
+
+    def off(self) -> bool:
+        confirmed = self.at_card.off()
         self.server.close()
+        return confirmed
 
 
 def closed(output: GuardedOutput, server: DaqServer) -> None:
@@ -52,18 +68,18 @@ def wiring_of(name: str) -> NiDaqConfiguration:
     return configuration
 
 
-def at_seam(name: str, *, paced: bool = False, **changed: object) -> RigAtSeam:
+def at_seam(name: str, *, paced: bool = False, **changed: object) -> GuardedRig:
     """Return a rig by name with some keys changed, its server in this process."""
     wiring = NiDaqConfiguration.model_validate({**wiring_of(name).model_dump(), **changed})
     server = DaqServer(card_of(wiring, paced=paced))
     try:
-        return RigAtSeam(wiring, server)
+        return GuardedRig(DeviceAtSeam(wiring, server))
     except BaseException:
         server.close()
         raise
 
 
-NIDAQ_RIGS: dict[str, Callable[[], RigAtSeam]] = {
+NIDAQ_RIGS: dict[str, Callable[[], GuardedRig]] = {
     "nidaq, PCI-6229": lambda: at_seam("ni-pci-6229"),
     "nidaq, USB-6001": lambda: at_seam("ni-usb-6001"),
 }

@@ -13,13 +13,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.contract.altered_device import AlteredDevice
 
 from musclewire.experiment.run import what_protects
 from musclewire.rigs.configuration import open_rig
+from musclewire.rigs.device import Answer
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.signals.commands import Command
 from musclewire.signals.recording import Recording
-from musclewire.signals.samples import RawSample
+from musclewire.signals.samples import ELECTRICAL_COLUMNS, RawSample
 
 __all__ = ["REPLAY_COLD_OHM", "REPLAY_RIGS", "replayed"]
 
@@ -33,19 +34,19 @@ REPLAY_COLD_OHM = {"replay": (12.0, 20.0)}
 def noting(rig: GuardedRig) -> list[RawSample]:
     """Return a list that will hold every sample of a rig, also one at which the protection trips."""
     noted: list[RawSample] = []
-    take = rig._exchange
 
-    def exchange(command: Command) -> RawSample:
-        noted.append(take(command))
-        return noted[-1]
+    def note(answer: Answer) -> Answer:
+        if isinstance(answer, RawSample):
+            noted.append(answer)
+        return answer
 
-    rig._exchange = exchange  # type: ignore[method-assign]
+    rig.device = AlteredDevice(rig.device, note)
     return noted
 
 
 def recording_of(samples: list[RawSample], rig: GuardedRig, metadata: dict[str, Any]) -> Recording:
     """Return samples as a recording, with the columns the rig has."""
-    names = [*RawSample._fields[:4], *(rig.reference_columns or ())]
+    names = [*ELECTRICAL_COLUMNS, *(rig.reference_columns or ())]
     columns = {name: np.array([getattr(sample, name) for sample in samples], dtype=np.float64) for name in names}
     return Recording(columns, {**metadata, "ended": "done"})
 

@@ -15,28 +15,15 @@ from typing import Any
 from emulation.board import EmulatedBoard, firmware_for
 from tests.tools import require_tool
 
-from musclewire.rigs.configuration import rig_configuration
+from musclewire.rigs.configuration import open_rig, rig_configuration
+from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.serial.configuration import SerialConfiguration
-from musclewire.rigs.serial.device import Board
-from musclewire.rigs.serial.line import open_line
-from musclewire.rigs.serial.rig import SerialRig
 
-__all__ = ["SERIAL_COLD_OHM", "SERIAL_RIGS", "RigOnBoard", "built_firmware", "mounted", "on_board"]
+__all__ = ["SERIAL_COLD_OHM", "SERIAL_RIGS", "built_firmware", "mounted", "on_board"]
 
 BOARD = "mps2-an386"
 # A busy machine may take long over a sample; the board's own clock stands still meanwhile.
 PATIENCE_S = 10.0
-
-
-class RigOnBoard(SerialRig):
-    """A rig that brings its emulated board along."""
-
-    def __init__(self, configuration: SerialConfiguration, board: EmulatedBoard) -> None:
-        super().__init__(
-            configuration, Board(open_line(configuration.port, configuration.baud, configuration.patience))
-        )
-        self.emulated = board
-        weakref.finalize(self, board.close)
 
 
 def require_board() -> None:
@@ -63,17 +50,19 @@ def mounted(port: str, **changed: Any) -> SerialConfiguration:
     return SerialConfiguration.model_validate({**shipped.model_dump(), "port": port, **changed})
 
 
-def on_board(**changed: Any) -> RigOnBoard:
-    """Return a rig on a board of its own that has just been switched on, its wire cold."""
+def on_board(**changed: Any) -> GuardedRig:
+    """Return a rig on a board of its own that has just been switched on, its wire cold; the board ends with it."""
     require_board()
     board = EmulatedBoard(pace="lockstep", elf=built_firmware())
     try:
-        return RigOnBoard(mounted(board.port_url, patience=PATIENCE_S, **changed), board)
+        rig = open_rig(mounted(board.port_url, patience=PATIENCE_S, **changed))
     except BaseException:
         board.close()
         raise
+    weakref.finalize(rig, board.close)
+    return rig
 
 
-SERIAL_RIGS: dict[str, Callable[[], RigOnBoard]] = {"serial, emulated Cortex-M4F": on_board}
+SERIAL_RIGS: dict[str, Callable[[], GuardedRig]] = {"serial, emulated Cortex-M4F": on_board}
 # Resistance between the terminals of the paper's wire, as on the simulated rig.
 SERIAL_COLD_OHM = dict.fromkeys(SERIAL_RIGS, (12.0, 20.0))

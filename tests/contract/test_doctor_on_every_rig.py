@@ -8,12 +8,13 @@ from pathlib import Path
 import pytest
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
-from tests.contract.nidaq_rigs import NIDAQ_RIGS, RigAtSeam, wiring_of
+from tests.contract.nidaq_rigs import NIDAQ_RIGS, DeviceAtSeam, wiring_of
 from tests.contract.serial_rigs import SERIAL_RIGS
 
 from musclewire.experiment.doctor import Examination, examine
 from musclewire.experiment.doctor.rig_file import write_calibration
 from musclewire.rigs.configuration import FOLDER, read_rig_file
+from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
 
 RIGS = {**NIDAQ_RIGS, **SERIAL_RIGS}
@@ -38,7 +39,7 @@ def test_a_sound_rig_passes_and_gets_no_more_than_its_sense_voltage(name: str) -
 def examined(wiring: NiDaqConfiguration, errors: dict[str, tuple[float, float]], *, meters: bool) -> Examination:
     """The examination of a card whose terminals have errors that its rig file does not know."""
     server = DaqServer(card_of(wiring_of("ni-pci-6229"), paced=False, errors=errors))
-    with RigAtSeam(wiring, server) as rig:
+    with GuardedRig(DeviceAtSeam(wiring, server)) as rig:
         if meters:
             return examine(rig, meter_wire_v=TRUE_WIRE_V, meter_shunt_v=TRUE_SHUNT_V)
         return examine(rig)

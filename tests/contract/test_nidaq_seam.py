@@ -5,6 +5,7 @@ from __future__ import annotations
 import statistics
 import subprocess
 import sys
+import threading
 import time
 import tomllib
 from itertools import pairwise
@@ -15,19 +16,19 @@ import nidaqmx
 import pytest
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
-from tests.contract.nidaq_rigs import RigAtSeam, at_seam, wiring_of
+from tests.contract.nidaq_rigs import at_seam, wiring_of
 
 from musclewire.controllers.protection import Event
 from musclewire.errors import MissingExtraError, RigError
-from musclewire.rigs.guarded import ProtectionTripError
+from musclewire.rigs.configuration import open_rig
+from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs.nidaq import rig as rig_module
-from musclewire.rigs.nidaq.rig import NiDaqRig
 
 NAMES = ("ni-pci-6229", "ni-usb-6001")
 
 
-def output_v(rig: RigAtSeam) -> float:
-    return rig.server.card.outputs_v["ao0"]
+def output_v(rig: GuardedRig) -> float:
+    return rig.device.server.card.outputs_v["ao0"]
 
 
 def refusal(name: str, **changed: object) -> str:
@@ -45,7 +46,7 @@ def test_a_sample_is_the_mean_of_the_readings_of_its_period(name: str) -> None:
     """Of the noise and the steps of one reading, 40 readings leave a sixth."""
     with at_seam(name) as rig:
         found = [rig.exchange(rig.sense_voltage_v).shunt_voltage_v for _ in range(100)]
-        model = rig.server.card.model
+        model = rig.device.server.card.model
     step_v = 2.0 * model.range_v / 2**model.bits
     one_reading_v = (model.noise_v**2 + step_v**2 / 12.0) ** 0.5
     assert statistics.stdev(found[10:]) == pytest.approx(one_reading_v / 40**0.5, rel=0.3)
@@ -79,7 +80,7 @@ def test_a_host_that_is_late_skips_whole_periods_and_the_times_say_so(name: str)
             if index == 3:
                 time.sleep(0.12)  # at the sense voltage a late host harms nothing
             times.append(rig.exchange(rig.sense_voltage_v).time_s)
-        late = rig.late_samples
+        late = rig.metadata()["late_samples"]
     steps = [(after - before) / rig.sample_period_s for before, after in pairwise(times)]
     assert steps == pytest.approx([round(step) for step in steps], abs=1e-9)
     assert max(steps) >= 3.0 - 1e-9
@@ -114,7 +115,7 @@ def test_readings_that_were_overwritten_are_a_stalled_host(monkeypatch: pytest.M
 def test_a_card_that_is_pulled_out_is_lost_and_says_so(name: str) -> None:
     with at_seam(name, paced=True) as rig:
         rig.exchange(1.0)
-        rig.server.card.remove()
+        rig.device.server.card.remove()
         began = time.monotonic()
         with pytest.raises(ProtectionTripError, match="no longer in the system") as caught:
             rig.exchange(1.0)
@@ -125,19 +126,46 @@ def test_a_card_that_is_pulled_out_is_lost_and_says_so(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_reset_by_another_program_ends_the_run_off(name: str) -> None:
-    with at_seam(name) as rig:
+    with at_seam(name, paced=True) as rig:
         rig.exchange(1.0)
-        rig.server.card.reset("Dev1")
+        rig.device.server.card.reset("Dev1")
         with pytest.raises(ProtectionTripError, match="reset by another program"):
             rig.exchange(1.0)
         assert output_v(rig) == 0.0
 
 
 @pytest.mark.emulated
+@pytest.mark.parametrize("name", NAMES)
+def test_another_thread_may_switch_off_while_readings_are_awaited(name: str) -> None:
+    """The card's clock is the real one: of the 50 ms of a sample nearly all is waiting."""
+    rig = at_seam(name, paced=True)
+    rig.exchange(1.0)
+    ended = []
+
+    def exchange_until_it_fails() -> None:
+        try:
+            while True:
+                rig.exchange(1.0)
+        except RigError as error:
+            ended.append(str(error))
+
+    thread = threading.Thread(target=exchange_until_it_fails)
+    thread.start()
+    time.sleep(0.12)
+    began = time.monotonic()
+    card = rig.device.server.card
+    rig.close()
+    assert card.outputs_v["ao0"] == 0.0
+    thread.join(5.0)
+    assert not thread.is_alive()
+    assert time.monotonic() - began < 5.0
+    assert "the drive is off" in ended[0] or "stays off" in ended[0]
+
+
 def test_a_server_that_ends_is_a_lost_device() -> None:
     rig = at_seam("ni-usb-6001")
     rig.exchange(1.0)
-    rig.server.close()
+    rig.device.server.close()
     with pytest.raises(ProtectionTripError, match="does not answer"):
         rig.exchange(1.0)
 
@@ -146,7 +174,7 @@ def test_a_card_that_another_rig_uses_is_reserved() -> None:
     with at_seam("ni-usb-6001") as rig:
         rig.exchange(rig.sense_voltage_v)
         with pytest.raises(RigError, match="reserved by another program"):
-            NiDaqRig(wiring_of("ni-usb-6001").model_copy(update={"grpc": rig.server.address}))
+            open_rig(wiring_of("ni-usb-6001").model_copy(update={"grpc": rig.device.server.address}))
         assert rig.exchange(rig.sense_voltage_v).drive_voltage_v == rig.sense_voltage_v
 
 
@@ -160,7 +188,7 @@ def test_a_wrong_device_channel_or_setting_is_named() -> None:
         ):
             data = {**wiring.model_dump(), **changed, "grpc": server.address}
             with pytest.raises(RigError, match=expected) as caught:
-                NiDaqRig(type(wiring).model_validate(data))
+                open_rig(type(wiring).model_validate(data))
             assert "\n" not in str(caught.value)
     inputs = wiring.inputs.model_dump()
     inputs["wire_voltage"]["channel"] = "ai30"
@@ -171,21 +199,21 @@ def test_a_wrong_device_channel_or_setting_is_named() -> None:
 
 def test_no_server_at_the_address_is_said() -> None:
     with pytest.raises(RigError, match="gRPC device server does not answer") as caught:
-        NiDaqRig(wiring_of("ni-usb-6001").model_copy(update={"grpc": "127.0.0.1:9"}))
+        open_rig(wiring_of("ni-usb-6001").model_copy(update={"grpc": "127.0.0.1:9"}))
     assert "\n" not in str(caught.value)
 
 
 def test_without_the_driver_it_says_what_to_install() -> None:
     """Where NI's driver is installed, the card is asked for instead, and is not there."""
     with pytest.raises(RigError, match=r"is not installed on this machine|is not known to the driver") as caught:
-        NiDaqRig(wiring_of("ni-usb-6001").model_copy(update={"device": "NoSuchCard"}))
+        open_rig(wiring_of("ni-usb-6001").model_copy(update={"device": "NoSuchCard"}))
     assert "\n" not in str(caught.value)
 
 
 def test_without_the_package_it_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "nidaqmx", None)
     with pytest.raises(MissingExtraError, match=r"musclewire\[nidaq\]"):
-        NiDaqRig(wiring_of("ni-usb-6001"))
+        open_rig(wiring_of("ni-usb-6001"))
 
 
 def test_the_card_holds_its_last_voltage_when_its_program_ends() -> None:
@@ -204,7 +232,7 @@ def test_errors_of_a_channel_are_there_for_the_doctor_to_find() -> None:
     errors = {"ai0": (1.01, 0.004)}
     with (
         DaqServer(card_of(wiring, paced=False, errors=errors)) as server,
-        NiDaqRig(wiring.model_copy(update={"grpc": server.address})) as rig,
+        open_rig(wiring.model_copy(update={"grpc": server.address})) as rig,
     ):
         sample = rig.exchange(2.0)
     assert sample.wire_voltage_v == pytest.approx(1.01 * (2.0 - sample.shunt_voltage_v) + 0.004, abs=2e-3)
@@ -218,7 +246,7 @@ def test_the_server_prints_the_line_that_a_rig_file_needs() -> None:
         assert server.stdout is not None
         try:
             line = next(line for line in server.stdout if line.startswith("grpc = "))
-            with NiDaqRig(wiring_of("ni-pci-6229").model_copy(update=tomllib.loads(line))) as rig:
+            with open_rig(wiring_of("ni-pci-6229").model_copy(update=tomllib.loads(line))) as rig:
                 assert rig.exchange(rig.sense_voltage_v).shunt_voltage_v > 0.01
         finally:
             server.terminate()  # or the block would wait for ever for a server that nobody ends

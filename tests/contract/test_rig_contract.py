@@ -6,20 +6,23 @@ A real rig joins by a factory in RIGS; its wire is assumed to be cold and at res
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from tests.contract.nidaq_rigs import NIDAQ_COLD_OHM, NIDAQ_RIGS
+from tests.contract.outside_device import OUTSIDE_COLD_OHM, OUTSIDE_RIGS
 from tests.contract.replay_rigs import REPLAY_COLD_OHM, REPLAY_RIGS, replayed
 from tests.contract.serial_rigs import SERIAL_COLD_OHM, SERIAL_RIGS
 
 from musclewire.errors import CallerError, RigError
+from musclewire.rigs.abilities import stage_of
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.protocol import HasStage, Rig
-from musclewire.signals.samples import RawSample
+from musclewire.rigs.protocol import Rig
+from musclewire.signals.samples import REFERENCE_COLUMNS, RawSample
 
 
 def pulling(*parts: dict[str, str]) -> Callable[[], Rig]:
@@ -51,6 +54,7 @@ COLD_OHM = {
     **NIDAQ_COLD_OHM,
     **SERIAL_COLD_OHM,
     **REPLAY_COLD_OHM,
+    **OUTSIDE_COLD_OHM,
 }
 # What the hot wire does within ten seconds: strain, and force beyond that of the cold wire [N]. A mount of 1e6 N/m lets
 # a wire pull, a cold antagonist must be stretched first, a weight stays what it is, and fingers that meet pull harder.
@@ -76,7 +80,7 @@ EMULATED = {*NIDAQ_RIGS, *SERIAL_RIGS}
 @pytest.fixture(
     params=[
         pytest.param(name, marks=pytest.mark.emulated) if name in EMULATED else name
-        for name in sorted([*RIGS, *REPLAY_RIGS])
+        for name in sorted([*RIGS, *REPLAY_RIGS, *OUTSIDE_RIGS])
     ]
 )
 def name(request: pytest.FixtureRequest) -> str:
@@ -85,6 +89,8 @@ def name(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture
 def rig(name: str, request: pytest.FixtureRequest, tmp_path: Path) -> Rig:
+    if name in OUTSIDE_RIGS:
+        return OUTSIDE_RIGS[name](tmp_path)
     return replayed(REPLAY_RIGS[name], request, tmp_path) if name in REPLAY_RIGS else RIGS[name]()
 
 
@@ -211,13 +217,11 @@ def mean_ohm_per_shunt_ohm(samples: list[RawSample]) -> float:
     return sum(sample.wire_voltage_v for sample in samples) / sum(sample.shunt_voltage_v for sample in samples)
 
 
-def test_no_kind_of_rig_has_an_exchange_of_its_own(rig: Rig) -> None:
-    """What keeps the wire safe stands in GuardedRig.exchange: no script and no kind of rig passes it by accident."""
+def test_every_rig_is_the_one_guard_around_a_device(rig: Rig) -> None:
+    """What keeps the wire safe is in GuardedRig.exchange: no script and no kind of device passes it by accident."""
     with rig:
-        assert isinstance(rig, GuardedRig)
-        assert type(rig).exchange is GuardedRig.exchange
-        assert type(rig).make_safe is GuardedRig.make_safe
-        assert type(rig).close is GuardedRig.close
+        assert type(rig) is GuardedRig
+        assert set(vars(rig)) == set(vars(open_rig("simulated")))
 
 
 def test_limits_and_sizes_make_sense(rig: Rig) -> None:
@@ -237,17 +241,17 @@ def test_the_metadata_say_what_a_recording_needs(rig: Rig) -> None:
 
 
 def test_a_rig_with_a_stage_takes_another_pretension(rig: Rig, name: str) -> None:
-    """Rigs without a stage that software can move say so by their type, or one whose parts leave none by refusing."""
-    if not isinstance(rig, HasStage):
-        assert not hasattr(rig, "set_pretension")
+    """Rigs without a stage that software can move say so, or one whose parts leave none by refusing."""
+    stage = stage_of(rig)
+    if stage is None:
         return
     if name in WITHOUT_STAGE:
         before = rig.metadata()
         with pytest.raises(CallerError, match="is the pretension"):
-            rig.set_pretension(2.5)
+            stage.set_pretension(2.5)
         assert rig.metadata() == before
         return
-    rig.set_pretension(2.5)
+    stage.set_pretension(2.5)
     assert rig.metadata()["pretension_n"] == pytest.approx(2.5)
 
 
@@ -268,12 +272,62 @@ def test_a_refused_voltage_latches_the_drive_off(rig: Rig) -> None:
 
 
 def test_moving_the_stage_switches_the_drive_off_and_more_than_the_wire_allows_is_refused(rig: Rig, name: str) -> None:
-    if name in WITHOUT_STAGE or not isinstance(rig, HasStage):
+    stage = stage_of(rig)
+    if name in WITHOUT_STAGE or stage is None:
         return
     with rig:
         rig.exchange(rig.drive_amplitude_v)
-        rig.set_pretension(1.5)
+        stage.set_pretension(1.5)
         assert rig.drive_voltage_v == 0.0
         for pretension_n in (-0.1, 20.0, math.nan):
             with pytest.raises(CallerError, match="pretension"):
-                rig.set_pretension(pretension_n)
+                stage.set_pretension(pretension_n)
+
+
+def test_another_thread_may_close_a_rig_that_exchanges_and_the_exchange_ends_with_an_error(rig: Rig) -> None:
+    """At whatever moment: nothing is put out after it."""
+    exchanges, begun, ended = 0, threading.Event(), []
+
+    def exchange_until_it_fails() -> None:
+        nonlocal exchanges
+        try:
+            while True:
+                rig.exchange(1.0)
+                exchanges += 1
+                if exchanges == 5:
+                    begun.set()
+        except RigError as error:
+            ended.append(error)
+
+    thread = threading.Thread(target=exchange_until_it_fails)
+    thread.start()
+    assert begun.wait(60.0)
+    rig.close()
+    assert rig.drive_voltage_v == 0.0
+    thread.join(5.0)
+    assert not thread.is_alive()
+    assert len(ended) == 1
+    assert "\n" not in str(ended[0])
+    assert rig.drive_voltage_v == 0.0
+    with pytest.raises(RigError, match="stays off"):
+        rig.exchange(1.0)
+
+
+def test_a_device_confirms_0_v_once_and_for_all_and_puts_nothing_out_after_it(rig: Rig) -> None:
+    """By the device's own door, as the guard uses it."""
+    assert isinstance(rig, GuardedRig)
+    rig.exchange(1.0)
+    assert rig.device.off() is rig.device.off() is True
+    assert rig.drive_voltage_v == 0.0
+    with pytest.raises(RigError):
+        rig.exchange(1.0)
+    assert rig.drive_voltage_v == 0.0
+
+
+def test_a_devices_facts_do_not_change_while_it_is_open(rig: Rig) -> None:
+    assert isinstance(rig, GuardedRig)
+    before = rig.device.facts
+    with rig:
+        rig.exchange(1.0)
+        assert rig.device.facts == before
+        assert set(before.reference_columns) <= set(REFERENCE_COLUMNS)

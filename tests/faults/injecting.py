@@ -22,12 +22,12 @@ from tests.faults.table import FaultRow
 
 from musclewire.errors import MusclewireError
 from musclewire.experiment.run import Decision, run_on_rig
-from musclewire.rigs.configuration import rig_configuration
-from musclewire.rigs.guarded import ProtectionTripError
+from musclewire.rigs.configuration import open_rig, rig_configuration
+from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs.serial.configuration import SerialConfiguration
 from musclewire.rigs.serial.frames import Frame, encode_frame
 from musclewire.rigs.serial.messages import MessageKind
-from musclewire.rigs.serial.rig import SerialRig
+from musclewire.rigs.serial.rig import SerialDevice
 from musclewire.signals.commands import Command, Drive, Target
 from musclewire.signals.recording import Recording
 from musclewire.signals.samples import RawSample
@@ -117,8 +117,8 @@ def scripted_run(board: EmulatedBoard, row: FaultRow, path: Path, patience_s: fl
     seen = 0
     beside: list[threading.Thread] = []
     try:
-        with mounted(board.port_url, row, patience_s).open() as rig:
-            assert isinstance(rig, SerialRig)
+        with open_rig(mounted(board.port_url, row, patience_s)) as rig:
+            assert isinstance(rig.device, SerialDevice)
             if row.inject == "from the start":
                 outcome.since = now(board, row)
 
@@ -166,7 +166,7 @@ def showed_s(recording: Recording, row: FaultRow) -> float:
     return float(recording["time_s"][max(int(beyond[0]) - 1, 0)]) if beyond.size else 0.0
 
 
-def inject(board: EmulatedBoard, rig: SerialRig, policy: ConstantDrive, row: FaultRow) -> None:
+def inject(board: EmulatedBoard, rig: GuardedRig, policy: ConstantDrive, row: FaultRow) -> None:
     """Cause a row's fault now."""
     given = dict(row.arguments)
     ways: dict[str, Callable[[], object]] = {
@@ -190,16 +190,16 @@ def inject(board: EmulatedBoard, rig: SerialRig, policy: ConstantDrive, row: Fau
     ways[row.inject]()
 
 
-def send(rig: SerialRig, frame: Frame) -> None:
+def send(rig: GuardedRig, frame: Frame) -> None:
     """Put a frame on the rig's own line, past all that the host would check."""
-    rig._board._line.write(encode_frame(frame))
+    rig.device._board._line.write(encode_frame(frame))
 
 
-def flood(rig: SerialRig) -> None:
+def flood(rig: GuardedRig) -> None:
     """Write what another program might: bytes without meaning, for as long as the line takes them."""
     chance = random.Random(1)
     for _ in range(40):
-        rig._board._line.write(bytes(chance.choice(b"\0ab\xff\x55") for _ in range(100)))
+        rig.device._board._line.write(bytes(chance.choice(b"\0ab\xff\x55") for _ in range(100)))
 
 
 def rig_text(port: str, row: FaultRow) -> str:

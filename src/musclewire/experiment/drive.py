@@ -10,6 +10,7 @@ from pathlib import Path
 
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.run import Decision, OnSample, Policy, run_on_rig
+from musclewire.rigs.abilities import true_state_of
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.resistance import wire_resistance
 from musclewire.signals.commands import Command, Drive
@@ -141,9 +142,9 @@ def drive_wire(
         policy = HeldCurrent(
             current_a, rig.sense_voltage_v, limit_v, rig.shunt_resistance_ohm, rig.sample_period_s, on_s
         )
-    truth = getattr(rig, "wire_state", None)
+    truth = true_state_of(rig)
     if truth is not None:
-        policy = WithThermometer(policy, lambda: float(rig.wire_state.temperature_k))  # type: ignore[attr-defined]
+        policy = WithThermometer(policy, lambda: float(truth.wire_state.temperature_k))
     described: dict[str, MetadataValue] = {"experiment": "drive", "on_s": on_s}
     described |= {} if supply_v is None else {"supply_v": supply_v}
     described |= {} if current_a is None else {"held_current_a": current_a}

@@ -16,8 +16,9 @@ from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
 from musclewire.experiment.staircases import staircase_within
 from musclewire.identify.recordings import COLUMN_SUFFIX
+from musclewire.rigs.abilities import on_board_loop_of
+from musclewire.rigs.device import HasOnBoardLoop
 from musclewire.rigs.protocol import Rig
-from musclewire.rigs.serial.rig import SerialRig
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.commands import Command, Target
 from musclewire.signals.samples import RawSample
@@ -28,9 +29,18 @@ __all__ = ["control_on_board"]
 class TargetPolicy:
     """Hands out the reference's targets and records what the board estimates; it controls nothing."""
 
-    def __init__(self, rig: SerialRig, model: SensingModel, reference: Reference, approach_s: float) -> None:
+    def __init__(
+        self,
+        loop: HasOnBoardLoop,
+        model: SensingModel,
+        reference: Reference,
+        *,
+        sample_period_s: float,
+        approach_s: float,
+    ) -> None:
         """Begin with the reference's first target, which the approach holds."""
-        self._rig, self._model, self._reference, self._approach_s = rig, model, reference, approach_s
+        self._loop, self._model, self._reference = loop, model, reference
+        self._sample_period_s, self._approach_s = sample_period_s, approach_s
         suffix = COLUMN_SUFFIX[model.quantity]
         self._target_name, self._estimated_name = f"target_{suffix}", f"estimated_{suffix}"
 
@@ -46,9 +56,9 @@ class TargetPolicy:
     def after(self, _sample: RawSample, elapsed_s: float) -> Decision:
         """Return the next target, with what the board made of the sample that has just ended."""
         since_s = elapsed_s - self._approach_s
-        judged = self._reference.target_at(max(since_s - self._rig.sample_period_s, 0.0))
-        resistance_ohm = self._rig.board_resistance_ohm or 0.0
-        estimate = self._rig.board_estimate
+        judged = self._reference.target_at(max(since_s - self._sample_period_s, 0.0))
+        resistance_ohm = self._loop.board_resistance_ohm or 0.0
+        estimate = self._loop.board_estimate
         valid = resistance_ohm > 0.0 and self._model.estimate(resistance_ohm).valid
         return Decision(
             self._target_at(max(since_s, 0.0)),
@@ -82,12 +92,13 @@ def control_on_board(
     Returns the recording with its metrics, the estimate being the board's. Raises CallerError for a rig without a
     board, a board that was built for another model or controller, and a target outside the model's range.
     """
-    if not isinstance(rig, SerialRig):
+    loop = on_board_loop_of(rig)
+    if loop is None:
         raise CallerError("only a board with musclewire's firmware closes the loop itself: this rig has none")
-    if rig.identity.model_checksum != checksum:
+    if loop.model_checksum != checksum:
         raise CallerError(
             f"the board's firmware was built for another model or controller (checksum "
-            f"{rig.identity.model_checksum:08x}, this model's is {checksum:08x}): build it with this model "
+            f"{loop.model_checksum:08x}, this model's is {checksum:08x}): build it with this model "
             "(firmware/build.py --model) and flash it"
         )
     chosen = staircase_within(model) if reference is None else reference
@@ -95,7 +106,7 @@ def control_on_board(
     check_same_wire(model, rig)
     recording = run_on_rig(
         rig,
-        TargetPolicy(rig, model, chosen, approach_s),
+        TargetPolicy(loop, model, chosen, sample_period_s=rig.sample_period_s, approach_s=approach_s),
         approach_s + chosen.duration_s,
         metadata={"experiment": "closed loop on the board", "quantity": model.quantity, "approach_s": approach_s},
         path=path,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 
@@ -15,7 +15,9 @@ from musclewire.experiment.open_loop import SlowSine, characterize
 from musclewire.experiment.run import OnSample, file_in
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
 from musclewire.identify.recordings import QUANTITIES
-from musclewire.rigs.protocol import HasStage, Rig
+from musclewire.rigs.abilities import stage_of
+from musclewire.rigs.device import HasStage
+from musclewire.rigs.protocol import Rig
 from musclewire.signals.recording import Recording
 
 if TYPE_CHECKING:
@@ -82,9 +84,15 @@ class PretensionSweep:
             if shown:
                 axes.plot(*zip(*shown, strict=True), style, color=COLOURS[quantity], label=f"{quantity} gap")
         axes.axvline(self.best.pretension_n, color="0.7", linewidth=1.0, zorder=0)
-        at: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "xytext": (4, 0), "textcoords": "offset points"}
-        best_n = self.best.pretension_n
-        axes.annotate(f"best {best_n:.2f} N", (best_n, 0.97), va="top", color="0.35", **at)
+        axes.annotate(
+            f"best {self.best.pretension_n:.2f} N",
+            (self.best.pretension_n, 0.97),
+            xycoords=("data", "axes fraction"),
+            xytext=(4, 0),
+            textcoords="offset points",
+            va="top",
+            color="0.35",
+        )
         axes.set(xlabel="pretension $F_p$ [N]", ylabel="hysteresis gap [% of maximum]", ylim=(0.0, None))
         axes.legend(frameon=False)
         return axes
@@ -176,12 +184,13 @@ def checked_stage(rig: Rig, quantity: str) -> HasStage:
     """Return the stage of a rig. Raises CallerError for a rig without one, or an unknown quantity."""
     if quantity not in QUANTITIES:
         raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
-    if not isinstance(rig, HasStage):
+    stage = stage_of(rig)
+    if stage is None:
         raise CallerError(
             "the stage of this rig is moved by hand: set each pretension, run 'musclewire characterize', and "
             "compare the gaps that 'musclewire fit' prints"
         )
-    return rig
+    return stage
 
 
 def check_rows(rows: Sequence[PretensionRow], failures: Sequence[str], quantity: str) -> None:

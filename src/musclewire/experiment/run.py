@@ -16,11 +16,11 @@ from typing import NamedTuple, Protocol
 from musclewire.errors import CallerError
 from musclewire.experiment.recorder import Recorder
 from musclewire.experiment.timing import LoopTiming
-from musclewire.rigs.guarded import GuardedRig
+from musclewire.rigs.abilities import exchange_times_of, protection_limits_of
 from musclewire.rigs.protocol import Rig
 from musclewire.signals.commands import Command
 from musclewire.signals.recording import MetadataValue, Recording
-from musclewire.signals.samples import RawSample
+from musclewire.signals.samples import ELECTRICAL_COLUMNS, REFERENCE_COLUMNS, RawSample
 
 __all__ = ["Decision", "OnSample", "Policy", "file_in", "refuse_unusable", "run_on_rig"]
 
@@ -30,7 +30,6 @@ Exchange = Callable[[Command], RawSample]
 PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
 # A block takes some milliseconds to write, on a busy machine over ten: in shorter periods another process writes it.
 LEAST_PERIOD_FOR_DISK_S = 0.02
-REFERENCE_COLUMNS = RawSample._fields[4:]
 
 
 class Decision(NamedTuple):
@@ -102,12 +101,11 @@ def run_on_rig(
     first: RawSample | None = None
     try:
         command = policy.first_command()
-        # Asked by name: also a rig behind another one, whose drive must not wait for a file to be made, tells them.
-        instruments = getattr(rig, "reference_columns", None)
-        if instruments is None:  # then the first sample tells
+        instruments = rig.reference_columns
+        if instruments is None:  # then the first sample shows them
             first = exchange(command)
             instruments = tuple(name for name in REFERENCE_COLUMNS if getattr(first, name) is not None)
-        columns = [*RawSample._fields[:4], *instruments, *policy.columns]
+        columns = [*ELECTRICAL_COLUMNS, *instruments, *policy.columns]
         with recorder_for(rig, columns, described, path, overwrite) as recorder, few_collections():
             try:
                 first = exchange(command) if first is None else first
@@ -138,12 +136,12 @@ def follow(
         # sees it, so that a replay of the recording shows it the very same time.
         elapsed_s = round(sample.time_s - start_s, 9)
         decision = policy.after(sample, elapsed_s)
-        row = dict(zip(RawSample._fields, sample, strict=True))
+        row = sample._asdict()
         row.update(decision.columns, time_s=elapsed_s)
         recorder.append(row)
         if on_sample is not None:
             called_ns = perf_counter_ns()
-            on_sample(row)  # type: ignore[arg-type]  # None only where an instrument gave nothing
+            on_sample(row)
             timing.called_back(perf_counter_ns() - called_ns)
         if left > 1:
             sample = exchange(decision.command)
@@ -151,11 +149,12 @@ def follow(
 
 def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
     """Return the rig's exchange, with its times noted: the rig's own where it tells them, as it judges each sample."""
-    if isinstance(rig, GuardedRig):
+    times = exchange_times_of(rig)
+    if times is not None:
 
         def exchange(command: Command) -> RawSample:
             sample = rig.exchange(command)
-            timing.sampled(rig.drive_at_ns, rig.sample_at_ns)
+            timing.sampled(times.drive_at_ns, times.sample_at_ns)
             return sample
     else:
 
@@ -179,7 +178,7 @@ def recorder_for(
 
 def what_protects(rig: Rig) -> dict[str, MetadataValue]:
     """Return the limits a rig is protected by; a replay of the recording is held to the same."""
-    protection = getattr(rig, "protection_limits", None)
+    protection = protection_limits_of(rig)
     limits = {} if protection is None else protection._asdict()
     return {"drive_amplitude_v": rig.drive_amplitude_v, **{f"limit_{name}": value for name, value in limits.items()}}
 

@@ -30,8 +30,9 @@ from musclewire.identify.sizing import (
 from musclewire.parameters.catalogue import CatalogueRow, catalogue_names, catalogue_row, class_of
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.parameters.schema import Wire
-from musclewire.rigs.configuration import RigConfiguration, open_rig, with_settings
+from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.mounted import LimitsTable
+from musclewire.rigs.simulated_configuration import with_settings
 from musclewire.signals.recording import Recording
 
 __all__ = ["BENCH", "SupplySizing", "DriveNumbers", "SupplyRequest", "size_supply", "drive_numbers", "plan_supply"]

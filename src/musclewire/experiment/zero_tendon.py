@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.rigs.protocol import HasTendonStage, Rig
+from musclewire.rigs.abilities import tendon_stage_of
+from musclewire.rigs.protocol import Rig
 
 __all__ = ["TendonZero", "zero_tendon"]
 
@@ -61,12 +62,13 @@ def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
     ----------
     Lan and Fan 2010, section 4.2.
     """
-    if not isinstance(rig, HasTendonStage):
+    stage = tendon_stage_of(rig)
+    if stage is None:
         raise CallerError("the finger's stage of this rig is moved by hand: turn it until the force begins to rise")
     positions = start_slack_m + np.linspace(FARTHEST_SLACK_M, -FARTHEST_PULL_M, POSITIONS)
     forces, spread = np.empty(POSITIONS), 0.0
     for index, slack_m in enumerate(positions):
-        rig.set_tendon_slack(float(slack_m))
+        stage.set_tendon_slack(float(slack_m))
         readings = [rig.exchange(rig.sense_voltage_v).force_n for _ in range(SAMPLES_EACH)]
         if None in readings:
             raise CallerError("this rig has no load cell: the tendon's zero cannot be found by force")
@@ -78,7 +80,7 @@ def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
             f"{1e3 * (positions[0] - positions[-1]):.2f} mm: is the tendon attached, and the stage near its zero?"
         )
     kink_m, slope = hinge(-positions, forces)
-    rig.set_tendon_slack(-kink_m)
+    stage.set_tendon_slack(-kink_m)
     return TendonZero(-kink_m, slope, positions, forces)
 
 

@@ -1,11 +1,11 @@
-"""The base of every rig: no drive goes out and no sample comes back except through the protection table."""
+"""The rig: a device, and the protection table before and after each of its samples."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from threading import RLock
 from time import perf_counter_ns
 from types import TracebackType
-from typing import Self, final
+from typing import NoReturn, Self, final
 
 from musclewire.controllers.protection import (
     Event,
@@ -22,8 +22,8 @@ from musclewire.controllers.protection import (
     rested,
     tripped_by,
 )
-from musclewire.errors import CallerError, RigError
-from musclewire.physics.circuit import series_resistance_ohm
+from musclewire.errors import CallerError, NumericsError, RigError
+from musclewire.rigs.device import Device, HasOnBoardLoop, Missing
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.commands import Command, Drive, Target, as_command, drive_voltage_of
 from musclewire.signals.samples import RawSample
@@ -46,107 +46,99 @@ class ProtectionTripError(RigError):
         self.event = event
 
 
-class GuardedRig(ABC):
-    """A rig below whose ``exchange`` the protection table stands, so that no script passes it by accident.
+@final
+class GuardedRig:
+    """A device behind the protection table, so that no script, policy or experiment passes it by accident.
 
-    A kind of rig says how one sample is taken (``_exchange``), how its output goes to the sense voltage (``_put_safe``)
-    and how it is switched off for good (``_switch_off``). Everything else, what may be out and when it must go off, is
-    decided here, for all of them alike.
+    The only rig there is, simulated or real; :func:`musclewire.open_rig` makes it. The device says how one sample is
+    taken and how its output goes off; what may be out and when it must go off is decided here, for all of them alike.
 
-    ``drive_at_ns`` and ``sample_at_ns`` are when the last drive was handed to the output and when its sample was there
-    (``time.perf_counter_ns``): between a sample and the next drive lies all that the host computes, the protection too.
+    One thread exchanges. ``close`` may be called from another one while a sample is awaited: the drive goes off, and
+    the exchange ends with a RigError.
+
+    Attributes
+    ----------
+    device
+        What is guarded. Its abilities are looked up by ``musclewire.rigs.abilities``; whoever drives it directly, as
+        an emulator does that stands in for a circuit, passes the protection by on purpose.
+    drive_at_ns, sample_at_ns
+        When the last drive was handed to the output and when its sample was there (``time.perf_counter_ns``): between
+        a sample and the next drive lies all that the host computes, the protection too.
     """
 
-    drive_at_ns = 0
-    sample_at_ns = 0
+    def __init__(self, device: Device) -> None:
+        """Arm the protection with the limits of the device's wire and circuit.
 
-    _guard: ProtectionState
-    _guard_limits: ProtectionLimits
-    _block_s: float
-    _block_drive_v: float
-    _block_wire_v: float
-    _block_shunt_v: float
-    _last_time_s: float | None
-    _off_for_good: bool
-    # A kind of rig says False in ``_switch_off`` where its device has not confirmed that 0 V is out.
-    _off_confirmed = True
+        Parameters
+        ----------
+        device
+            An open device with 0 V out. It is switched off here if its limits are refused.
 
-    def protect_with(self, limits: ProtectionLimits) -> None:
-        """Arm the protection with the limits of wire and circuit; a kind of rig calls this when it has been opened.
-
-        Raises CallerError for limits that cannot belong to a wire.
+        Raises
+        ------
+        CallerError
+            For limits that cannot belong to a wire.
         """
-        self._guard_limits = limits.checked()
-        self._guard = armed(limits)
-        self._last_time_s = None
-        self._off_for_good = False
+        self.device = device
+        self._facts = device.facts
+        try:
+            self._limits = self._facts.limits.checked()
+        except CallerError:
+            device.off()
+            raise
+        self._accepts_targets = isinstance(device, HasOnBoardLoop)
+        self._guard = armed(self._limits)
+        # Held whenever the protection's state is read and written, never while a sample is awaited.
+        self._deciding = RLock()
+        self._last_time_s: float | None = None
+        self._off_for_good, self._off_confirmed = False, True
+        self.drive_at_ns = self.sample_at_ns = 0
         self._start_block()
 
     @property
-    @abstractmethod
     def sample_period_s(self) -> float:
-        """Time between samples."""
+        """Time between samples [s]."""
+        return self._facts.sample_period_s
 
     @property
-    @abstractmethod
     def paced(self) -> bool:
         """Whether samples come at the pace of a real clock."""
+        return self._facts.paced
 
     @property
     def sense_voltage_v(self) -> float:
-        """Drive voltage that heats the wire by little and still lets its resistance be measured."""
-        return self._guard_limits.sense_voltage_v
+        """Drive voltage [V] that heats the wire by little and still lets its resistance be measured."""
+        return self._limits.sense_voltage_v
 
     @property
     def maximum_voltage_v(self) -> float:
-        """Highest drive voltage this rig allows."""
-        return self._guard_limits.maximum_voltage_v
+        """Highest drive voltage [V] this rig allows."""
+        return self._limits.maximum_voltage_v
 
     @property
-    @abstractmethod
     def drive_amplitude_v(self) -> float:
-        """Amplitude at which this rig's wire completes its transformation in a slow sine."""
+        """Amplitude [V] at which this rig's wire completes its transformation in a slow sine."""
+        return self._facts.drive_amplitude_v
 
     @property
     def shunt_resistance_ohm(self) -> float:
-        """R of Eq. 1."""
-        return self._guard_limits.shunt_resistance_ohm
+        """R of Eq. 1 [ohm]."""
+        return self._limits.shunt_resistance_ohm
 
     @property
-    @abstractmethod
     def leg_length_m(self) -> float:
-        """Length whose relative shortening is the strain: one leg of the V."""
+        """Length whose relative shortening is the strain [m]: one leg of the V."""
+        return self._facts.leg_length_m
 
     @property
-    @abstractmethod
+    def reference_columns(self) -> tuple[str, ...]:
+        """Names of the reference instruments."""
+        return self._facts.reference_columns
+
+    @property
     def drive_voltage_v(self) -> float:
-        """Drive voltage that is out now."""
-
-    @abstractmethod
-    def metadata(self) -> Metadata:
-        """Return what a recording should say about this rig."""
-
-    @property
-    def reference_columns(self) -> tuple[str, ...] | None:
-        """Names of the reference instruments; None where only the first sample tells."""
-        return None
-
-    @property
-    def accepts_targets(self) -> bool:
-        """Whether the device has a closed loop of its own, to which targets go."""
-        return False
-
-    @abstractmethod
-    def _exchange(self, command: Command) -> RawSample:
-        """Follow a command that the protection allows for one sample period; return the sample at its end."""
-
-    @abstractmethod
-    def _put_safe(self) -> None:
-        """Go to the sense voltage at once; never raises."""
-
-    @abstractmethod
-    def _switch_off(self) -> None:
-        """Put out 0 V and let go of the hardware; may be called twice; never raises."""
+        """Drive voltage [V] that is out now."""
+        return self.device.drive_voltage_v
 
     @property
     def protection(self) -> ProtectionState:
@@ -156,9 +148,16 @@ class GuardedRig(ABC):
     @property
     def protection_limits(self) -> ProtectionLimits:
         """The limits that the protection table is held against."""
-        return self._guard_limits
+        return self._limits
 
-    @final
+    def __repr__(self) -> str:
+        """Say what is guarded."""
+        return f"GuardedRig({self.device!r})"
+
+    def metadata(self) -> Metadata:
+        """Return what a recording is to say about this rig."""
+        return self.device.metadata()
+
     def exchange(self, command: Command | float) -> RawSample:
         """Follow a command for one sample period and return the sample at its end.
 
@@ -178,135 +177,160 @@ class GuardedRig(ABC):
         Raises
         ------
         RigError
-            With the drive switched off, for a voltage outside 0 to the maximum and for every event of the protection
-            table that trips. Whatever else is raised leaves the rig at its sense voltage.
+            With the drive switched off, for a voltage outside 0 to the maximum, for every event of the protection table
+            that trips, and if another thread has closed the rig. Whatever else is raised leaves the rig at its sense
+            voltage.
+        NumericsError
+            With the drive switched off, from a simulation that cannot go on.
         CallerError
-            For a target where the device has no closed loop of its own.
+            For a target if the device has no closed loop of its own.
         """
-        if self._off_for_good:
-            raise RigError("this rig is closed or has failed and stays off: open it again")
-        allowed = self._allowed(as_command(command))
-        self.drive_at_ns = perf_counter_ns()
-        try:
-            sample = self._exchange(allowed)
-        except RigError:
-            self.close()  # whatever a device reports as its fault ends off, not at the sense voltage
-            raise
-        except BaseException:
-            self.make_safe()  # Ctrl-C, or a mistake in a kind of rig: nobody may be there to ask for less
-            raise
-        self.sample_at_ns = perf_counter_ns()
-        if isinstance(allowed, Target):
-            # The protection judges what the device put out as if the host had commanded it.
-            chosen_v = min(sample.drive_voltage_v, self.maximum_voltage_v)
-            self._guard = protect_command(self._guard, self._guard_limits, chosen_v)
-        self._judge(sample)
+        with self._deciding:
+            if self._off_for_good:
+                raise RigError("this rig is closed or has failed and stays off: open it again")
+            allowed = self._allowed(as_command(command))
+        sample = self._awaited(allowed)
+        with self._deciding:
+            if self._off_for_good:
+                self._end_as_switched_off()
+            if isinstance(allowed, Target):
+                # The protection judges what the device put out as if the host had commanded it.
+                self._commanded(min(sample.drive_voltage_v, self.maximum_voltage_v))
+            self._judge(sample)
         return sample
 
     def _allowed(self, command: Command) -> Command:
         """Return what may go out of a command. Raises as ``exchange`` does for one that never may."""
-        if isinstance(command, Target) and self.accepts_targets:
+        if self._accepts_targets and isinstance(command, Target):
             return command
         try:
             drive_voltage_v = drive_voltage_of(command)
         except CallerError:
             self.make_safe()
             raise
-        self._guard = protect_command(self._guard, self._guard_limits, drive_voltage_v)
+        self._commanded(drive_voltage_v)
         if self._guard.state is State.TRIPPED:
             self.close()
             raise ProtectionTripError(
                 f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; {self._off_in_words()}",
                 Event.COMMAND_REFUSED,
             )
-        return Drive(allowed_drive_v(self._guard, self._guard_limits))
+        return self._allowed_drive()
+
+    def _commanded(self, drive_voltage_v: float) -> None:
+        self._guard = protect_command(self._guard, self._limits, drive_voltage_v)
+
+    def _allowed_drive(self) -> Drive:
+        """Return the drive that may be out now."""
+        return Drive(allowed_drive_v(self._guard, self._limits), self._guard.state is not State.RUN)
+
+    def _awaited(self, command: Command) -> RawSample:
+        """Return the sample of a command; while it is missing, the table decides what is out and how long to wait."""
+        self.drive_at_ns = perf_counter_ns()
+        waited_s = 0.0
+        while True:
+            try:
+                answer = self.device.exchange(command)
+            except (RigError, NumericsError):
+                self._end_unless_switched_off()
+                raise
+            except BaseException:
+                self.make_safe()  # Ctrl-C, or a mistake in a device: nobody may be there to ask for less
+                raise
+            if isinstance(answer, RawSample):
+                self.sample_at_ns = perf_counter_ns()
+                return answer
+            with self._deciding:
+                if self._off_for_good:
+                    self._end_as_switched_off()
+                if not isinstance(answer, Missing):
+                    self._trip(answer.event, answer.details)
+                if answer.sample is None and not answer.missing_s > waited_s:
+                    self._trip(Event.DEVICE_LOST, f"the device waits and its clock stands at {answer.missing_s:.3f} s")
+                waited_s = answer.missing_s
+                self._miss(answer)
+                command = self._allowed_drive()
+            if answer.sample is not None:
+                self.sample_at_ns = perf_counter_ns()
+                return answer.sample
+
+    def _miss(self, missing: Missing) -> None:
+        """Let the protection hold, go to the sense voltage or trip, by how long something has been missing in all."""
+        self._guard = protect_missing(self._guard, missing.event, missing.missing_s)
+        if self._guard.state is State.TRIPPED:
+            self._trip(missing.event, f"missing for {missing.missing_s:.3f} s")
 
     def _judge(self, sample: RawSample) -> None:
         """Run the protection over a sample; readings faster than the table's period are averaged first."""
-        period_s = self.sample_period_s
+        period_s = self._facts.sample_period_s
         if self._last_time_s is not None and not sample.time_s > self._last_time_s:
-            self.trip(Event.CLOCK_BACKWARDS, f"{sample.time_s:.6f} s after {self._last_time_s:.6f} s")
+            self._trip(Event.CLOCK_BACKWARDS, f"{sample.time_s:.6f} s after {self._last_time_s:.6f} s")
         self._last_time_s = sample.time_s
-        share = period_s / (self._block_s + period_s)
+        weight = period_s / (self._block_s + period_s)
         self._block_s += period_s
-        self._block_drive_v += share * (sample.drive_voltage_v - self._block_drive_v)
-        self._block_wire_v += share * (sample.wire_voltage_v - self._block_wire_v)
-        self._block_shunt_v += share * (sample.shunt_voltage_v - self._block_shunt_v)
+        self._block_drive_v += weight * (sample.drive_voltage_v - self._block_drive_v)
+        self._block_wire_v += weight * (sample.wire_voltage_v - self._block_wire_v)
+        self._block_shunt_v += weight * (sample.shunt_voltage_v - self._block_shunt_v)
         if self._block_s < protection_table().reading_period_s - 1e-9:
             return
-        self._guard = protect_reading(
-            self._guard,
-            self._guard_limits,
-            self._block_drive_v,
-            self._block_wire_v,
-            self._block_shunt_v,
-            self._block_s,
-        )
-        wire_v, shunt_v, drive_v = self._block_wire_v, self._block_shunt_v, self._block_drive_v
+        drive_v, wire_v, shunt_v = self._block_drive_v, self._block_wire_v, self._block_shunt_v
+        self._guard = protect_reading(self._guard, self._limits, drive_v, wire_v, shunt_v, self._block_s)
         self._start_block()
         if self._guard.state is State.TRIPPED:
-            self.trip(self._guard.event, f"at {sample.time_s:.3f} s: {self._measured(drive_v, wire_v, shunt_v)}")
+            self._trip(self._guard.event, f"at {sample.time_s:.3f} s: {self._measured(drive_v, wire_v, shunt_v)}")
 
     def _start_block(self) -> None:
         self._block_s = self._block_drive_v = self._block_wire_v = self._block_shunt_v = 0.0
 
     def _measured(self, drive_v: float, wire_v: float, shunt_v: float) -> str:
         """Return what was measured when the protection tripped."""
-        resistance_ohm = series_resistance_ohm(wire_v, shunt_v, self.shunt_resistance_ohm) if shunt_v else None
-        ohm = "" if resistance_ohm is None else f", {resistance_ohm:.3f} ohm"
-        return f"drive {drive_v:.3f} V, wire {wire_v:.4f} V, shunt {shunt_v:.4f} V{ohm}, {self._warmth()}"
+        ohm = f", {wire_v / shunt_v * self.shunt_resistance_ohm:.3f} ohm" if shunt_v else ""
+        warmth = f"estimated {self._guard.temperature_k - 273.15:.0f} C"
+        return f"drive {drive_v:.3f} V, wire {wire_v:.4f} V, shunt {shunt_v:.4f} V{ohm}, {warmth}"
 
-    def _warmth(self) -> str:
-        return f"estimated {self._guard.temperature_k - 273.15:.0f} C"
-
-    def miss(self, event: Event, missing_s: float) -> None:
-        """Tell the protection that a sample has been missing for so long in all: it holds, senses, then trips.
-
-        Raises RigError when it trips.
-        """
-        self._guard = protect_missing(self._guard, event, missing_s)
-        if self._guard.state is State.TRIPPED:
-            self.trip(event, f"missing for {missing_s:.3f} s")
-
-    def drive_when_late(self, drive_voltage_v: float, late_s: float) -> float:
-        """Return what may be out after a sample has been due for ``late_s`` before its drive was commanded.
-
-        The old drive was held meanwhile; later than the table's ``sense_after_s`` the new one is not followed.
-        Raises RigError, with the drive switched off, when it is too late (event ``sample_late``).
-        """
-        if late_s <= 0.0:
-            return drive_voltage_v
-        self.miss(Event.SAMPLE_LATE, late_s)
-        return allowed_drive_v(self._guard, self._guard_limits)
-
-    def trip(self, event: Event, details: str = "") -> None:
+    def _trip(self, event: Event, details: str) -> NoReturn:
         """Switch the drive off for good and raise the RigError of an event; the first cause stays."""
         self._guard = tripped_by(self._guard, event)
         self.close()
         row = protection_table().row(event)
-        where = f" ({details})" if details else ""
         off = "0 V was ordered" if event is Event.OUTPUT_STUCK else self._off_in_words()
-        raise ProtectionTripError(f"{row.name}: {row.cause}{where}; {off}; {row.remedy}", event)
+        raise ProtectionTripError(f"{row.name}: {row.cause} ({details}); {off}; {row.remedy}", event)
+
+    def _end_unless_switched_off(self) -> None:
+        """Switch off after trouble that the device reports; if another thread did, that is the reason to give."""
+        with self._deciding:
+            if self._off_for_good:
+                self._end_as_switched_off()
+            self.close()
+
+    def _end_as_switched_off(self) -> NoReturn:
+        raise RigError(f"this rig was closed while a sample was awaited; {self._off_in_words()}") from None
 
     def _off_in_words(self) -> str:
         return "the drive is off" if self._off_confirmed else NOT_CONFIRMED
 
     def make_safe(self) -> None:
         """Go to the sense voltage at once; a rig that is off for good stays off; never raises."""
-        if not self._off_for_good:
-            self._put_safe()
-            self._forget_readings()
+        with self._deciding:
+            if self._off_for_good:
+                return
+            if self.device.sense():
+                self.forget_readings()
+            else:
+                self.close()  # what cannot be put to the sense voltage goes off
 
-    def _forget_readings(self) -> None:
+    def forget_readings(self) -> None:
         """Begin anew after a pause, or after the wire was changed: the next reading is compared with none before."""
-        self._guard = rested(self._guard, self._guard_limits)
-        self._start_block()
+        with self._deciding:
+            self._guard = rested(self._guard, self._limits)
+            self._start_block()
 
     def close(self) -> None:
-        """Switch the drive off and let go of the hardware; may be done twice."""
-        self._off_for_good = True
-        self._guard = closed(self._guard)
-        self._switch_off()
+        """Switch the drive off and let go of the hardware; may be done twice, and from another thread."""
+        with self._deciding:
+            self._off_for_good = True
+            self._guard = closed(self._guard)
+            self._off_confirmed = self.device.off()
 
     def __enter__(self) -> Self:
         """Return the rig itself."""
@@ -315,7 +339,7 @@ class GuardedRig(ABC):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Switch the drive off. Raises RigError where all went well and the device does not confirm the end."""
+        """Switch the drive off. Raises RigError if all went well and the device does not confirm the end."""
         was_on = not self._off_for_good
         self.close()
         if kind is None and was_on and not self._off_confirmed:

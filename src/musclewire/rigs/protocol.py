@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import Protocol, Self, runtime_checkable
+from typing import Protocol, Self
 
 from musclewire.signals.commands import Command
 from musclewire.signals.samples import RawSample
 
-__all__ = ["HasStage", "HasTendonStage", "Metadata", "Rig"]
+__all__ = ["Metadata", "Rig"]
 
 Metadata = dict[str, str | int | float | bool | None]
 
@@ -60,6 +60,11 @@ class Rig(Protocol):
         """Drive voltage that is out now."""
         ...
 
+    @property
+    def reference_columns(self) -> tuple[str, ...] | None:
+        """Names of the reference instruments; None if only the first sample shows them."""
+        ...
+
     def metadata(self) -> Metadata:
         """Return what a recording should say about this rig."""
         ...
@@ -88,22 +93,4 @@ class Rig(Protocol):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Switch the drive off."""
-        ...
-
-
-@runtime_checkable
-class HasStage(Protocol):
-    """A rig whose linear stage can be set by software."""
-
-    def set_pretension(self, pretension_n: float) -> None:
-        """Move the stage until the cold wire carries this force, both legs together."""
-        ...
-
-
-@runtime_checkable
-class HasTendonStage(Protocol):
-    """A rig whose second stage carries the finger: it lets the tendon hang through or draws it taut."""
-
-    def set_tendon_slack(self, slack_m: float) -> None:
-        """Move the finger's stage until the tendon hangs through by this much; below 0 it is drawn taut."""
         ...

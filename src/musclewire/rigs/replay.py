@@ -9,29 +9,28 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from musclewire.controllers.protection import ProtectionLimits, State
+from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import RecordingError, RigError
 from musclewire.parameters.validation import validated
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.hardware import HardwareConfiguration
+from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts
+from musclewire.rigs.kinds import DeviceConfiguration, DeviceKind
 from musclewire.rigs.mounted import LimitsTable, Metres, MountedWire, Newtons, Ohms, Volts
 from musclewire.rigs.protocol import Metadata
-from musclewire.signals.commands import Command, drive_voltage_of
+from musclewire.signals.commands import Command, Drive, drive_voltage_of
 from musclewire.signals.reading import read_hdf5, read_recording
 from musclewire.signals.recording import Recording
-from musclewire.signals.samples import RawSample
+from musclewire.signals.samples import REFERENCE_COLUMNS, RawSample
 
-__all__ = ["ReplayConfiguration", "ReplayRig"]
+__all__ = ["REPLAY", "ReplayConfiguration", "ReplayDevice"]
 
 # What a recording says of its own run and not of its rig: the run on the replay says it anew.
 OF_THE_RUN = {"experiment", "ended", "start_time", "software_version", "pace", "scheduling", "deadline_misses"}
 OF_THE_RUN_TOO = ("limit_", "drift_", "compute_", "latency_", "jitter_", "replay_")
 # A recording that does not tell its channels' ranges cannot show that one is at its end.
 UNKNOWN_RANGE_V = 1e6
-INSTRUMENTS = RawSample._fields[4:]
 
 
-class ReplayConfiguration(HardwareConfiguration):
+class ReplayConfiguration(DeviceConfiguration):
     """A rig file with ``kind = "replay"``: a recording, and what it does not say of its rig itself.
 
     ``wire``, ``wire_length``, ``legs``, ``shunt``, ``sense_voltage``, ``maximum_voltage``, ``drive_amplitude`` and
@@ -60,16 +59,12 @@ class ReplayConfiguration(HardwareConfiguration):
     pretension: Newtons | None = None
     limits: LimitsTable = LimitsTable()
 
-    def open(self) -> ReplayRig:
-        """Return the rig. Raises RecordingError for a recording that cannot be read or does not tell enough."""
-        return ReplayRig(self)
-
     def beside(self, folder: Path) -> Self:
         """Return the configuration with recording and wire file found beside the rig file."""
         return super().beside(folder).model_copy(update={"recording": str(folder / self.recording)})
 
 
-class ReplayRig(GuardedRig):
+class ReplayDevice:
     """Hands out the samples of a recording in their order; what is driven only decides whether they still fit.
 
     A replay heats nothing: it repeats what a wire answered to the drives of the recording. So every drive is compared
@@ -77,7 +72,7 @@ class ReplayRig(GuardedRig):
     """
 
     def __init__(self, configuration: ReplayConfiguration) -> None:
-        """Read the recording and arm the protection with the limits of the rig it was taken on.
+        """Read the recording and the limits of the rig it was taken on.
 
         Raises RecordingError where it cannot be read or does not tell enough.
         """
@@ -86,15 +81,22 @@ class ReplayRig(GuardedRig):
         recording = as_recorded(self._path)
         self._known = known_of(recording, configuration)
         self._samples = samples_of(recording, self._path, float(self._of_rig("shunt_resistance_ohm", "shunt")))
-        self._instruments = tuple(name for name in INSTRUMENTS if name in recording)
-        self._drive_amplitude_v = float(self._of_rig("drive_amplitude_v", "drive_amplitude"))
-        self._leg_length_m = float(self._of_rig("leg_length_m", "wire_length and legs"))
+        period_s = float(self._of_rig("sample_period_s", "nothing: a recording of two samples or more"))
+        amplitude_v = float(self._of_rig("drive_amplitude_v", "drive_amplitude"))
+        self._facts = DeviceFacts(
+            sample_period_s=period_s,
+            paced=False,  # no clock: samples come as fast as they are asked for
+            leg_length_m=float(self._of_rig("leg_length_m", "wire_length and legs")),
+            drive_amplitude_v=amplitude_v,
+            limits=self._limits(period_s, amplitude_v),
+            reference_columns=tuple(name for name in REFERENCE_COLUMNS if name in recording),
+        )
+        self._off = False
         self._next = 0
         self._drive_voltage_v = 0.0
         self._differences = 0
         self._largest_difference_v = 0.0
         self._first_difference_s: float | None = None
-        self.protect_with(self._limits())
 
     def _of_rig(self, key: str, name: str) -> float | str:
         """Return what must be known of the recorded rig; ``name`` is what the rig file calls it."""
@@ -103,7 +105,7 @@ class ReplayRig(GuardedRig):
             raise RecordingError(f"{self._path} does not say its {key}: give {name} in the rig file of the replay")
         return value
 
-    def _limits(self) -> ProtectionLimits:
+    def _limits(self, sample_period_s: float, drive_amplitude_v: float) -> ProtectionLimits:
         """Return the limits of the recorded rig; without any those that follow from wire and circuit."""
         given = self._configuration.limits.changed()
         names = ProtectionLimits._fields
@@ -115,8 +117,8 @@ class ReplayRig(GuardedRig):
             "shunt": self._of_rig("shunt_resistance_ohm", "shunt"),
             "sense_voltage": self._of_rig("limit_sense_voltage_v", "sense_voltage"),
             "maximum_voltage": self._of_rig("limit_maximum_voltage_v", "maximum_voltage"),
-            "drive_amplitude": self._drive_amplitude_v,
-            "sample_period": self.sample_period_s,
+            "drive_amplitude": drive_amplitude_v,
+            "sample_period": sample_period_s,
             "limits": self._configuration.limits.model_dump(),
         }
         mounted = validated(MountedWire, facts, f"replay of {self._path}")
@@ -125,34 +127,14 @@ class ReplayRig(GuardedRig):
         )
 
     @property
-    def sample_period_s(self) -> float:
-        """Time between samples."""
-        return float(self._of_rig("sample_period_s", "nothing: a recording of two samples or more"))
-
-    @property
-    def paced(self) -> bool:
-        """No clock: samples come as fast as they are asked for."""
-        return False
-
-    @property
-    def drive_amplitude_v(self) -> float:
-        """Amplitude of the slow sine on the recorded rig."""
-        return self._drive_amplitude_v
-
-    @property
-    def leg_length_m(self) -> float:
-        """Length of one leg."""
-        return self._leg_length_m
+    def facts(self) -> DeviceFacts:
+        """What the recording and the rig file say of the recorded rig."""
+        return self._facts
 
     @property
     def drive_voltage_v(self) -> float:
         """Drive voltage that was out in the recording at this place."""
         return self._drive_voltage_v
-
-    @property
-    def reference_columns(self) -> tuple[str, ...]:
-        """Names of the reference instruments in the recording."""
-        return self._instruments
 
     @property
     def samples_left(self) -> int:
@@ -161,7 +143,7 @@ class ReplayRig(GuardedRig):
 
     def __repr__(self) -> str:
         """Say what is played and how far it is."""
-        return f"ReplayRig({self._path}, {self._next} of {len(self._samples)} samples)"
+        return f"ReplayDevice({self._path}, {self._next} of {len(self._samples)} samples)"
 
     def metadata(self) -> Metadata:
         """Return what the recording says of its rig, and how the replay has gone so far."""
@@ -180,7 +162,7 @@ class ReplayRig(GuardedRig):
             "replay_first_difference_s": self._first_difference_s,
         }
 
-    def _exchange(self, command: Command) -> RawSample:
+    def exchange(self, command: Command) -> Answer:
         """Return the next sample of the recording. Raises RigError at its end, and for another drive than recorded."""
         if self._next == len(self._samples):
             ended = str(self._known.get("ended", "for a reason it does not say"))
@@ -189,10 +171,13 @@ class ReplayRig(GuardedRig):
             )
         sample = self._samples[self._next]
         # While readings are missing the protection decides what is out, here as on the recorded rig.
-        if self._guard.state is State.RUN:
+        if not (isinstance(command, Drive) and command.by_protection):
             self._compare(drive_voltage_of(command), sample)
         self._next += 1
         self._drive_voltage_v = sample.drive_voltage_v
+        if self._off:  # looked at after it was put out, so that 0 V is the last word whichever thread comes first
+            self._drive_voltage_v = 0.0
+            return SWITCHED_OFF
         return sample
 
     def _compare(self, drive_voltage_v: float, sample: RawSample) -> None:
@@ -211,11 +196,16 @@ class ReplayRig(GuardedRig):
         if self._first_difference_s is None:
             self._first_difference_s = sample.time_s
 
-    def _put_safe(self) -> None:
-        self._drive_voltage_v = self.sense_voltage_v
+    def sense(self) -> bool:
+        """Let the sense voltage be out."""
+        self._drive_voltage_v = self._facts.limits.sense_voltage_v
+        return True
 
-    def _switch_off(self) -> None:
+    def off(self) -> bool:
+        """Let 0 V be out."""
+        self._off = True
         self._drive_voltage_v = 0.0
+        return True
 
 
 def as_recorded(path: Path) -> Recording:
@@ -263,7 +253,10 @@ def samples_of(recording: Recording, path: Path, shunt_resistance_ohm: float) ->
         raise RecordingError(f"{path} has neither 'shunt_voltage_v' nor 'wire_current_a': a replay needs one of them")
     columns = [recording[name].tolist() for name in ("time_s", "drive_voltage_v", "wire_voltage_v")]
     columns.append(shunt_v.tolist())
-    for name in INSTRUMENTS:
+    for name in REFERENCE_COLUMNS:
         values = recording[name].tolist() if name in recording else [math.nan] * len(recording)
         columns.append([None if math.isnan(value) else value for value in values])
     return [RawSample(*row) for row in zip(*columns, strict=True)]
+
+
+REPLAY = DeviceKind(ReplayConfiguration, ReplayDevice)

@@ -1,4 +1,4 @@
-"""A bench as a rig that needs no hardware: wires, what they pull, circuit, acquisition, instruments, air."""
+"""A bench as a device that needs no hardware: wires, what they pull, circuit, acquisition, instruments, air."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.physics.circuit import series_resistance_ohm
 from musclewire.physics.heat import convection_range_note
+from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Missing
+from musclewire.rigs.device import Fault as DeviceFault
 from musclewire.rigs.faults import Fault, Faults
-from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.instruments import Instruments
 from musclewire.rigs.load_parts import Contact, Finger, Part, Pretensioner, SecondFinger, Spring, Weight
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
@@ -27,10 +28,10 @@ from musclewire.signals.samples import RawSample
 from musclewire.simulate.loads import spring_load
 from musclewire.simulate.state import WireState
 
-__all__ = ["SimulatedRig"]
+__all__ = ["SimulatedDevice"]
 
 
-class SimulatedRig(GuardedRig):
+class SimulatedDevice:
     """A simulated wire on a simulated bench, repeatable to the bit for one seed.
 
     It hands out what the real instruments would: voltages in steps of the converter with its noise, a
@@ -69,13 +70,22 @@ class SimulatedRig(GuardedRig):
         self._weather = None if air.still else Weather(air, seed)
         self._check_pretension(self._bench["pretension_n"])
         self._tendon_slack_m: float | None = None
+        self._leg_length_m = self._bench["wire_length_m"] / self._bench["legs"]
         self._mechanism = self._mechanism_at(self._bench["pretension_n"], None)
         self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
         self._drive_voltage_v = 0.0
-        self.protect_with(simulated_limits(alloy, wire, self._bench, self._parts, limits))
-        self._faults = Faults(faults)
+        self._off = self._late_reported = False
+        self._facts = DeviceFacts(
+            sample_period_s=self._bench["sample_period_s"],
+            paced=real_time,
+            leg_length_m=self._leg_length_m,
+            drive_amplitude_v=self._wire_values["drive_amplitude_v"],
+            limits=simulated_limits(alloy, wire, self._bench, self._parts, limits).checked(),
+            reference_columns=self._instruments_there(),
+        )
+        self._faults = Faults(faults) if faults else None
         self._wire_ohm = self._wire_values["resistance_per_metre_ohm_per_m"] * self._bench["wire_length_m"]
-        self._pacer = Pacer(self.sample_period_s) if real_time else None
+        self._pacer = Pacer(self._bench["sample_period_s"]) if real_time else None
         self._steps = self._steps_of_a_sample()
 
     def _mechanism_at(self, pretension_n: float, tendon_slack_m: float | None) -> Mechanism:
@@ -85,7 +95,7 @@ class SimulatedRig(GuardedRig):
         return mechanism_of(
             self._parts,
             pretension_n=pretension_n,
-            leg_length_m=self.leg_length_m,
+            leg_length_m=self._leg_length_m,
             object_between=any(isinstance(part, SecondFinger) for part in self._parts),
             tendon_slack_m=tendon_slack_m,
         )
@@ -100,24 +110,9 @@ class SimulatedRig(GuardedRig):
         return round(ratio)
 
     @property
-    def sample_period_s(self) -> float:
-        """Time between samples."""
-        return self._bench["sample_period_s"]
-
-    @property
-    def paced(self) -> bool:
-        """Whether samples wait for the clock."""
-        return self._pacer is not None
-
-    @property
-    def drive_amplitude_v(self) -> float:
-        """Amplitude of the slow sine for this wire."""
-        return self._wire_values["drive_amplitude_v"]
-
-    @property
-    def leg_length_m(self) -> float:
-        """Length of one leg of the V."""
-        return self._bench["wire_length_m"] / self._bench["legs"]
+    def facts(self) -> DeviceFacts:
+        """What is known of the bench and its wire."""
+        return self._facts
 
     @property
     def drive_voltage_v(self) -> float:
@@ -139,9 +134,8 @@ class SimulatedRig(GuardedRig):
         """The same of a second wire; None where there is none."""
         return self._wires.partner_state if isinstance(self._wires, TwoWires) else None
 
-    @property
-    def reference_columns(self) -> tuple[str, ...]:
-        """Names of the reference instruments this bench has."""
+    def _instruments_there(self) -> tuple[str, ...]:
+        """Return the names of the reference instruments this bench has."""
         if self._mechanism.tendon is None:
             return ("displacement_m", "force_n")
         touches = any(isinstance(part, Contact) for part in self._parts)
@@ -151,7 +145,7 @@ class SimulatedRig(GuardedRig):
     def __repr__(self) -> str:
         """Say which wire, at what pretension, and what is out."""
         return (
-            f"SimulatedRig(wire {self._wire.name}, pretension {self._pretension_n:g} N, "
+            f"SimulatedDevice(wire {self._wire.name}, pretension {self._pretension_n:g} N, "
             f"drive {self._drive_voltage_v:.3f} V, at {self._wires.state.time_s:.2f} s)"
         )
 
@@ -163,13 +157,13 @@ class SimulatedRig(GuardedRig):
             "wire_diameter_m": self._wire.diameter_m.value,
             **self._convection_metadata(),
             "wire_length_m": self._bench["wire_length_m"],
-            "leg_length_m": self.leg_length_m,
-            "shunt_resistance_ohm": self.shunt_resistance_ohm,
+            "leg_length_m": self._leg_length_m,
+            "shunt_resistance_ohm": self._facts.limits.shunt_resistance_ohm,
             "maximum_force_n": self._wire.maximum_force_n.value,
             "force_limit_n": force_limit_n(self._wire, self._parts),
             "pretension_n": self._pretension_n,
             **self._load_metadata(),
-            "sample_period_s": self.sample_period_s,
+            "sample_period_s": self._facts.sample_period_s,
             "time_step_s": self._bench["time_step_s"],
             "grains": int(self._bench["grains"]),
             "new_wire": self._new_wire,
@@ -236,26 +230,33 @@ class SimulatedRig(GuardedRig):
         wires.age_like(self._wires)
         self._around, self._bench, self._tendon_slack_m = around, around.values(), tendon_slack_m
         self._mechanism, self._wires = mechanism, wires
-        self._forget_readings()
 
     def _check_pretension(self, pretension_n: float) -> None:
         allowed = self._wire_values["maximum_force_n"]
         if not 0.0 <= pretension_n <= allowed:
             raise CallerError(f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self._wire.name} allows")
 
-    def _exchange(self, command: Command) -> RawSample:
+    def exchange(self, command: Command) -> Answer:
         """Hold a drive voltage for one sample period and return the averaged readings at its end."""
-        drive_voltage_v = drive_voltage_of(command)
         if self._pacer is not None:
-            drive_voltage_v = self.drive_when_late(drive_voltage_v, self._pacer.late_s())
+            # How late the command comes is reported once; the guard then says what may still be out.
+            late_s = 0.0 if self._late_reported else self._pacer.late_s()
+            self._late_reported = late_s > 0.0
+            if self._late_reported:
+                return Missing(Event.SAMPLE_LATE, late_s)
         resolution = self._bench["amplifier_resolution_v"]
-        self._drive_voltage_v = resolution * round(drive_voltage_v / resolution)
+        self._drive_voltage_v = resolution * round(drive_voltage_of(command) / resolution)
+        if self._off:  # looked at after it was put out, so that 0 V is the last word whichever thread comes first
+            self._drive_voltage_v = 0.0
+            return SWITCHED_OFF
+        time_s = self._wires.state.time_s
+        if self._faults is not None and self._faults.device_lost(time_s):
+            return DeviceFault(Event.DEVICE_LOST, f"at {time_s:.2f} s, by the rig file's [[fault]]")
         if self._weather is not None:
-            air = self._weather.after(self._wires.state.time_s, self.sample_period_s)
+            air = self._weather.after(time_s, self._facts.sample_period_s)
             self._wires.surround(self._bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
-        means = self._advance_faulty() if self._faults else self._advance(self._drive_voltage_v)
+        means = self._advance(self._drive_voltage_v) if self._faults is None else self._advance_faulty(self._faults)
         if not math.isfinite(self._wires.state.temperature_k):
-            self.close()
             raise NumericsError(
                 f"the simulated wire left its numbers at {self._wires.state.time_s:.3f} s: make time_step_s smaller"
             )
@@ -266,25 +267,23 @@ class SimulatedRig(GuardedRig):
     def _advance(self, drive_voltage_v: float) -> Means:
         return self._wires.advance(drive_voltage_v, self._bench["time_step_s"], self._steps)
 
-    def _advance_faulty(self) -> Means:
+    def _advance_faulty(self, faults: Faults) -> Means:
         """Let the wire have the current that the faulty circuit leaves it; return what is at its terminals."""
-        time_s, shunt_ohm = self._wires.state.time_s, self.shunt_resistance_ohm
-        if self._faults.device_lost(time_s):
-            self.trip(Event.DEVICE_LOST, f"at {time_s:.2f} s, by the rig file's [[fault]]")
-        output_v = self._faults.output_v(self._drive_voltage_v, time_s)
-        current_a = self._faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s).wire_current_a
+        time_s, shunt_ohm = self._wires.state.time_s, self._facts.limits.shunt_resistance_ohm
+        output_v = faults.output_v(self._drive_voltage_v, time_s)
+        current_a = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s).wire_current_a
         means = self._advance(current_a * (self._wire_ohm + shunt_ohm))
         if means.shunt_voltage_v > 0.0:
             self._wire_ohm = series_resistance_ohm(means.wire_voltage_v, means.shunt_voltage_v, shunt_ohm)
-        seen = self._faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s)
+        seen = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s)
         return means._replace(wire_voltage_v=seen.wire_voltage_v, shunt_voltage_v=seen.shunt_voltage_v)
 
     def _read(self, means: Means) -> RawSample:
         """Return what the instruments say of a sample."""
         wire_voltage, shunt_voltage = self._instruments.voltages_v(means.wire_voltage_v, means.shunt_voltage_v)
         time_s = self._wires.state.time_s
-        if self._faults:
-            began_s = time_s - self.sample_period_s
+        if self._faults is not None:
+            began_s = time_s - self._facts.sample_period_s
             wire_voltage, shunt_voltage = self._faults.readings_v(wire_voltage, shunt_voltage, began_s)
             time_s = self._faults.clock_s(time_s)
         displacement_m, force_n = self._instruments.connector(means.displacement_m, means.force_n)
@@ -311,7 +310,6 @@ class SimulatedRig(GuardedRig):
         end_m = tendon.curve.tendon_travel_m[-1]
         travel_m = means.displacement_m + tendon.start_m - tendon.slack_m
         if travel_m > end_m:
-            self.close()
             raise RigError(
                 f"the tendon has travelled {1e3 * travel_m:.3f} mm, {1e3 * (travel_m - end_m):.3f} mm more than the "
                 f"finger's file tells ({1e3 * end_m:.3f} mm); the drive is off: drive less, or compute the finger on"
@@ -321,15 +319,18 @@ class SimulatedRig(GuardedRig):
 
     def _rest(self) -> None:
         """Expect no sample at any time until the next exchange."""
+        self._late_reported = False
         if self._pacer is not None:
             self._pacer.rest()
 
-    def _put_safe(self) -> None:
+    def sense(self) -> bool:
         """Go to the sense voltage at once."""
-        self._drive_voltage_v = self.sense_voltage_v
+        self._drive_voltage_v = self._facts.limits.sense_voltage_v
         self._rest()
+        return True
 
-    def _switch_off(self) -> None:
+    def off(self) -> bool:
         """Switch the drive off; a device that the rig file lets be lost confirms nothing."""
-        self._off_confirmed = not self._faults.device_lost(self._wires.state.time_s)
+        self._off = True
         self._drive_voltage_v = 0.0
+        return self._faults is None or not self._faults.device_lost(self._wires.state.time_s)

@@ -25,7 +25,8 @@ def hysteresis_gap(heating: AnyBranch, cooling: AnyBranch, points: int = 400, ma
     cooling
         The same of the other branch.
     points
-        k, the number of resistances compared, evenly spaced over the range that both branches have.
+        k, the number of resistances compared, evenly spaced over the range that both branches have. 400 are more than
+        curves have bends.
     maximum
         S_max, if the loop reaches further than the branches; their largest quantity if None.
 

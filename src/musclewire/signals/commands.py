@@ -10,9 +10,14 @@ __all__ = ["Command", "Drive", "Target", "as_command", "drive_voltage_of"]
 
 
 class Drive(NamedTuple):
-    """A drive voltage [V] that is put out for one sample period."""
+    """A drive voltage [V] that is put out for one sample period.
+
+    ``by_protection`` says that the protection chose this voltage instead of the one that was commanded, while readings
+    are missing; only a rig's guard sets it.
+    """
 
     voltage_v: float
+    by_protection: bool = False
 
 
 class Target(NamedTuple):

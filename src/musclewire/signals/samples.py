@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["RawSample"]
+__all__ = ["ELECTRICAL_COLUMNS", "REFERENCE_COLUMNS", "RawSample"]
 
 
 class RawSample(NamedTuple):
@@ -44,3 +44,8 @@ class RawSample(NamedTuple):
     ambient_temperature_k: float | None = None
     endpoint_displacement_m: float | None = None
     endpoint_force_n: float | None = None
+
+
+# What every rig gives, and the reference instruments that only some have: those that may be missing.
+ELECTRICAL_COLUMNS = tuple(name for name in RawSample._fields if name not in RawSample._field_defaults)
+REFERENCE_COLUMNS = tuple(RawSample._field_defaults)

@@ -24,6 +24,7 @@ class FakeRig:
     drive_amplitude_v = 3.2
     shunt_resistance_ohm = 1.0
     leg_length_m = LENGTH_M
+    reference_columns = None
 
     def __init__(self, *, fails_at: int | None = None, blind: range = range(0)) -> None:
         self.drive_voltage_v = 0.0

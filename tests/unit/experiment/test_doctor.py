@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.contract.altered_device import AlteredDevice
 
 import musclewire as mw
 from musclewire.app.doctor_command import document, text
 from musclewire.errors import CallerError
 from musclewire.experiment.doctor import Examination, examine
+from musclewire.rigs.abilities import true_state_of
+from musclewire.rigs.device import Answer
 from musclewire.signals.samples import RawSample
 
 Altered = Callable[[RawSample, int], RawSample]
@@ -28,9 +31,8 @@ def examined(altered: Altered | None = None, *, meters: dict[str, float] | None 
 
 
 def alter(rig: Any, altered: Altered) -> None:
-    taken = rig._exchange
     count: Iterator[int] = iter(range(10**9))
-    rig._exchange = lambda volts: altered(taken(volts), next(count))
+    rig.device = AlteredDevice(rig.device, lambda sample: altered(sample, next(count)))
 
 
 def scaled(wire: float = 1.0, shunt: float = 1.0, wire_v: float = 0.0, shunt_v: float = 0.0) -> Altered:
@@ -170,16 +172,16 @@ def test_nothing_above_the_sense_voltage_is_ever_put_out(fault: str) -> None:
 
 def test_the_wire_stays_cold() -> None:
     with mw.open_rig("simulated") as rig:
-        start_k = rig.wire_state.temperature_k
+        start_k = true_state_of(rig).wire_state.temperature_k
         examine(rig)
-        assert rig.wire_state.temperature_k - start_k < 1.5
+        assert true_state_of(rig).wire_state.temperature_k - start_k < 1.5
 
 
 def test_the_warming_it_computes_is_what_the_wire_shows() -> None:
     with mw.open_rig("simulated") as rig:
-        start_k = rig.wire_state.temperature_k
+        start_k = true_state_of(rig).wire_state.temperature_k
         found = examine(rig)
-        warmer_k = rig.wire_state.temperature_k - start_k
+        warmer_k = true_state_of(rig).wire_state.temperature_k - start_k
     said = next(check.value for check in found.findings.checks if check.name == "sense_warming_k")
     assert said == pytest.approx(warmer_k, rel=0.15)
 
@@ -225,13 +227,12 @@ def test_a_clock_that_runs_at_another_pace_is_found() -> None:
     with mw.open_rig("simulated") as rig:
         seconds = [0.0]
         paced = PacedInName(rig)
-        taken = rig._exchange
 
-        def slow(volts: float) -> RawSample:
+        def slow(answer: Answer) -> Answer:
             seconds[0] += 1.08 * rig.sample_period_s
-            return taken(volts)
+            return answer
 
-        rig._exchange = slow  # type: ignore[method-assign]
+        rig.device = AlteredDevice(rig.device, slow)
         found = examine(paced, clock=lambda: seconds[0])
     assert "clock_rate" in found.findings.failed
     assert next(c.value for c in found.findings.checks if c.name == "clock_rate") == pytest.approx(1.08, rel=1e-3)

@@ -16,7 +16,7 @@ from musclewire.experiment.closed_loop import control
 from musclewire.experiment.open_loop import characterize
 from musclewire.identify import fit
 from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.simulated import SimulatedRig
+from musclewire.rigs.guarded import GuardedRig
 
 SPRING = {"part": "spring", "stiffness": "386.2 N/m"}
 LOADS = {
@@ -45,7 +45,7 @@ JOBS = [
 ]
 
 
-def rig(load: str) -> SimulatedRig:
+def rig(load: str) -> GuardedRig:
     if load == "finger":
         return open_rig("finger")
     return open_rig(RigConfiguration(wire="finger-100um", bench="finger", load=LOADS[load]))  # type: ignore[arg-type]

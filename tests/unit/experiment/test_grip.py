@@ -95,7 +95,7 @@ def test_the_same_seed_grips_the_same_to_the_bit(knowledge: GripperKnowledge) ->
 
 
 def test_nothing_that_decides_reads_the_instruments(knowledge: GripperKnowledge) -> None:
-    from musclewire.signals import RawSample
+    from musclewire.signals.samples import REFERENCE_COLUMNS, RawSample
 
     class Blind:
         """The rig without its instruments."""
@@ -109,7 +109,7 @@ def test_nothing_that_decides_reads_the_instruments(knowledge: GripperKnowledge)
             return getattr(self._rig, name)
 
         def exchange(self, command: object) -> RawSample:
-            return RawSample(*self._rig.exchange(command)[:4])  # type: ignore[attr-defined]
+            return self._rig.exchange(command)._replace(**dict.fromkeys(REFERENCE_COLUMNS))  # type: ignore[attr-defined]
 
     seen = gripped(knowledge, Object(200.0, 4e-3), 5)
     with open_rig(with_object("gripper", Object(200.0, 4e-3)), seed=5) as rig:

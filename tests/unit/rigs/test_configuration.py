@@ -14,6 +14,7 @@ from musclewire.parameters import Parameter, load_alloy, load_bench, load_wire
 from musclewire.parameters.finger_file import finger_file_text, load_finger
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import wire_file_text
+from musclewire.rigs.abilities import true_state_of
 from musclewire.rigs.configuration import RigConfiguration, open_rig, read_rig_file, rig_names
 
 
@@ -71,8 +72,8 @@ def test_a_setting_is_in_si_or_carries_its_unit(given: float | str, newton: floa
 
 def test_a_temperature_may_be_given_in_celsius() -> None:
     cold, warm = (open_rig("simulated", ambient_temperature_k=t) for t in ("15 degC", 300.0))
-    assert cold.wire_state.temperature_k == pytest.approx(288.15)
-    assert warm.wire_state.temperature_k == pytest.approx(300.0)
+    assert true_state_of(cold).wire_state.temperature_k == pytest.approx(288.15)
+    assert true_state_of(warm).wire_state.temperature_k == pytest.approx(300.0)
 
 
 @pytest.mark.parametrize("given", ["1.7", "1.7 mm", "1.7 newtonns", "much", "nan N"])
@@ -192,10 +193,10 @@ def test_a_wire_file_is_a_wire_and_says_what_is_known_of_its_bench(tmp_path: Pat
     for rig in (open_rig("simulated", wire=str(path)), open_rig("simulated", wire=str(path), pretension_n=1.0)):
         assert rig.metadata()["wire"] == "mine"
         assert rig.metadata()["wire_diameter_m"] == 125e-6
-        assert rig._bench["guide_friction_n"] == 0.0123
+        assert rig.device._bench["guide_friction_n"] == 0.0123
     named = open_rig("simulated", wire=str(path), bench="dead-weight")
-    assert named._bench["guide_friction_n"] == load_bench("dead-weight").guide_friction_n.value
-    assert open_rig("simulated", wire=str(path), guide_friction_n=0.05)._bench["guide_friction_n"] == 0.05
+    assert named.device._bench["guide_friction_n"] == load_bench("dead-weight").guide_friction_n.value
+    assert open_rig("simulated", wire=str(path), guide_friction_n=0.05).device._bench["guide_friction_n"] == 0.05
 
 
 def test_a_rig_file_finds_its_wire_file_beside_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

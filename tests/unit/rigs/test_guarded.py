@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import pytest
+from tests.contract.altered_device import AlteredDevice
 
 from musclewire.controllers.protection import Event, State
 from musclewire.errors import RigError
+from musclewire.rigs.abilities import stage_of
 from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.rigs.device import Answer
 from musclewire.rigs.guarded import NOT_CONFIRMED, GuardedRig, ProtectionTripError
-from musclewire.signals.samples import RawSample
 
 
 def faulty(**fault: object) -> RigConfiguration:
@@ -29,7 +31,7 @@ def test_a_wire_that_was_cooled_between_two_runs_has_not_jumped() -> None:
     with open_rig("simulated") as rig:
         for _ in range(60):
             hot = rig.exchange(rig.drive_amplitude_v)
-        rig.set_pretension(1.0)
+        stage_of(rig).set_pretension(1.0)
         cold = rig.exchange(rig.sense_voltage_v)
         ratio = cold.wire_voltage_v / cold.shunt_voltage_v / (hot.wire_voltage_v / hot.shunt_voltage_v)
         assert ratio > 1.0 + rig.protection_limits.jump_share
@@ -60,17 +62,15 @@ def test_what_is_missing_goes_on_counting_through_a_pause() -> None:
 
 @pytest.mark.parametrize("raised", [KeyboardInterrupt, ZeroDivisionError])
 def test_whatever_breaks_into_an_exchange_leaves_the_sense_voltage(
-    raised: type[BaseException], monkeypatch: pytest.MonkeyPatch
+    raised: type[BaseException],
 ) -> None:
     with open_rig("simulated") as rig:
         rig.exchange(rig.drive_amplitude_v)
-        take = rig._exchange
 
-        def broken(drive_voltage_v: float) -> RawSample:
-            take(drive_voltage_v)
+        def broken(_answer: Answer) -> Answer:
             raise raised
 
-        monkeypatch.setattr(rig, "_exchange", broken)
+        rig.device = AlteredDevice(rig.device, broken)
         with pytest.raises(raised):
             rig.exchange(rig.drive_amplitude_v)
         assert rig.drive_voltage_v == rig.sense_voltage_v

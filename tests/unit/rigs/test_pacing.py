@@ -8,9 +8,8 @@ import pytest
 from musclewire.controllers.protection import Event, State
 from musclewire.rigs import pacing
 from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.guarded import ProtectionTripError
+from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs.pacing import SPIN_S, Pacer
-from musclewire.rigs.simulated import SimulatedRig
 
 READING_TAKES_S = 1e-6
 
@@ -42,7 +41,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 
 @pytest.fixture
-def rig(clock: Clock) -> SimulatedRig:  # noqa: ARG001
+def rig(clock: Clock) -> GuardedRig:  # noqa: ARG001
     return open_rig("simulated", real_time=True)
 
 
@@ -93,7 +92,7 @@ def test_without_real_time_nobody_looks_at_the_clock(clock: Clock) -> None:
     assert clock.looks == 0
 
 
-def test_in_real_time_samples_come_one_period_apart(clock: Clock, rig: SimulatedRig) -> None:
+def test_in_real_time_samples_come_one_period_apart(clock: Clock, rig: GuardedRig) -> None:
     returned = []
     with rig:
         for _ in range(5):
@@ -103,7 +102,7 @@ def test_in_real_time_samples_come_one_period_apart(clock: Clock, rig: Simulated
     assert np.diff(returned) == pytest.approx([rig.sample_period_s] * 4, abs=1e-5)
 
 
-def test_a_late_sample_does_not_shift_those_that_follow(clock: Clock, rig: SimulatedRig) -> None:
+def test_a_late_sample_does_not_shift_those_that_follow(clock: Clock, rig: GuardedRig) -> None:
     returned = []
     with rig:
         for late_s in (0.0, 0.07, 0.0, 0.0):
@@ -125,7 +124,7 @@ def test_a_late_sample_does_not_shift_those_that_follow(clock: Clock, rig: Simul
     ],
 )
 def test_a_late_host_is_answered_by_the_rule_of_the_table(
-    clock: Clock, rig: SimulatedRig, late_s: float, out_v: float
+    clock: Clock, rig: GuardedRig, late_s: float, out_v: float
 ) -> None:
     with rig:
         rig.exchange(1.0)
@@ -138,7 +137,7 @@ def test_a_late_host_is_answered_by_the_rule_of_the_table(
         assert sample.drive_voltage_v == pytest.approx(2.0, abs=1e-3)
 
 
-def test_a_host_that_comes_after_the_trip_time_finds_the_drive_off_for_good(clock: Clock, rig: SimulatedRig) -> None:
+def test_a_host_that_comes_after_the_trip_time_finds_the_drive_off_for_good(clock: Clock, rig: GuardedRig) -> None:
     with rig:
         rig.exchange(1.0)
         clock.now_s += rig.sample_period_s + 0.26
@@ -150,7 +149,7 @@ def test_a_host_that_comes_after_the_trip_time_finds_the_drive_off_for_good(cloc
         assert rig.drive_voltage_v == 0.0
 
 
-def test_a_rig_that_was_made_safe_may_be_left_alone(clock: Clock, rig: SimulatedRig) -> None:
+def test_a_rig_that_was_made_safe_may_be_left_alone(clock: Clock, rig: GuardedRig) -> None:
     """Between two runs nothing is driven above the sense voltage, so nothing is late."""
     with rig:
         rig.exchange(1.0)

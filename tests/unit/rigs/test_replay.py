@@ -15,7 +15,7 @@ from musclewire.errors import CallerError, RecordingError, RigError
 from musclewire.experiment.open_loop import WaveformPolicy
 from musclewire.experiment.run import run_on_rig
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs.replay import ReplayRig
+from musclewire.rigs.replay import ReplayDevice
 from musclewire.signals.recording import Recording
 from musclewire.signals.samples import RawSample
 
@@ -129,8 +129,8 @@ def test_the_protection_sees_what_went_wrong_in_a_recording_within_half_a_second
             play(rig, broken)
         assert caught.value.event is event
         assert rig.drive_voltage_v == 0.0
-        assert isinstance(rig, ReplayRig)
-        assert 20 < len(broken) - rig.samples_left <= 30
+        assert isinstance(rig.device, ReplayDevice)
+        assert 20 < len(broken) - rig.device.samples_left <= 30
 
 
 def test_the_metadata_are_those_of_the_recorded_rig(driven: Recording, replay: Replay) -> None:
@@ -186,6 +186,6 @@ def test_a_typo_in_the_rig_file_suggests_the_nearest_key(driven: Recording, repl
 
 def test_a_replay_cannot_be_paced(driven: Recording, replay: Replay) -> None:
     rig = replay(driven)
-    assert isinstance(rig, ReplayRig)
+    assert isinstance(rig.device, ReplayDevice)
     with pytest.raises(CallerError, match="has no clock: leave --real-time"):
-        mw.open_rig(rig._configuration, real_time=True)
+        mw.open_rig(rig.device._configuration, real_time=True)

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RigError
+from musclewire.rigs.abilities import stage_of, true_state_of
 from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_names
-from musclewire.rigs.simulated import SimulatedRig
+from musclewire.rigs.guarded import GuardedRig
 from musclewire.signals.samples import RawSample
 
 PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
@@ -34,14 +35,14 @@ LOADS: dict[str, list[dict[str, Any]]] = {
 }
 
 
-def rig(*parts: dict[str, Any], seed: int = 1, new_wire: bool = False, **changed: float) -> SimulatedRig:
+def rig(*parts: dict[str, Any], seed: int = 1, new_wire: bool = False, **changed: float) -> GuardedRig:
     settings = {"drive_amplitude_v": 1.8, "maximum_voltage_v": 3.6, **changed}
     return open_rig(
         RigConfiguration(bench="finger", load=list(parts), settings=settings, seed=seed, new_wire=new_wire)  # type: ignore[arg-type]
     )
 
 
-def held(opened: SimulatedRig, drive_v: float, samples: int = 100) -> list[RawSample]:
+def held(opened: GuardedRig, drive_v: float, samples: int = 100) -> list[RawSample]:
     return [opened.exchange(drive_v) for _ in range(samples)]
 
 
@@ -110,15 +111,15 @@ def test_beyond_the_fingers_curve_the_rig_stops_with_the_drive_off() -> None:
 def test_moving_the_stage_keeps_clock_and_cycles_of_every_wire(name: str) -> None:
     opened = rig(*LOADS[name], new_wire=True, **SILENT)
     held(opened, 3.2 if name == "two fingers" else 1.8)
-    time_s, cycles = opened.wire_state.time_s, opened.wire_state.cycles
-    partner = opened.partner_state
-    opened.set_pretension(1.1)
+    time_s, cycles = true_state_of(opened).wire_state.time_s, true_state_of(opened).wire_state.cycles
+    partner = true_state_of(opened).partner_state
+    stage_of(opened).set_pretension(1.1)
     assert cycles > 0.1
-    assert (opened.wire_state.time_s, opened.wire_state.cycles) == (time_s, cycles)
-    assert (partner is None) == (opened.partner_state is None)
-    if partner is not None and opened.partner_state is not None:
-        assert opened.partner_state.cycles == partner.cycles
-        assert opened.partner_state.time_s == time_s
+    assert (true_state_of(opened).wire_state.time_s, true_state_of(opened).wire_state.cycles) == (time_s, cycles)
+    assert (partner is None) == (true_state_of(opened).partner_state is None)
+    if partner is not None and true_state_of(opened).partner_state is not None:
+        assert true_state_of(opened).partner_state.cycles == partner.cycles
+        assert true_state_of(opened).partner_state.time_s == time_s
     sample = opened.exchange(0.0)
     assert sample.time_s == pytest.approx(time_s + opened.sample_period_s)
     assert sample.force_n == pytest.approx(1.1, rel=1e-3)
@@ -129,13 +130,13 @@ def test_a_rig_on_which_only_a_weight_hangs_refuses_the_stage() -> None:
     opened = rig({"part": "weight", "force": "70 gf"})
     assert opened.metadata()["pretension_n"] == pytest.approx(0.6864655)
     with pytest.raises(CallerError, match="a hanging weight is the pretension: change the part 'weight'"):
-        opened.set_pretension(1.0)
+        stage_of(opened).set_pretension(1.0)
 
 
 def test_a_refused_setting_leaves_the_rig_at_the_one_before() -> None:
     opened = rig(FINGER, **SILENT)
     with pytest.raises(CallerError, match="add a part 'pretensioner'"):
-        opened.set_pretension(3.0)
+        stage_of(opened).set_pretension(3.0)
     assert opened.metadata()["pretension_n"] == 0.71
     assert opened.exchange(0.0).force_n == pytest.approx(0.71, rel=1e-6)
 
@@ -145,7 +146,7 @@ def test_a_weight_beside_a_stage_counts_to_what_the_cold_wire_carries() -> None:
     assert opened.metadata()["pretension_n"] == pytest.approx(3.71)
     assert opened.exchange(0.0).force_n == pytest.approx(3.71, rel=1e-6)
     with pytest.raises(CallerError, match=r"N more than the 4\.601 N it allows"):
-        opened.set_pretension(2.0)
+        stage_of(opened).set_pretension(2.0)
 
 
 def test_parallel_wires_are_read_as_one_of_half_the_resistance_and_twice_the_force() -> None:

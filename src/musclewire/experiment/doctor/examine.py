@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple
 
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError, RigError
@@ -24,10 +24,12 @@ from musclewire.experiment.doctor.probing import LOW_SHARES, Level, OnProbe, Pro
 from musclewire.experiment.doctor.sense_checks import clock_findings, protection_findings, warmth_findings
 from musclewire.parameters.library import load_wire
 from musclewire.parameters.schema import Wire
+from musclewire.rigs.abilities import protection_limits_of
+from musclewire.rigs.guarded import ProtectionTripError
 from musclewire.rigs.protocol import Metadata, Rig
 from musclewire.signals.run_facts import RunFacts
 
-__all__ = ["Examination", "HasProtection", "examine", "examination_s"]
+__all__ = ["Examination", "examine", "examination_s"]
 
 ZERO_S, LOW_S, SENSE_S = 2.0, 1.0, 5.0
 AMBIENT_K = 295.15
@@ -48,16 +50,6 @@ STOPPING = frozenset(
         "resistance_in_window",
     }
 )
-
-
-@runtime_checkable
-class HasProtection(Protocol):
-    """A rig that tells the limits of its protection."""
-
-    @property
-    def protection_limits(self) -> ProtectionLimits:
-        """The limits that the protection table is held against."""
-        ...
 
 
 class Examination(NamedTuple):
@@ -113,9 +105,20 @@ def examine(
     subject = subject_of(rig)
     probe = Probe(rig, clock, on_sample)
     findings = identity_findings(subject) + protection_findings(subject.limits)
+    at_sense: Level | None = None
+    evidence: Evidence | None = None
     try:
-        evidence, at_sense, seen = probed(probe, subject, findings, hold_s)
+        low = look_low(probe, rig)
+        evidence, seen = low_findings(low, subject)
         findings += seen
+        if evidence is not None and probe.trouble is None and not STOPPING & findings.failed:
+            at_sense = probe.hold(rig.sense_voltage_v, hold_s)
+        if evidence is not None:
+            findings += sense_findings(evidence, at_sense, subject)
+        findings += trip_findings(probe.trouble)
+        timed = tuple(level for level in probe.levels if len(level.time_s) > 2)
+        if timed:
+            findings += clock_findings(timed, rig.sample_period_s, rig.paced)
     finally:
         rig.make_safe()
     found = calibrations(evidence, at_sense, meter_wire_v, meter_shunt_v) if evidence is not None else ()
@@ -126,35 +129,14 @@ def trip_findings(trouble: RigError | None) -> Findings:
     """Return whether the rig kept going: a trip of its protection names the cause better than any check here."""
     if trouble is None:
         return Findings((Check("rig_kept_going", True, "yes", "", "the protection had nothing to switch off"),))
-    event = getattr(trouble, "event", None)
-    cause = str(event.name).lower() if event is not None else "rig fault"
+    cause = trouble.event.name.lower() if isinstance(trouble, ProtectionTripError) else "rig fault"
     return Findings((Check("rig_kept_going", False, cause, "", str(trouble)),))
-
-
-def probed(
-    probe: Probe, subject: Subject, before: Findings, hold_s: float
-) -> tuple[Evidence | None, Level | None, Findings]:
-    """Return what the sense voltage and less show: evidence, the sense voltage's level if it was held, findings.
-
-    What was found ``before`` may forbid to hold it.
-    """
-    rig, at_sense = subject.rig, None
-    evidence, findings = low_findings(look_low(probe, rig), subject)
-    if evidence is not None and probe.trouble is None and not STOPPING & (before + findings).failed:
-        at_sense = probe.hold(rig.sense_voltage_v, hold_s)
-    if evidence is not None:
-        findings += sense_findings(evidence, at_sense, subject)
-    findings += trip_findings(probe.trouble)
-    timed = tuple(level for level in probe.levels if len(level.time_s) > 2)
-    if timed:
-        findings += clock_findings(timed, rig.sample_period_s, rig.paced)
-    return evidence, at_sense, findings
 
 
 def subject_of(rig: Rig) -> Subject:
     """Return a rig with what it says of its wire; what it does not say is None."""
     metadata = rig.metadata()
-    limits = rig.protection_limits if isinstance(rig, HasProtection) else None
+    limits = protection_limits_of(rig)
     facts = RunFacts(metadata, "this rig")
     length_m = facts.positive_or_none("wire_length_m")
     wire, why = known_wire(facts.text_or_none("wire"))

@@ -15,8 +15,8 @@ from musclewire.experiment.zero_tendon import TendonZero, zero_tendon
 from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_wire, read_published
 from musclewire.rigs.configuration import open_rig, simulated_configuration
+from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.load_parts import Pretensioner
-from musclewire.rigs.simulated import SimulatedRig
 from musclewire.sensing.model import SensingModel
 
 __all__ = ["COMMON_WIRE", "FINGER_RIG", "FINGER_WIRE", "FingerRuns", "pretension_n", "staircase_of_fig18"]
@@ -51,7 +51,7 @@ class FingerRuns:
         self._on_sample = on_sample
         self._loops: dict[tuple[str, float], Loop] = {}
 
-    def open(self, wire: str = FINGER_WIRE, force_n: float | None = None) -> SimulatedRig:
+    def open(self, wire: str = FINGER_WIRE, force_n: float | None = None) -> GuardedRig:
         """Open the rig with a wire at a pretension; another wire gets the voltages that suit this length."""
         own = load_wire(FINGER_WIRE).values()
         return open_rig(

@@ -14,7 +14,8 @@ from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.run import OnSample
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
 from musclewire.identify.recordings import required_quantity, resistance_reading
-from musclewire.rigs.simulated import SimulatedRig
+from musclewire.rigs.abilities import required_true_state
+from musclewire.rigs.protocol import Rig
 from musclewire.sensing.branches import Branch, single_valued
 from musclewire.signals.recording import Recording
 
@@ -78,12 +79,12 @@ class Loop:
         return up, down
 
 
-def loop_on(rig: SimulatedRig, on_sample: OnSample, amplitude_v: float | None = None) -> Loop:
+def loop_on(rig: Rig, on_sample: OnSample, amplitude_v: float | None = None) -> Loop:
     """Return the slow sine of an open rig, with what the simulated wire's resistance truly was."""
-    truth: list[float] = []
+    wire, truth = required_true_state(rig), list[float]()
 
     def note(row: Mapping[str, float]) -> None:
-        truth.append(rig.wire_state.resistance_ohm)
+        truth.append(wire.wire_state.resistance_ohm)
         on_sample(row)
 
     recording = characterize(rig, amplitude_v=amplitude_v, cycles=CYCLES, on_sample=note)

@@ -18,18 +18,15 @@ channel = "ai1"
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError
-from musclewire.rigs.hardware import HardwareConfiguration
+from musclewire.rigs.kinds import DeviceConfiguration
 from musclewire.rigs.mounted import LivePeriod, MountedWire
 from musclewire.rigs.nidaq.channels import Layout, Scale, layout_of
 from musclewire.rigs.quantities import measured_in
-
-if TYPE_CHECKING:
-    from musclewire.rigs.nidaq.rig import NiDaqRig
 
 __all__ = ["DisplacementInput", "ForceInput", "Inputs", "NiDaqConfiguration", "Output", "Terminal", "VoltageInput"]
 
@@ -160,7 +157,7 @@ class Output(BaseModel):
         return Scale(self.gain, self.offset)
 
 
-class NiDaqConfiguration(HardwareConfiguration, MountedWire):
+class NiDaqConfiguration(DeviceConfiguration, MountedWire):
     """A rig file of an NI card; the wire's keys are those of every real rig (``MountedWire``).
 
     Attributes:
@@ -209,9 +206,3 @@ class NiDaqConfiguration(HardwareConfiguration, MountedWire):
         """Return how a sample period is divided. Raises CallerError where the numbers do not fit together."""
         clocked = self.output_timing == "hardware"
         return layout_of(self.sample_period, self.reading_rate, self.readings, clocked=clocked)
-
-    def open(self) -> NiDaqRig:
-        """Return the open rig at 0 V. Raises MissingExtraError without nidaqmx, RigError without the card."""
-        from musclewire.rigs.nidaq.rig import NiDaqRig
-
-        return NiDaqRig(self)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import time
 import weakref
 from contextlib import suppress
-from typing import NoReturn
+from threading import RLock
+from typing import NamedTuple
 
 from musclewire.controllers.protection import Event, protection_table
 from musclewire.errors import RigError
-from musclewire.rigs.guarded import GuardedRig
+from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Fault, Missing
+from musclewire.rigs.kinds import DeviceKind
 from musclewire.rigs.nidaq.channels import Span
 from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
 from musclewire.rigs.nidaq.driver import Card, InputStream, OutputSettings
@@ -20,7 +22,7 @@ from musclewire.rigs.protocol import Metadata
 from musclewire.signals.commands import Command, drive_voltage_of
 from musclewire.signals.samples import RawSample
 
-__all__ = ["NiDaqRig"]
+__all__ = ["NIDAQ", "NiDaqDevice", "Silence"]
 
 # What the driver keeps of readings that nobody fetches: a first run may compile for so long at the sense voltage [s].
 BUFFER_S = 30.0
@@ -41,16 +43,31 @@ COLUMNS = {
 }
 
 
-class NiDaqRig(GuardedRig):
+class OffMeanwhileError(RigError):
+    """Another thread has switched off."""
+
+
+class Silence(NamedTuple):
+    """Seconds of a silent host after which the guardian goes to the sense voltage, and after which it switches off."""
+
+    sense_after_s: float
+    off_after_s: float
+
+
+class NiDaqDevice:
     """A wire on a card of National Instruments, driven by its analogue output.
 
     Time is counted in readings of the card, so it does not drift against them. The output belongs to a process of its
     own, the guardian, which switches it off when this one is killed or stalls.
     """
 
-    def __init__(self, configuration: NiDaqConfiguration) -> None:
-        """Open the card at 0 V. Raises MissingExtraError without nidaqmx, RigError where the card cannot be used."""
+    def __init__(self, configuration: NiDaqConfiguration, silence: Silence | None = None) -> None:
+        """Open the card at 0 V; ``silence`` is by default what the protection table says of a late sample.
+
+        Raises MissingExtraError without nidaqmx, RigError where the card cannot be used.
+        """
         self._of = configuration
+        self._silence = silence or Silence(protection_table().sense_after_s, protection_table().trip_after_s)
         self._layout = configuration.layout()
         self._wired = configuration.inputs.wired()
         self._drive_voltage_v = 0.0
@@ -58,11 +75,10 @@ class NiDaqRig(GuardedRig):
         self._reading_since: float | None = None
         self._stopped_at: float | None = None
         self._late_samples = 0
-        inputs = configuration.inputs
-        limits = configuration.protection_limits(
-            wire_range_v=inputs.wire_voltage.rule.largest(inputs.wire_voltage.range),
-            shunt_range_v=inputs.shunt_voltage.rule.largest(inputs.shunt_voltage.range),
-        )
+        self._off = False
+        # Off may come from another thread: the output is then closed at once, the inputs when the exchange has ended.
+        self._writing, self._exchanging = RLock(), RLock()
+        self._facts = self._known_facts()
         self._card = Card(configuration.device, configuration.grpc)
         try:
             self._product = self._card.product()
@@ -79,12 +95,26 @@ class NiDaqRig(GuardedRig):
             raise
         # A rig that its program forgets to close is switched off all the same, at the latest when Python ends.
         weakref.finalize(self, self._output.close)
-        self.protect_with(limits)
         self._require_clocks_in_step()
+
+    def _known_facts(self) -> DeviceFacts:
+        """Return what is known of the rig before the card is opened. Raises CallerError for impossible numbers."""
+        wire, shunt = self._of.inputs.wire_voltage, self._of.inputs.shunt_voltage
+        return DeviceFacts(
+            sample_period_s=self._of.sample_period,
+            paced=True,
+            leg_length_m=self._of.leg_length_m,
+            drive_amplitude_v=self._of.drive_amplitude,
+            limits=self._of.protection_limits(
+                wire_range_v=wire.rule.largest(wire.range), shunt_range_v=shunt.rule.largest(shunt.range)
+            ),
+            reference_columns=tuple(
+                COLUMNS[name] for name in self._wired if name not in ("wire_voltage", "shunt_voltage")
+            ),
+        )
 
     def _orders(self) -> GuardianOrders:
         """Return what the guardian must know."""
-        table = protection_table()
         clock_hz = 1.0 / self._of.sample_period if self._of.output_timing == "hardware" else None
         output = OutputSettings(
             self._of.device, self._of.grpc, self._of.output.channel, self._of.output.range, clock_hz
@@ -94,8 +124,8 @@ class NiDaqRig(GuardedRig):
             self._of.output.gain,
             self._of.output.offset,
             self._of.sense_voltage,
-            table.sense_after_s,
-            table.trip_after_s,
+            self._silence.sense_after_s,
+            self._silence.off_after_s,
         )
 
     def _require_clocks_in_step(self) -> None:
@@ -105,50 +135,27 @@ class NiDaqRig(GuardedRig):
             rates["sample_period"] = (self._output.clock_hz, 1.0 / self._of.sample_period)
         for key, (found_hz, wanted_hz) in rates.items():
             if abs(found_hz - wanted_hz) > RATIO_TOLERANCE * wanted_hz:
-                self.close()
+                self.off()
                 raise RigError(
                     f"{self._of.device} makes {found_hz:.9g} Hz of {wanted_hz:.9g} Hz ({key}): take a rate that "
                     "divides its timebase, such as 1 kHz"
                 )
 
     @property
-    def sample_period_s(self) -> float:
-        """Time between samples."""
-        return self._of.sample_period
-
-    @property
-    def paced(self) -> bool:
-        """Whether samples come at the pace of a real clock: always."""
-        return True
-
-    @property
-    def drive_amplitude_v(self) -> float:
-        """Amplitude of the slow sine for this wire."""
-        return self._of.drive_amplitude
-
-    @property
-    def leg_length_m(self) -> float:
-        """Length of one leg of the V."""
-        return self._of.leg_length_m
+    def facts(self) -> DeviceFacts:
+        """What is known of the card and its wire."""
+        return self._facts
 
     @property
     def drive_voltage_v(self) -> float:
         """Drive voltage that is out now, as far as the host knows."""
         return self._drive_voltage_v
 
-    @property
-    def late_samples(self) -> int:
-        """Samples whose drive was written too late, so that a period of the card passed unused."""
-        return self._late_samples
-
     def __repr__(self) -> str:
         """Say which card, which wire, and what is out."""
-        return f"NiDaqRig({self._product} {self._of.device}, wire {self._of.wire}, drive {self._drive_voltage_v:.3f} V)"
-
-    @property
-    def reference_columns(self) -> tuple[str, ...]:
-        """Names of the reference instruments that are wired."""
-        return tuple(COLUMNS[name] for name in self._wired if name not in ("wire_voltage", "shunt_voltage"))
+        return (
+            f"NiDaqDevice({self._product} {self._of.device}, wire {self._of.wire}, drive {self._drive_voltage_v:.3f} V)"
+        )
 
     def metadata(self) -> Metadata:
         """Return what a recording should say about this rig."""
@@ -163,42 +170,46 @@ class NiDaqRig(GuardedRig):
             "late_samples": self._late_samples,
         }
 
-    def _exchange(self, command: Command) -> RawSample:
+    def exchange(self, command: Command) -> Answer:
         """Put out a drive voltage and return the mean of the readings taken under it."""
         drive_voltage_v = drive_voltage_of(command)
-        driven = self._drive_voltage_v > self.sense_voltage_v
-        try:
-            span = self._put(drive_voltage_v)
-            self._drive_voltage_v = drive_voltage_v
-            means_v = self._mean_readings_v(span)
-        except HostStalledError as stall:
-            self._end(Event.COMMAND_MISSING, f"{stall}: the guardian has switched off")
-        except GuardianLostError as lost:
-            self._end(Event.DEVICE_LOST, str(lost))
-        except DaqFaultError as fault:
-            self._end(Event.COMMAND_MISSING if fault.code == STALLED else Event.DEVICE_LOST, str(fault))
+        driven = self._drive_voltage_v > self._of.sense_voltage
+        with self._exchanging:
+            try:
+                span = self._put(drive_voltage_v)
+                means_v = self._mean_readings_v(span)
+            except OffMeanwhileError:
+                return SWITCHED_OFF
+            except HostStalledError as stall:
+                return Fault(Event.COMMAND_MISSING, f"{stall}: the guardian has switched off")
+            except GuardianLostError as lost:
+                return Fault(Event.DEVICE_LOST, str(lost))
+            except DaqFaultError as fault:
+                return Fault(Event.COMMAND_MISSING if fault.code == STALLED else Event.DEVICE_LOST, str(fault))
         self._periods += span.periods
-        if span.periods > 1:
-            self._late_samples += 1
-            if driven:
-                self.miss(Event.SAMPLE_LATE, (span.periods - 1) * self.sample_period_s)
-        return self._sample(means_v)
-
-    def _end(self, event: Event, details: str) -> NoReturn:
-        self.trip(event, details)
-        raise AssertionError("a trip raises")
+        sample = self._sample(means_v)
+        if span.periods == 1:
+            return sample
+        self._late_samples += 1
+        late_s = (span.periods - 1) * self._of.sample_period
+        return Missing(Event.SAMPLE_LATE, late_s, sample) if driven else sample
 
     def _put(self, drive_voltage_v: float) -> Span:
         """Write the drive and return which readings are taken under it."""
+        with self._writing:
+            self._require_on()
+            if self._reading_since is not None:
+                self._output.put(drive_voltage_v)
+            else:
+                self._output.begin(drive_voltage_v)
+            self._drive_voltage_v = drive_voltage_v
         if self._reading_since is not None:
-            self._output.put(drive_voltage_v)
             return self._layout.following(self._inputs.waiting())
-        self._output.begin(drive_voltage_v)
         now = time.monotonic()
         if self._stopped_at is not None:
             # A pause between runs is counted by the host's clock: the card's stood still.
             pause_s = now - self._stopped_at
-            self._periods += round(pause_s / self.sample_period_s)
+            self._periods += round(pause_s / self._of.sample_period)
         self._inputs.start()
         self._reading_since = now
         return self._layout.first()
@@ -216,7 +227,9 @@ class NiDaqRig(GuardedRig):
             sums = [total + float(row.sum()) for total, row in zip(sums, kept, strict=True)]
             done += piece
             if done < span.fetch:
-                self._output.keep()
+                with self._writing:
+                    self._require_on()
+                    self._output.keep()
         return [total / span.average for total in sums]
 
     def _piece(self) -> int:
@@ -229,24 +242,37 @@ class NiDaqRig(GuardedRig):
             COLUMNS[name]: item.rule.quantity(mean_v)
             for (name, item), mean_v in zip(self._wired.items(), means_v, strict=True)
         }
-        time_s = self._periods * self.sample_period_s  # counted, not summed: no rounding adds up
+        time_s = self._periods * self._of.sample_period  # counted, not summed: no rounding adds up
         return RawSample(time_s=time_s, drive_voltage_v=self._drive_voltage_v, **found)
 
-    def _put_safe(self) -> None:
+    def _require_on(self) -> None:
+        if self._off:
+            raise OffMeanwhileError("the output is closed")
+
+    def sense(self) -> bool:
         """Go to the sense voltage at once, and stop reading until the next sample is asked for."""
         try:
-            self._output.put_now(self.sense_voltage_v)
-            self._drive_voltage_v = self.sense_voltage_v
+            with self._writing:
+                self._output.put_now(self._of.sense_voltage)
+                self._drive_voltage_v = self._of.sense_voltage
             if self._reading_since is not None:
                 self._inputs.stop()
                 self._reading_since, self._stopped_at = None, time.monotonic()
         except RigError:
-            self.close()  # what cannot be put to the sense voltage goes off
+            return False
+        return True
 
-    def _switch_off(self) -> None:
+    def off(self) -> bool:
         """End the guardian, which puts out 0 V, and let go of the card."""
-        self._off_confirmed = self._output.close()
-        self._drive_voltage_v = 0.0
-        with suppress(RigError):
-            self._inputs.close()
-        self._card.close()
+        self._off = True
+        with self._writing:
+            confirmed = self._output.close()
+            self._drive_voltage_v = 0.0
+        with self._exchanging:
+            with suppress(RigError):
+                self._inputs.close()
+            self._card.close()
+        return confirmed
+
+
+NIDAQ = DeviceKind(NiDaqConfiguration, NiDaqDevice)

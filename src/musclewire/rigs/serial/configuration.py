@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.hardware import HardwareConfiguration
+from musclewire.rigs.kinds import DeviceConfiguration
 from musclewire.rigs.mounted import LivePeriod, MountedWire
 from musclewire.rigs.quantities import measured_in
 
@@ -17,7 +16,7 @@ Volts = Annotated[float, measured_in("V"), Field(gt=0.0, allow_inf_nan=False)]
 Seconds = Annotated[float, measured_in("s"), Field(gt=0.0, le=60.0)]
 
 
-class SerialConfiguration(MountedWire, HardwareConfiguration):
+class SerialConfiguration(MountedWire, DeviceConfiguration):
     """A rig file with ``kind = "serial"``: the wire that is mounted, and the board that drives it.
 
     Attributes:
@@ -38,20 +37,3 @@ class SerialConfiguration(MountedWire, HardwareConfiguration):
     wire_range: Volts
     shunt_range: Volts
     readings_noisy: bool = True
-
-    def open(self) -> GuardedRig:
-        """Return the open rig, its output at 0 V and its protection armed.
-
-        Raises MissingExtraError without pyserial, RigError where no board answers, CallerError where the file and the
-        board's firmware contradict each other.
-        """
-        from musclewire.rigs.serial.device import Board
-        from musclewire.rigs.serial.line import open_line
-        from musclewire.rigs.serial.rig import SerialRig
-
-        board = Board(open_line(self.port, self.baud, self.patience))
-        try:
-            return SerialRig(self, board)
-        except BaseException:
-            board.close()
-            raise

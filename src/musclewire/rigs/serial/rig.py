@@ -1,4 +1,4 @@
-"""A board as a rig: one exchange is one drive command and the mean of the board's samples of its sample period."""
+"""A board as a device: one exchange is one drive command and the mean of the board's samples of its sample period."""
 
 from __future__ import annotations
 
@@ -8,14 +8,17 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable
 from math import isfinite
+from threading import RLock
+from typing import NoReturn
 
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, RigError
-from musclewire.rigs.guarded import GuardedRig
+from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Fault
+from musclewire.rigs.kinds import DeviceKind
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.serial.configuration import SerialConfiguration
 from musclewire.rigs.serial.device import Board, LinkStormError
-from musclewire.rigs.serial.line import LineLostError
+from musclewire.rigs.serial.line import LineLostError, open_line
 from musclewire.rigs.serial.messages import (
     Acknowledgement,
     AcknowledgementResult,
@@ -29,7 +32,7 @@ from musclewire.rigs.serial.messages import (
 from musclewire.signals.commands import Command, Target
 from musclewire.signals.samples import RawSample
 
-__all__ = ["SerialRig"]
+__all__ = ["SERIAL", "SerialDevice"]
 
 # Samples the board sends in a sample period, as far as the period divides: one that is lost then costs a fifth.
 FRAMES_PER_SAMPLE = (5, 4, 3, 2, 1)
@@ -42,17 +45,31 @@ AGREEMENT = 5e-3
 NO_TICK = -1
 
 
-class SerialRig(GuardedRig):
+class BoardFaultError(RigError):
+    """What ends an exchange, with the event that it is; it leaves the exchange as a :class:`Fault`."""
+
+    def __init__(self, event: Event, details: str) -> None:
+        """Keep the event beside the details."""
+        super().__init__(details)
+        self.event = event
+
+
+class OffMeanwhileError(RigError):
+    """Another thread wants to switch off."""
+
+
+class SerialDevice:
     """A wire behind a microcontroller that runs musclewire's firmware.
 
-    The rig's clock is the board's: time counts its ticks, so it does not drift against the samples. The board holds the
-    same protection table and lets the heater expire when no command comes; what trips there is raised here.
+    Its clock is the board's: time counts its ticks, so it does not drift against the samples. The board holds the same
+    protection table and lets the heater expire when no command comes; what trips there is a fault here. It follows
+    targets with the loop of its firmware.
     """
 
     def __init__(
         self, configuration: SerialConfiguration, board: Board, clock_s: Callable[[], float] = time.monotonic
     ) -> None:
-        """Ask the board what it is and arm the protection; the output stays at 0 V until the first exchange.
+        """Ask the board what it is; the output stays at 0 V until the first exchange.
 
         Raises RigError where no board answers or it speaks another version, CallerError where the rig file and the
         board contradict each other.
@@ -60,6 +77,10 @@ class SerialRig(GuardedRig):
         self._configuration, self._board, self._clock_s = configuration, board, clock_s
         self._drive_voltage_v = 0.0
         self._armed = self._paused = self._let_go = False
+        self._off_confirmed = False
+        # Off may come from another thread: the exchange then lets go of the line within a part of the patience.
+        self._off_wanted = False
+        self._talking = RLock()
         self._due_tick = NO_TICK
         self._tick, self._first_tick = NO_TICK, NO_TICK
         self._last: BoardSample | None = None
@@ -69,12 +90,16 @@ class SerialRig(GuardedRig):
         ticks = configuration.sample_period / self._identity.tick_period_s
         self._ticks = round(ticks)
         self._frames = next(count for count in FRAMES_PER_SAMPLE if self._ticks % count == 0)
-        self.protect_with(
-            configuration.protection_limits(
+        self._facts = DeviceFacts(
+            sample_period_s=configuration.sample_period,
+            paced=True,
+            leg_length_m=configuration.leg_length_m,
+            drive_amplitude_v=configuration.drive_amplitude,
+            limits=configuration.protection_limits(
                 wire_range_v=configuration.wire_range,
                 shunt_range_v=configuration.shunt_range,
                 readings_noisy=configuration.readings_noisy,
-            )
+            ),
         )
         # A trip that is latched from an earlier session is over: whoever opens the rig has looked.
         self._command(MessageKind.OFF, b"")
@@ -106,24 +131,9 @@ class SerialRig(GuardedRig):
             )
 
     @property
-    def sample_period_s(self) -> float:
-        """Time between samples."""
-        return self._configuration.sample_period
-
-    @property
-    def paced(self) -> bool:
-        """Samples come at the pace of the board's clock."""
-        return True
-
-    @property
-    def drive_amplitude_v(self) -> float:
-        """Amplitude of the slow sine for this wire."""
-        return self._configuration.drive_amplitude
-
-    @property
-    def leg_length_m(self) -> float:
-        """Length of one leg."""
-        return self._configuration.leg_length_m
+    def facts(self) -> DeviceFacts:
+        """What is known of the board and its wire; a board has no instruments."""
+        return self._facts
 
     @property
     def drive_voltage_v(self) -> float:
@@ -131,14 +141,14 @@ class SerialRig(GuardedRig):
         return self._drive_voltage_v
 
     @property
-    def reference_columns(self) -> tuple[str, ...]:
-        """A board has no instruments."""
-        return ()
-
-    @property
     def identity(self) -> Identity:
         """What the board says it is."""
         return self._identity
+
+    @property
+    def model_checksum(self) -> int:
+        """Checksum of the model and controller that the firmware was built with."""
+        return self._identity.model_checksum
 
     @property
     def board_estimate(self) -> float | None:
@@ -153,12 +163,12 @@ class SerialRig(GuardedRig):
     def __repr__(self) -> str:
         """Say which board on which port, and what is out."""
         return (
-            f"SerialRig({self._identity.board} on {self._configuration.port}, "
+            f"SerialDevice({self._identity.board} on {self._configuration.port}, "
             f"wire {self._configuration.wire}, drive {self._drive_voltage_v:.3f} V)"
         )
 
     def metadata(self) -> Metadata:
-        """Return what a recording should say about this rig."""
+        """Return what a recording should say about this board."""
         return {
             "rig": "serial",
             **self._configuration.facts(),
@@ -179,27 +189,26 @@ class SerialRig(GuardedRig):
             "repeated_commands": self._board.repeated_commands,
         }
 
-    @property
-    def accepts_targets(self) -> bool:
-        """The firmware closes the loop itself."""
-        return True
-
-    def _exchange(self, command: Command) -> RawSample:
+    def exchange(self, command: Command) -> Answer:
         """Let the board put out a drive voltage, or follow a target (SI, its model's quantity), for a sample period."""
-        if isinstance(command, Target):
-            return self._period(lambda sequence: self._board.send_target(command.value, sequence))
-        return self._period(lambda sequence: self._board.send_drive(command.voltage_v, sequence))
+        with self._talking:
+            try:
+                return self._period(command)
+            except OffMeanwhileError:
+                return SWITCHED_OFF
+            except LineLostError as error:
+                return Fault(Event.DEVICE_LOST, str(error))
+            except LinkStormError as error:
+                return Fault(Event.LINK_CORRUPTED, str(error))
+            except BoardFaultError as fault:
+                return Fault(fault.event, str(fault))
 
-    def _period(self, send: Callable[[int | None], int]) -> RawSample:
+    def _period(self, command: Command) -> RawSample:
         """Send a command and return the mean of the samples that stand for its sample period."""
-        try:
-            if not self._armed:
-                self._arm()
-            samples = self._samples_after(send)
-        except LineLostError as error:
-            self.trip(Event.DEVICE_LOST, str(error))
-        except LinkStormError as error:
-            self.trip(Event.LINK_CORRUPTED, str(error))
+        self._require_on()
+        if not self._armed:
+            self._arm()
+        samples = self._samples_after(command)
         self._last = samples[-1]
         # A sample in which the converter gave nothing is no number; of several the others speak for the period.
         samples = [one for one in samples if isfinite(one.wire_voltage_v + one.shunt_voltage_v)] or samples
@@ -212,13 +221,24 @@ class SerialRig(GuardedRig):
             shunt_voltage_v=sum(sample.shunt_voltage_v for sample in samples) / count,
         )
 
-    def _samples_after(self, send: Callable[[int | None], int]) -> list[BoardSample]:
+    def _require_on(self) -> None:
+        if self._off_wanted:
+            raise OffMeanwhileError("the line is to be closed")
+
+    def _send(self, command: Command, sequence: int | None = None) -> int:
+        """Send a command, with a number again, and return its number."""
+        if isinstance(command, Target):
+            return self._board.send_target(command.value, sequence)
+        return self._board.send_drive(command.voltage_v, sequence)
+
+    def _samples_after(self, command: Command) -> list[BoardSample]:
         """Collect the samples that carry a command's number until the period is over."""
-        sequence = send(None)
+        sequence = self._send(command)
         repeat_s = REPEAT_SHARE * self._configuration.patience
         start_s = heard_s = asked_s = self._clock_s()
         found: list[BoardSample] = []
         while True:
+            self._require_on()
             # What came behind the last period's end is read here, too: it may be why the board has tripped.
             self._unread.extend(self._board.receive(0.0 if self._unread else repeat_s))
             while self._unread:
@@ -231,10 +251,10 @@ class SerialRig(GuardedRig):
                         return found
             now_s = self._clock_s()
             if not found and now_s - asked_s >= repeat_s:
-                send(sequence)
+                self._send(command, sequence)
                 asked_s = now_s
             overdue_s = now_s - (heard_s if found else start_s)
-            if overdue_s > self._configuration.patience + self.sample_period_s:
+            if overdue_s > self._configuration.patience + self._configuration.sample_period:
                 self._give_up(overdue_s)
 
     def _is_over(self, tick: int) -> bool:
@@ -265,20 +285,22 @@ class SerialRig(GuardedRig):
             if message.result == AcknowledgementResult.REFUSED:
                 self._trip_refused()
             elif message.result != AcknowledgementResult.DONE:
-                self.trip(Event.COMMAND_REFUSED, f"the board answered {message.result} to command {message.kind:#04x}")
+                raise BoardFaultError(
+                    Event.COMMAND_REFUSED, f"the board answered {message.result} to command {message.kind:#04x}"
+                )
 
     def _went_back(self, tick: int) -> bool:
         return self._tick != NO_TICK and (tick - self._tick) % TICKS >= TICKS // 2
 
-    def _trip_as_the_board(self, number: int) -> None:
+    def _trip_as_the_board(self, number: int) -> NoReturn:
         known = {event.value: event for event in Event if event is not Event.NONE}
-        self.trip(known.get(number, Event.DEVICE_LOST), f"seen by the board {self._identity.board}")
+        raise BoardFaultError(known.get(number, Event.DEVICE_LOST), f"seen by the board {self._identity.board}")
 
-    def _trip_refused(self) -> None:
+    def _trip_refused(self) -> NoReturn:
         """Trip for a refused command: the reason is in what the board says next, or it has started anew."""
-        ends_s = self._clock_s() + self.sample_period_s
+        ends_s = self._clock_s() + self._configuration.sample_period
         while self._clock_s() < ends_s:
-            self._unread.extend(self._board.receive(0.2 * self.sample_period_s))
+            self._unread.extend(self._board.receive(0.2 * self._configuration.sample_period))
             while self._unread:
                 message = self._unread.popleft()
                 if isinstance(message, (BoardSample, BoardEvent)) and message.state == BoardState.TRIPPED:
@@ -287,7 +309,7 @@ class SerialRig(GuardedRig):
                     self._trip_restarted(message)
         self._trip_restarted(None)
 
-    def _trip_restarted(self, identity: Identity | None) -> None:
+    def _trip_restarted(self, identity: Identity | None) -> NoReturn:
         """Trip with the reason for which a board is not armed any more; without an identity it is asked for one."""
         if identity is None:
             with contextlib.suppress(RigError):
@@ -295,10 +317,10 @@ class SerialRig(GuardedRig):
         known = {Event.WATCHDOG.value: Event.WATCHDOG}
         event = Event.POWER_LOST if identity is None else known.get(identity.event_at_reset, Event.POWER_LOST)
         why = "it does not say why" if identity is None else f"started by {identity.reset_by}"
-        self.trip(event, f"the board {self._identity.board} is not armed any more: {why}")
+        raise BoardFaultError(event, f"the board {self._identity.board} is not armed any more: {why}")
 
-    def _give_up(self, overdue_s: float) -> None:
-        self.trip(Event.DEVICE_LOST, f"no sample for {overdue_s:.2f} s on {self._configuration.port}")
+    def _give_up(self, overdue_s: float) -> NoReturn:
+        raise BoardFaultError(Event.DEVICE_LOST, f"no sample for {overdue_s:.2f} s on {self._configuration.port}")
 
     def _arm(self) -> None:
         """Arm the board, on the first exchange and after a pause in which its heater has expired."""
@@ -327,20 +349,27 @@ class SerialRig(GuardedRig):
             said = "did not answer" if answer is None else f"answered {answer.result}"
             raise RigError(f"the board on {self._configuration.port} {said} to {kind.name}: reset it and try again")
 
-    def _put_safe(self) -> None:
+    def sense(self) -> bool:
+        """Order the sense voltage once; a board that does not hear it lets its heater expire."""
+        sense_v = self._configuration.sense_voltage
         with contextlib.suppress(RigError):
             if self._armed:
-                self._board.send_drive(self.sense_voltage_v)
+                self._board.send_drive(sense_v)
         # Nothing is commanded from here on, so that the heater expires; the next exchange arms again.
         self._armed, self._paused = False, True
-        self._drive_voltage_v = self.sense_voltage_v
+        self._drive_voltage_v = sense_v
+        return True
 
-    def _switch_off(self) -> None:
-        if not self._let_go:
-            self._off_confirmed = self._answers_off()
-        self._board.close()
-        self._armed, self._let_go = False, True
-        self._drive_voltage_v = 0.0
+    def off(self) -> bool:
+        """Order 0 V and let go of the line; return whether the board has confirmed it."""
+        self._off_wanted = True
+        with self._talking:
+            if not self._let_go:
+                self._off_confirmed = self._answers_off()
+            self._board.close()
+            self._armed, self._let_go = False, True
+            self._drive_voltage_v = 0.0
+            return self._off_confirmed
 
     def _answers_off(self) -> bool:
         """Order 0 V and return whether the board says that it is out."""
@@ -350,3 +379,20 @@ class SerialRig(GuardedRig):
         except RigError:
             return False
         return answer is not None and answer.result == AcknowledgementResult.DONE
+
+
+def opened(configuration: SerialConfiguration) -> SerialDevice:
+    """Return the board of a rig file.
+
+    Raises MissingExtraError without pyserial, RigError if no board answers, CallerError if the file and the board's
+    firmware contradict each other.
+    """
+    board = Board(open_line(configuration.port, configuration.baud, configuration.patience))
+    try:
+        return SerialDevice(configuration, board)
+    except BaseException:
+        board.close()
+        raise
+
+
+SERIAL = DeviceKind(SerialConfiguration, opened)

@@ -9,12 +9,13 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass, field
 
+from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.serial.configuration import SerialConfiguration
 from musclewire.rigs.serial.device import Board
 from musclewire.rigs.serial.frames import Frame, FrameParser, encode_frame
 from musclewire.rigs.serial.line import LineLostError
 from musclewire.rigs.serial.messages import MessageKind
-from musclewire.rigs.serial.rig import SerialRig
+from musclewire.rigs.serial.rig import SerialDevice
 
 WIRE_OHM, SHUNT_OHM = 15.0, 1.0
 TICK_S = 1e-3
@@ -128,5 +129,5 @@ def configuration(**changed: object) -> SerialConfiguration:
     return SerialConfiguration.model_validate({**given, **changed})
 
 
-def rig_on(board: BoardInMemory, **changed: object) -> SerialRig:
-    return SerialRig(configuration(**changed), Board(board, board.clock_s), board.clock_s)
+def rig_on(board: BoardInMemory, **changed: object) -> GuardedRig:
+    return GuardedRig(SerialDevice(configuration(**changed), Board(board, board.clock_s), board.clock_s))

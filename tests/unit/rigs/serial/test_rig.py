@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import struct
+import threading
+import time
 
 import pytest
 from tests.unit.rigs.serial.board_in_memory import BoardInMemory, rig_on
 
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, RigError
-from musclewire.rigs.guarded import ProtectionTripError
+from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs.serial.device import Board, LinkStormError
 from musclewire.rigs.serial.frames import Frame, encode_frame, stuff
 from musclewire.rigs.serial.messages import MessageKind
-from musclewire.rigs.serial.rig import SerialRig
 from musclewire.signals.commands import Target
 
 
-def trip_of(rig: SerialRig, drive_v: float = 1.0) -> Event:
+def trip_of(rig: GuardedRig, drive_v: float = 1.0) -> Event:
     with pytest.raises(ProtectionTripError) as caught:
         rig.exchange(drive_v)
     assert "\n" not in str(caught.value)
@@ -199,7 +200,7 @@ def test_a_trip_told_behind_the_end_of_a_period_is_the_cause_of_the_refused_comm
     board.state, board.event = 4, Event.OVER_POWER.value
     assert board.waiting == b""
     board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, Event.OVER_POWER.value, 0.0))
-    rig._unread.extend(rig._board.receive(0.0))
+    rig.device._unread.extend(rig.device._board.receive(0.0))
     assert trip_of(rig) is Event.OVER_POWER
 
 
@@ -281,7 +282,7 @@ def test_targets_go_to_the_board_and_its_drive_comes_back() -> None:
         sample = rig.exchange(Target(0.02))
         assert sample.drive_voltage_v == pytest.approx(1.0)
         assert board.target == pytest.approx(0.02)
-        assert rig.board_estimate == pytest.approx(0.01)
+        assert rig.device.board_estimate == pytest.approx(0.01)
 
 
 def test_a_drive_out_of_range_never_reaches_the_board() -> None:
@@ -304,3 +305,43 @@ def test_every_command_starts_with_a_zero_that_ends_what_a_disturbance_left() ->
 def test_a_period_too_long_for_every_fault_to_end_off_within_half_a_second_is_refused() -> None:
     with pytest.raises(ValueError, match=r"less than or equal to 0\.05"):
         rig_on(BoardInMemory(), sample_period=0.1)
+
+
+def test_another_thread_may_switch_off_while_a_sample_is_awaited() -> None:
+    waits = threading.Event()
+
+    class Silent(BoardInMemory):
+        """A board that gives no samples any more, and a clock that goes on."""
+
+        silent = False
+
+        def run(self, ticks: int) -> None:
+            if self.silent:
+                waits.set()
+            else:
+                super().run(ticks)
+
+        def read(self, timeout_s: float) -> bytes:
+            time.sleep(0.001)
+            return super().read(1e-6 if self.silent and not self.waiting else timeout_s)
+
+    board = Silent()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.silent = True
+    ended = []
+
+    def exchange() -> None:
+        with pytest.raises(RigError) as caught:
+            rig.exchange(2.0)
+        ended.append(str(caught.value))
+
+    thread = threading.Thread(target=exchange)
+    thread.start()
+    assert waits.wait(10.0)
+    rig.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+    assert "was closed while a sample was awaited; the drive is off" in ended[0]
+    assert board.drive_v == 0.0
+    assert board.commands[-1][0] == MessageKind.OFF

@@ -1,0 +1,192 @@
+"""What some rigs can do besides: the one place in which they are asked, each answer an object or None."""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+from musclewire.controllers.protection import ProtectionLimits
+from musclewire.errors import CallerError
+from musclewire.rigs.device import HasOnBoardLoop, HasStage, HasTendonStage, HasTrueState
+from musclewire.rigs.guarded import GuardedRig
+from musclewire.rigs.protocol import Rig
+
+__all__ = [
+    "ExchangeTimes",
+    "exchange_times_of",
+    "on_board_loop_of",
+    "protection_limits_of",
+    "required_true_state",
+    "stage_of",
+    "tendon_stage_of",
+    "true_state_of",
+]
+
+
+@runtime_checkable
+class ExchangeTimes(Protocol):
+    """A rig that notes when its drive went out and when its sample was there (``time.perf_counter_ns``)."""
+
+    drive_at_ns: int
+    sample_at_ns: int
+
+
+@runtime_checkable
+class HasProtection(Protocol):
+    """A rig that is held against limits."""
+
+    @property
+    def protection_limits(self) -> ProtectionLimits:
+        """The limits that the protection table is held against."""
+        ...
+
+
+class GuardedStage:
+    """The stage of a guarded device: after a move the protection compares no reading with one before."""
+
+    def __init__(self, rig: GuardedRig, stage: HasStage) -> None:
+        """Move the stage on behalf of its rig."""
+        self._rig, self._stage = rig, stage
+
+    def set_pretension(self, pretension_n: float) -> None:
+        """Move the stage until the cold wire carries a force [N], as ``HasStage`` says."""
+        self._stage.set_pretension(pretension_n)
+        self._rig.forget_readings()
+
+
+class GuardedTendonStage:
+    """The finger's stage of a guarded device, after whose moves no reading is compared with one before either."""
+
+    def __init__(self, rig: GuardedRig, stage: HasTendonStage) -> None:
+        """Move the stage on behalf of its rig."""
+        self._rig, self._stage = rig, stage
+
+    def set_tendon_slack(self, slack_m: float) -> None:
+        """Let the tendon hang through by this much [m], as ``HasTendonStage`` says."""
+        self._stage.set_tendon_slack(slack_m)
+        self._rig.forget_readings()
+
+
+def able(rig: Rig) -> object:
+    """Return who has the abilities of a rig: the device that is guarded, or a rig of another make itself."""
+    return rig.device if isinstance(rig, GuardedRig) else rig
+
+
+def stage_of(rig: Rig) -> HasStage | None:
+    """Return the stage that sets the pretension of a rig's wire.
+
+    Parameters
+    ----------
+    rig
+        Any rig, open.
+
+    Returns
+    -------
+    The stage; None if software cannot move one.
+    """
+    found = able(rig)
+    if not isinstance(found, HasStage):
+        return None
+    return GuardedStage(rig, found) if isinstance(rig, GuardedRig) else found
+
+
+def tendon_stage_of(rig: Rig) -> HasTendonStage | None:
+    """Return the stage that carries a rig's finger.
+
+    Parameters
+    ----------
+    rig
+        Any rig, open.
+
+    Returns
+    -------
+    The stage; None if software cannot move one.
+    """
+    found = able(rig)
+    if not isinstance(found, HasTendonStage):
+        return None
+    return GuardedTendonStage(rig, found) if isinstance(rig, GuardedRig) else found
+
+
+def true_state_of(rig: Rig) -> HasTrueState | None:
+    """Return what a simulated rig truly is, for judging it; never for an estimator.
+
+    Parameters
+    ----------
+    rig
+        Any rig, open.
+
+    Returns
+    -------
+    What knows the true state at any time, None for a rig that is not simulated.
+    """
+    found = able(rig)
+    return found if isinstance(found, HasTrueState) else None
+
+
+def required_true_state(rig: Rig) -> HasTrueState:
+    """Return what a simulated rig truly is.
+
+    Parameters
+    ----------
+    rig
+        Any rig, open.
+
+    Returns
+    -------
+    What knows the true state at any time.
+
+    Raises
+    ------
+    CallerError
+        If the rig is not simulated.
+    """
+    found = true_state_of(rig)
+    if found is None:
+        raise CallerError("only a simulated rig knows its wire's true state, and this one is not: open a simulated one")
+    return found
+
+
+def on_board_loop_of(rig: Rig) -> HasOnBoardLoop | None:
+    """Return the closed loop on a rig's device.
+
+    Parameters
+    ----------
+    rig
+        Any rig, open.
+
+    Returns
+    -------
+    The loop with its model's checksum and its last estimate, None if the device follows no targets.
+    """
+    found = able(rig)
+    return found if isinstance(found, HasOnBoardLoop) else None
+
+
+def protection_limits_of(rig: Rig) -> ProtectionLimits | None:
+    """Return the limits that a rig is protected by.
+
+    Parameters
+    ----------
+    rig
+        Any rig, open.
+
+    Returns
+    -------
+    The limits, None for a rig without a protection table.
+    """
+    return rig.protection_limits if isinstance(rig, HasProtection) else None
+
+
+def exchange_times_of(rig: Rig) -> ExchangeTimes | None:
+    """Return what notes the times of a rig's exchanges.
+
+    Parameters
+    ----------
+    rig
+        Any rig, open.
+
+    Returns
+    -------
+    The rig itself, None if it notes none and the caller has to look at the clock.
+    """
+    return rig if isinstance(rig, ExchangeTimes) else None

@@ -1,0 +1,248 @@
+"""What a kind of hardware or simulation must do, and what some can do besides; what is safe is decided elsewhere.
+
+A device takes one command, puts it out and hands back one sample. It judges nothing: the guard that holds it
+(``musclewire.rigs.guarded``) decides before each command what may be out, and after each sample whether to go on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol, runtime_checkable
+
+from musclewire.controllers.protection import Event, ProtectionLimits
+from musclewire.rigs.protocol import Metadata
+from musclewire.signals.commands import Command
+from musclewire.signals.samples import RawSample
+
+__all__ = [
+    "SWITCHED_OFF",
+    "Answer",
+    "Device",
+    "DeviceFacts",
+    "Fault",
+    "HasOnBoardLoop",
+    "HasStage",
+    "HasTendonStage",
+    "HasTrueState",
+    "Missing",
+    "TrueState",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceFacts:
+    """What is known of a device once it is open, and does not change while it is.
+
+    Attributes
+    ----------
+    sample_period_s
+        Time between samples [s].
+    paced
+        Whether samples come at the pace of a real clock.
+    leg_length_m
+        Length whose relative shortening is the strain [m]: one leg of the V.
+    drive_amplitude_v
+        Amplitude [V] at which the wire completes its transformation in a slow sine.
+    limits
+        What the protection is held against; sense voltage, maximum voltage and shunt are among them.
+    reference_columns
+        Names of the reference instruments, of ``musclewire.signals.samples.REFERENCE_COLUMNS``.
+    """
+
+    sample_period_s: float
+    paced: bool
+    leg_length_m: float
+    drive_amplitude_v: float
+    limits: ProtectionLimits
+    reference_columns: tuple[str, ...] = ()
+
+
+class Missing(NamedTuple):
+    """Something has been missing for ``missing_s`` seconds: the guard holds the drive, senses, or switches off.
+
+    With a ``sample`` it came after all, and is judged as any other. Without one the device still waits: the guard asks
+    it again, with the command that may be out by now. ``missing_s`` counts from the beginning of the wait, so it grows
+    from one answer to the next.
+    """
+
+    event: Event
+    missing_s: float
+    sample: RawSample | None = None
+
+
+class Fault(NamedTuple):
+    """Something that ends the run: the guard switches off, with the table's words for the event and these details."""
+
+    event: Event
+    details: str
+
+
+Answer = RawSample | Missing | Fault
+
+# What an exchange ends with that another thread has switched off; the guard says who asked for it.
+SWITCHED_OFF = Fault(Event.DEVICE_LOST, "it was switched off while a sample was awaited")
+
+
+class Device(Protocol):
+    """A kind of hardware or simulation, opened, with 0 V out."""
+
+    @property
+    def facts(self) -> DeviceFacts:
+        """What is known of it; the same as long as it is open."""
+        ...
+
+    @property
+    def drive_voltage_v(self) -> float:
+        """Drive voltage [V] that is out now, as far as the host knows."""
+        ...
+
+    def metadata(self) -> Metadata:
+        """Return what a recording is to say about this device.
+
+        Returns
+        -------
+        Facts by metadata keys, and what it has counted so far (lost frames, late samples).
+        """
+        ...
+
+    def exchange(self, command: Command) -> Answer:
+        """Put out a command for one sample period and return the sample at its end.
+
+        Parameters
+        ----------
+        command
+            What the guard allows: a drive voltage, or a target if the device has a closed loop of its own
+            (:class:`HasOnBoardLoop`).
+
+        Returns
+        -------
+        The sample; what is missing, as soon as the guard may want something else to be out; or a fault.
+
+        Raises
+        ------
+        RigError
+            For trouble that no event of the protection table names. The guard switches off, as for a fault.
+        NumericsError
+            From a simulation that cannot go on. The guard switches off.
+        """
+        ...
+
+    def sense(self) -> bool:
+        """Go to the sense voltage now; never raises.
+
+        Returns
+        -------
+        Whether it was ordered. If it was not, the guard switches off for good.
+        """
+        ...
+
+    def off(self) -> bool:
+        """Put out 0 V and let go of the hardware; nothing goes out ever after.
+
+        May be called twice, and from another thread while ``exchange`` waits for its sample: that then ends soon, with
+        an answer or an error that nobody reads. Never raises.
+
+        Returns
+        -------
+        Whether the device has confirmed that 0 V is out; on a second call the same as on the first.
+        """
+        ...
+
+
+@runtime_checkable
+class HasStage(Protocol):
+    """A linear stage that software can set."""
+
+    def set_pretension(self, pretension_n: float) -> None:
+        """Move the stage until the cold wire carries a force; the instruments are zeroed there.
+
+        Parameters
+        ----------
+        pretension_n
+            Force of the cold wire [N], both legs together.
+
+        Raises
+        ------
+        CallerError
+            For a force that the wire does not allow or the load cannot carry.
+        """
+        ...
+
+
+@runtime_checkable
+class HasTendonStage(Protocol):
+    """A second stage that carries the finger: it lets the tendon hang through or draws it taut."""
+
+    def set_tendon_slack(self, slack_m: float) -> None:
+        """Move the finger's stage.
+
+        Parameters
+        ----------
+        slack_m
+            How much the tendon hangs through [m]; below 0 it is drawn taut.
+
+        Raises
+        ------
+        CallerError
+            If there is no finger, or its curve ends before.
+        """
+        ...
+
+
+class TrueState(Protocol):
+    """What a simulated wire truly is; a part of the simulator's own state."""
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time [s]."""
+        ...
+
+    @property
+    def temperature_k(self) -> float:
+        """Temperature of the wire [K]."""
+        ...
+
+    @property
+    def resistance_ohm(self) -> float:
+        """Resistance between the terminals [ohm]."""
+        ...
+
+    @property
+    def cycles(self) -> float:
+        """Transformation cycles so far."""
+        ...
+
+
+@runtime_checkable
+class HasTrueState(Protocol):
+    """A simulation: it knows what no instrument shows. For judging it, never for an estimator."""
+
+    @property
+    def wire_state(self) -> TrueState:
+        """State of the wire whose voltages are measured."""
+        ...
+
+    @property
+    def partner_state(self) -> TrueState | None:
+        """State of a second wire, None if there is none."""
+        ...
+
+
+@runtime_checkable
+class HasOnBoardLoop(Protocol):
+    """A closed loop on the device: it follows targets with its own estimator and controller."""
+
+    @property
+    def model_checksum(self) -> int:
+        """Checksum of the model and controller that the device was built with (``export.c.loop_checksum``)."""
+        ...
+
+    @property
+    def board_estimate(self) -> float | None:
+        """The device's own estimate at the last exchange, in its model's unit (SI); None before the first."""
+        ...
+
+    @property
+    def board_resistance_ohm(self) -> float | None:
+        """The device's own resistance [ohm] at the last exchange; None before the first."""
+        ...

@@ -1,0 +1,101 @@
+"""Kinds of devices by name: what ``kind = "..."`` in a rig file may say, our own and those of other packages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, Self, TypeVar
+
+from pydantic import BaseModel, ConfigDict
+
+from musclewire.errors import CallerError
+from musclewire.parameters.wire_file import is_wire_file
+from musclewire.registry import Registry
+from musclewire.rigs.device import Device
+
+__all__ = ["DeviceConfiguration", "DeviceKind", "device_kinds"]
+
+
+class DeviceConfiguration(BaseModel):
+    """A rig file, checked by its schema; plain data.
+
+    Attributes
+    ----------
+    kind
+        Name of the device's kind in ``device_kinds``.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    kind: str
+
+    def beside(self, folder: Path) -> Self:
+        """Return the configuration with the files it names found beside it; by default its wire file.
+
+        Parameters
+        ----------
+        folder
+            Folder of the rig file.
+
+        Returns
+        -------
+        A configuration whose paths are valid from anywhere.
+        """
+        wire = dict(self).get("wire")
+        known = isinstance(wire, str) and is_wire_file(wire)
+        return self.model_copy(update={"wire": str(folder / wire)}) if known and wire else self
+
+
+Settings = TypeVar("Settings", bound=DeviceConfiguration)
+
+
+@dataclass(frozen=True)
+class DeviceKind(Generic[Settings]):
+    """How a kind of device comes from its rig file.
+
+    Attributes
+    ----------
+    configuration
+        Schema of its rig files.
+    opened
+        Opens the device of a configuration, with 0 V out. It raises MissingExtraError if a package is not installed,
+        RigError if the device cannot be opened, CallerError if the file contradicts the device.
+    """
+
+    configuration: type[Settings]
+    opened: Callable[[Settings], Device]
+
+    def open(self, configuration: DeviceConfiguration) -> Device:
+        """Return the open device.
+
+        Parameters
+        ----------
+        configuration
+            A rig file of this kind.
+
+        Returns
+        -------
+        The device with 0 V out; nothing guards it yet.
+
+        Raises
+        ------
+        CallerError
+            For a rig file of another kind.
+        """
+        if not isinstance(configuration, self.configuration):
+            raise CallerError(f"a rig file of kind '{configuration.kind}' is none of {self.configuration.__name__}")
+        return self.opened(configuration)
+
+
+# A kind is loaded only when a rig file names it.
+device_kinds: Registry[DeviceKind[Any]] = Registry(
+    "kind of rig",
+    "musclewire.devices",
+    {
+        "simulated": "musclewire.rigs.simulated_opening:SIMULATED",
+        "replay": "musclewire.rigs.replay:REPLAY",
+        "nidaq": "musclewire.rigs.nidaq.rig:NIDAQ",
+        "serial": "musclewire.rigs.serial.rig:SERIAL",
+    },
+)

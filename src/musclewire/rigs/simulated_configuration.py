@@ -1,0 +1,85 @@
+"""What a rig file of the simulated rig says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal, Self, TypeVar
+
+from pydantic import Field, model_validator
+
+from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters.schema import Bench, Parameter, ParameterGroup, Wire
+from musclewire.parameters.validation import validated
+from musclewire.parameters.wire_file import is_wire_file
+from musclewire.rigs.faults import Fault
+from musclewire.rigs.kinds import DeviceConfiguration
+from musclewire.rigs.load_parts import Part, Parts
+from musclewire.rigs.mounted import LimitsTable
+from musclewire.rigs.surroundings import Surroundings
+from musclewire.signals.units import parse_quantity
+
+__all__ = ["RigConfiguration", "changed_group", "with_settings"]
+
+Group = TypeVar("Group", bound=ParameterGroup)
+
+
+class RigConfiguration(DeviceConfiguration):
+    """A rig file: a wire, by name or wire file, a bench by name, and ``settings`` that change numbers of both.
+
+    Where no bench is named, the paper's is taken with what the wire file knows of its own. ``load`` lists what the wire
+    pulls, without any the bench's spring; ``surroundings`` tells how the air moves, without any not at all.
+    """
+
+    kind: Literal["simulated"] = "simulated"
+    wire: str = "paper-100um"
+    bench: str = "paper"
+    new_wire: bool = False
+    seed: int = Field(default=1, ge=0)
+    settings: dict[str, float | str] = Field(default_factory=dict)
+    load: list[Part] = Field(default_factory=list)
+    surroundings: Surroundings = Surroundings()
+    limits: LimitsTable = LimitsTable()
+    fault: list[Fault] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _parts_fit_together(self) -> RigConfiguration:
+        if "load" in self.model_fields_set and not self.load:
+            raise ValueError("load is empty: give a [[load]] part, or leave load out for the bench's spring")
+        Parts(load=self.load)
+        return self
+
+    def beside(self, folder: Path) -> Self:
+        """Return a rig file's content with the files it names found beside it, wherever the command was started."""
+
+        def found(name: str | None) -> str | None:
+            return str(folder / name) if name is not None and is_wire_file(name) else name
+
+        def placed(part: Part) -> Part:
+            known = {key: value for key, value in dict(part).items() if key in ("wire", "finger", "file")}
+            return part.model_copy(update={key: found(value) for key, value in known.items()})
+
+        return self.model_copy(update={"wire": found(self.wire), "load": [placed(part) for part in self.load]})
+
+
+def with_settings(wire: Wire, bench: Bench, settings: Mapping[str, float | str], where: str) -> tuple[Wire, Bench]:
+    """Return wire and bench with some numbers set by the user, in SI or as text with a unit ("1.7 N").
+
+    Raises CallerError for a name that neither has, suggesting the nearest.
+    """
+    known = {**dict(bench.items()), **dict(wire.items())}
+    changed: dict[str, Parameter] = {}
+    for key, given in settings.items():
+        if key not in known:
+            raise CallerError(f"{where}: unknown setting '{key}'{nearest_hint(key, known)}")
+        value = parse_quantity(given, known[key].unit) if isinstance(given, str) else float(given)
+        changed[key] = known[key].model_copy(
+            update={"value": value, "kind": "assumed", "source": where, "note": "set by the user"}
+        )
+    return changed_group(wire, changed, where), changed_group(bench, changed, where)
+
+
+def changed_group(group: Group, changed: Mapping[str, Parameter], where: str) -> Group:
+    """Return a group with those of the changed parameters that it has, checked like a file."""
+    own = {key: item.model_dump() for key, item in changed.items() if key in type(group).model_fields}
+    return validated(type(group), {**group.model_dump(), **own}, where) if own else group

@@ -1,0 +1,62 @@
+"""From the rig file of a simulated rig to the simulated device."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from musclewire.errors import CallerError
+from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
+from musclewire.rigs.kinds import DeviceKind
+from musclewire.rigs.simulated import SimulatedDevice
+from musclewire.rigs.simulated_configuration import RigConfiguration, changed_group, with_settings
+
+__all__ = ["SIMULATED", "open_simulated"]
+
+
+def open_simulated(
+    configuration: RigConfiguration,
+    where: str,
+    wire: str | None,
+    bench: str | None,
+    seed: int | None,
+    real_time: bool,
+    settings: Mapping[str, float | str],
+) -> SimulatedDevice:
+    """Return the open simulated rig of a rig file, changed as ``open_rig`` says."""
+    name = wire or configuration.wire
+    named = load_wire(name)
+    around = load_bench(bench or configuration.bench)
+    if bench is None and "bench" not in configuration.model_fields_set:
+        around = changed_group(around, bench_known_with(name), f"wire file {name}")
+    given = {**configuration.settings, **settings}
+    chosen, around = with_settings(named, around, given, where)
+    if configuration.load and "spring_stiffness_n_per_m" in given:
+        raise CallerError(
+            f"{where}: the setting 'spring_stiffness_n_per_m' is of the bench's spring, and [[load]] takes its place: "
+            "give a part 'spring' with a stiffness"
+        )
+    device = SimulatedDevice(
+        load_alloy(chosen.alloy),
+        chosen,
+        around,
+        parts=configuration.load,
+        surroundings=configuration.surroundings,
+        seed=configuration.seed if seed is None else seed,
+        new_wire=configuration.new_wire,
+        real_time=real_time,
+        limits=configuration.limits.changed(),
+        faults=configuration.fault,
+    )
+    if "pretension_n" in given and not device.has_stage:
+        raise CallerError(
+            f"{where}: the setting 'pretension_n' has no stage to set: the part 'weight' is the pretension"
+        )
+    return device
+
+
+def opened(configuration: RigConfiguration) -> SimulatedDevice:
+    """Return the simulated device of a rig file as it stands."""
+    return open_simulated(configuration, "rig", None, None, None, False, {})
+
+
+SIMULATED = DeviceKind(RigConfiguration, opened)
