@@ -45,7 +45,6 @@ class CatalogueRun(NamedTuple):
     contraction: float
     contraction_share: float
     cooling_s: float | None
-    cooling_to_share_s: float | None
     temperature_k: float
     energy_j: float
 
@@ -98,7 +97,6 @@ def run_catalogue_test(
         contraction=contraction,
         contraction_share=contraction / stroke,
         cooling_s=time_below(curve, step_s, contraction, UNCOUNTED_STRAIN),
-        cooling_to_share_s=time_below(curve, step_s, contraction, UNCOUNTED_STRAIN * stroke),
         temperature_k=float(heated.temperature_k.max()),
         energy_j=state.heat_in_j,
     )

@@ -55,7 +55,6 @@ class PolynomialFit:
     coefficients: tuple[float, ...]
     standard_errors: tuple[float, ...]
     covariance: FloatArray
-    residual_std: float
     spare_points: int
 
 
@@ -104,7 +103,6 @@ def fit_polynomial(points: FitPoints, order: int, name: str = "this") -> Polynom
         coefficients=tuple((to_powers @ solution).tolist()),
         standard_errors=tuple(np.sqrt(np.clip(np.diag(covariance), 0.0, None)).tolist()),
         covariance=covariance,
-        residual_std=float(np.sqrt(variance)),
         spare_points=spare,
     )
 

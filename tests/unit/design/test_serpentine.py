@@ -19,7 +19,7 @@ from musclewire.design.serpentine.closed_form import (
     stiffness_n_per_m,
     width_parameter,
 )
-from musclewire.design.serpentine.geometry import Arc, Envelope, SerpentineGeometry, Straight
+from musclewire.design.serpentine.geometry import Arc, SerpentineGeometry, Straight
 from musclewire.design.serpentine.strip import MESHES, ForceCurve, force_curve, linear_answer
 from musclewire.errors import CallerError
 from musclewire.parameters.materials import load_material
@@ -159,7 +159,6 @@ def test_small_travel_of_the_curve_is_the_linear_answer() -> None:
 def test_at_the_safe_travel_the_stress_is_what_is_allowed() -> None:
     found = short_curve()
     assert found.stress_at(found.safe_travel_m) == pytest.approx(POM.allowable_stress_pa.value, rel=1e-3)
-    assert found.travel_at(found.force_at(0.5e-3)) == pytest.approx(0.5e-3, rel=1e-3)
     assert math.isnan(found.stress_at(1.0))
 
 
@@ -198,13 +197,6 @@ def test_sizes_are_those_of_the_centre_line_and_half_a_thickness_around(geometry
     assert geometry.across_m == pytest.approx(2.0 * np.abs(corners[:, 0]).max() + geometry.thickness_m)
     ends = geometry.fittings.pad_height_m + geometry.fittings.connector_height_m
     assert geometry.along_m == pytest.approx(np.ptp(corners[:, 1]) + ends)
-    geometry.require_room(Envelope(geometry.across_m, geometry.along_m, geometry.depth_m))
-
-
-def test_a_part_that_does_not_fit_is_told_by_how_much() -> None:
-    geometry = serpentine()
-    with pytest.raises(CallerError, match=r"along the wire the part takes 40\.60 mm, 0\.60 mm more than the 40\.00 mm"):
-        geometry.require_room(Envelope(30e-3, 40e-3, 10e-3))
 
 
 @pytest.mark.parametrize(

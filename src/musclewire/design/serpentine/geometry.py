@@ -224,16 +224,6 @@ class SerpentineGeometry:
             start = (corner[0] + radius * out[0], corner[1] + radius * out[1])
         return [*(piece for piece in pieces if piece.length_m > 1e-12), Straight(start, corners[-1])]
 
-    def require_room(self, envelope: Envelope) -> None:
-        """Raise CallerError where the part does not fit, naming the direction and by how much."""
-        sizes = {"across the wire": self.across_m, "along the wire": self.along_m, "out of plane": self.depth_m}
-        for (name, size), room in zip(sizes.items(), envelope, strict=True):
-            if size > room + 1e-9:
-                raise CallerError(
-                    f"the envelope is too small: {name} the part takes {1e3 * size:.2f} mm, "
-                    f"{1e3 * (size - room):.2f} mm more than the {1e3 * room:.2f} mm there are"
-                )
-
 
 def words(name: str) -> str:
     """Return a field's name as words."""

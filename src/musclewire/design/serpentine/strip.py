@@ -70,10 +70,6 @@ class ForceCurve(NamedTuple):
         """Return the largest von Mises stress [Pa] at a travel [m]; NaN beyond the curve."""
         return interpolated(self.travel_m, self.stress_pa, travel_m)
 
-    def travel_at(self, force_n: float) -> float:
-        """Return the travel [m] at a pull [N]; NaN beyond the curve."""
-        return interpolated(self.force_n, self.travel_m, force_n)
-
 
 def interpolated(x: FloatArray, y: FloatArray, at: float) -> float:
     """Return y at a place by a monotone cubic through the points; NaN outside."""
