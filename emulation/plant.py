@@ -29,6 +29,7 @@ from emulation.plant_line import Direction, LineFaults
 from emulation.plant_wire import BenchWire, Truth
 from musclewire.errors import MusclewireError
 from musclewire.rigs.serial.frames import FrameParser
+from musclewire.rigs.serial.messages import Acknowledgement, AcknowledgementResult, MessageKind, read_message
 
 __all__ = ["COLUMNS", "Plant"]
 
@@ -47,7 +48,6 @@ LINE_BYTES = 512
 # A board that is this many conversions behind does not get more until it has caught up.
 UNREAD = 8
 UNREAD_AT_MOST = 16
-ACK, DRIVE, TARGET, DONE = 0x84, 0x03, 0x04, 0
 
 
 def listener() -> socket.socket:
@@ -244,8 +244,9 @@ class Plant:
             self.host = None
             return
         for frame in self.watched.feed(data):
-            acknowledged = frame.kind == ACK and len(frame.payload) == 4
-            if acknowledged and frame.payload[2] in (DRIVE, TARGET) and frame.payload[3] == DONE:
+            answer = read_message(frame)
+            moves = isinstance(answer, Acknowledgement) and answer.kind in (MessageKind.DRIVE, MessageKind.TARGET)
+            if moves and answer.result == AcknowledgementResult.DONE:
                 self._read_pins_now()
                 self.released = self.ticks_a_sample if self.lockstep else 0
         arrived, _ = self.line.passed(data, "to_host")

@@ -45,9 +45,9 @@ static void acknowledge(mw_application *application, const mw_message *command, 
     mw_message message;
     message.type = MW_ACK;
     message.payload_length = MW_ACK_BYTES;
-    mw_put_u16(message.payload, command->sequence);
-    message.payload[2] = command->type;
-    message.payload[3] = result;
+    mw_put_u16(message.payload + MW_AT_ACK_SEQUENCE, command->sequence);
+    message.payload[MW_AT_ACK_KIND] = command->type;
+    message.payload[MW_AT_ACK_RESULT] = result;
     send(application, &message);
 }
 
@@ -63,20 +63,20 @@ static void send_identity(mw_application *application)
     uint8_t *at = message.payload;
     message.type = MW_IDENTITY;
     message.payload_length = MW_IDENTITY_BYTES;
-    at[0] = MW_PROTOCOL_VERSION;
-    at[1] = MW_FIRMWARE_MAJOR;
-    at[2] = MW_FIRMWARE_MINOR;
-    at[3] = application->reset_cause;
-    mw_put_u32(at + 4, MW_TICK_PERIOD_US);
-    mw_put_u32(at + 8, MW_TICK_PERIOD_US * (uint32_t)MW_CONTROL_TICKS);
-    mw_put_f32(at + 12, (float)MW_SENSE_VOLTAGE_V);
-    mw_put_f32(at + 16, (float)MW_MAXIMUM_VOLTAGE_V);
-    mw_put_f32(at + 20, (float)MW_SHUNT_RESISTANCE_OHM);
-    mw_put_u16(at + 24, MW_EXPIRY_MS);
-    mw_put_u32(at + 26, MW_MODEL_CHECKSUM);
-    at[30] = application->event_at_reset;
-    put_text(at + 31, MW_BOARD_NAME, 16);
-    put_text(at + 47, MW_QUANTITY, 12);
+    at[MW_AT_IDENTITY_PROTOCOL_VERSION] = MW_PROTOCOL_VERSION;
+    at[MW_AT_IDENTITY_FIRMWARE_MAJOR] = MW_FIRMWARE_MAJOR;
+    at[MW_AT_IDENTITY_FIRMWARE_MINOR] = MW_FIRMWARE_MINOR;
+    at[MW_AT_IDENTITY_RESET_CAUSE] = application->reset_cause;
+    mw_put_u32(at + MW_AT_IDENTITY_TICK_PERIOD_US, MW_TICK_PERIOD_US);
+    mw_put_u32(at + MW_AT_IDENTITY_CONTROL_PERIOD_US, MW_TICK_PERIOD_US * (uint32_t)MW_CONTROL_TICKS);
+    mw_put_f32(at + MW_AT_IDENTITY_SENSE_VOLTAGE_V, (float)MW_SENSE_VOLTAGE_V);
+    mw_put_f32(at + MW_AT_IDENTITY_MAXIMUM_VOLTAGE_V, (float)MW_MAXIMUM_VOLTAGE_V);
+    mw_put_f32(at + MW_AT_IDENTITY_SHUNT_RESISTANCE_OHM, (float)MW_SHUNT_RESISTANCE_OHM);
+    mw_put_u16(at + MW_AT_IDENTITY_EXPIRY_MS, MW_EXPIRY_MS);
+    mw_put_u32(at + MW_AT_IDENTITY_MODEL_CHECKSUM, MW_MODEL_CHECKSUM);
+    at[MW_AT_IDENTITY_EVENT_AT_RESET] = application->event_at_reset;
+    put_text(at + MW_AT_IDENTITY_BOARD, MW_BOARD_NAME, MW_IDENTITY_BOARD_BYTES);
+    put_text(at + MW_AT_IDENTITY_QUANTITY, MW_QUANTITY, MW_IDENTITY_QUANTITY_BYTES);
     send(application, &message);
 }
 
@@ -93,16 +93,16 @@ static void send_sample(mw_application *application)
     const mw_real resistance_ohm = mw_resistance((mw_real)wire_voltage_v, (mw_real)shunt_voltage_v);
     message.type = MW_SAMPLE;
     message.payload_length = MW_SAMPLE_BYTES;
-    mw_put_u32(at, application->tick);
-    at[4] = mw_loop_state(loop);
-    at[5] = mw_loop_event(loop);
-    mw_put_u16(at + 6, application->command_sequence);
-    mw_put_f32(at + 8, mw_loop_output(loop));
-    mw_put_f32(at + 12, wire_voltage_v);
-    mw_put_f32(at + 16, shunt_voltage_v);
-    mw_put_f32(at + 20, (float)resistance_ohm);
-    mw_put_f32(at + 24, resistance_ohm > 0 ? (float)mw_estimate(resistance_ohm).value : NAN);
-    mw_put_f32(at + 28, loop->target);
+    mw_put_u32(at + MW_AT_SAMPLE_TICK, application->tick);
+    at[MW_AT_SAMPLE_STATE] = mw_loop_state(loop);
+    at[MW_AT_SAMPLE_EVENT] = mw_loop_event(loop);
+    mw_put_u16(at + MW_AT_SAMPLE_COMMAND_SEQUENCE, application->command_sequence);
+    mw_put_f32(at + MW_AT_SAMPLE_DRIVE_VOLTAGE_V, mw_loop_output(loop));
+    mw_put_f32(at + MW_AT_SAMPLE_WIRE_VOLTAGE_V, wire_voltage_v);
+    mw_put_f32(at + MW_AT_SAMPLE_SHUNT_VOLTAGE_V, shunt_voltage_v);
+    mw_put_f32(at + MW_AT_SAMPLE_RESISTANCE_OHM, (float)resistance_ohm);
+    mw_put_f32(at + MW_AT_SAMPLE_ESTIMATE, resistance_ohm > 0 ? (float)mw_estimate(resistance_ohm).value : NAN);
+    mw_put_f32(at + MW_AT_SAMPLE_TARGET, loop->target);
     send(application, &message);
     memset(sums, 0, sizeof *sums);
 }
@@ -122,10 +122,10 @@ static void settle(mw_application *application)
     mw_message message;
     message.type = MW_EVENT;
     message.payload_length = MW_EVENT_BYTES;
-    mw_put_u32(message.payload, application->tick);
-    message.payload[4] = state;
-    message.payload[5] = event;
-    mw_put_f32(message.payload + 6, mw_loop_resistance(&application->loop));
+    mw_put_u32(message.payload + MW_AT_EVENT_TICK, application->tick);
+    message.payload[MW_AT_EVENT_STATE] = state;
+    message.payload[MW_AT_EVENT_EVENT] = event;
+    mw_put_f32(message.payload + MW_AT_EVENT_VALUE, mw_loop_resistance(&application->loop));
     send(application, &message);
 }
 
@@ -146,13 +146,14 @@ static void bad_frame(mw_application *application)
 static uint8_t armed_command(mw_application *application, const mw_message *command)
 {
     mw_control_loop *loop = &application->loop;
-    if (command->payload_length != 4u) {
+    if (command->payload_length != MW_DRIVE_BYTES) {
         return MW_BAD_PAYLOAD;
     }
     if (!mw_loop_armed(loop)) {
         return MW_REFUSED;
     }
-    const float value = mw_get_f32(command->payload);
+    /* One number, a drive or a target, in the same place. */
+    const float value = mw_get_f32(command->payload + MW_AT_DRIVE_DRIVE_VOLTAGE_V);
     mw_standalone_stop(&application->standalone);
     const bool taken = command->type == MW_DRIVE ? mw_loop_drive(loop, value) : mw_loop_target(loop, value);
     if (!taken) {
@@ -166,10 +167,10 @@ static uint8_t armed_command(mw_application *application, const mw_message *comm
 #ifdef MW_FAULT_INJECTION
 static uint8_t inject(mw_application *application, const mw_message *command)
 {
-    if (command->payload_length != 1u) {
+    if (command->payload_length != MW_INJECT_BYTES) {
         return MW_BAD_PAYLOAD;
     }
-    application->injected = command->payload[0];
+    application->injected = command->payload[MW_AT_INJECT_WHAT];
     return MW_DONE;
 }
 #endif
@@ -177,7 +178,7 @@ static uint8_t inject(mw_application *application, const mw_message *command)
 static uint8_t plain_command(mw_application *application, const mw_message *command)
 {
     mw_control_loop *loop = &application->loop;
-    const uint8_t expected = command->type == MW_STREAM ? 2u : 0u;
+    const uint8_t expected = command->type == MW_STREAM ? MW_STREAM_BYTES : 0u;
     if (command->type == MW_DRIVE || command->type == MW_TARGET) {
         return armed_command(application, command);
     }
@@ -200,7 +201,7 @@ static uint8_t plain_command(mw_application *application, const mw_message *comm
         mw_standalone_stop(&application->standalone);
         mw_loop_off(loop);
     } else if (command->type == MW_STREAM) {
-        application->stream_every = mw_get_u16(command->payload);
+        application->stream_every = mw_get_u16(command->payload + MW_AT_STREAM_EVERY);
         application->stream_left = application->stream_every;
         memset(&application->sums, 0, sizeof application->sums);
     } else if (command->type == MW_KEEP) {

@@ -7,8 +7,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define MW_PROTOCOL_VERSION 1u
-#define MW_BODY_MAX 96u
+#include "messages.h"
+
 #define MW_HEADER_BYTES 4u
 #define MW_CHECK_BYTES 4u
 #define MW_PAYLOAD_MAX (MW_BODY_MAX - MW_HEADER_BYTES - MW_CHECK_BYTES)

@@ -11,6 +11,9 @@
 #include "registers.h"
 #include "sense_channels.h"
 
+#define RING 1024u
+#include "ring.h"
+
 #define CONVERSION 0xa5u
 #define CONVERTING 0x5au
 #define OUTPUT 0x3cu
@@ -31,12 +34,6 @@
 mw_retained board_retained __attribute__((section(".noinit")));
 static uint32_t note __attribute__((section(".noinit")));
 
-#define RING 1024u
-typedef struct {
-    volatile uint16_t in, out;
-    volatile uint8_t bytes[RING]; /* a byte is stored before the index that says so */
-} ring;
-
 static ring from_host, from_bench, to_host;
 static uint8_t cause;
 static uint8_t answered; /* number of the conversion that the next output answers */
@@ -46,29 +43,6 @@ static uint32_t patience = LATE;
 static uint8_t packet[CONVERSION_BYTES], packet_length;
 
 static const mw_channels channels = {MW_CONVERTER_FULL_CODE, MW_NODE_RANGE_V, MW_SHUNT_RANGE_V};
-
-static uint16_t waiting(const ring *of)
-{
-    return (uint16_t)((uint16_t)(of->in - of->out) % RING);
-}
-
-static void keep(ring *of, uint8_t byte)
-{
-    if (waiting(of) < RING - 1u) { /* a full ring drops bytes: the frame's check sum will tell */
-        of->bytes[of->in] = byte;
-        of->in = (uint16_t)((of->in + 1u) % RING);
-    }
-}
-
-static bool take(ring *of, uint8_t *byte)
-{
-    if (of->in == of->out) {
-        return false;
-    }
-    *byte = of->bytes[of->out];
-    of->out = (uint16_t)((of->out + 1u) % RING);
-    return true;
-}
 
 static void receive(uart_registers *uart, ring *into)
 {
@@ -248,7 +222,7 @@ bool board_wait(mw_board_tick *tick, mw_board_reading *reading)
         return true;
     }
     __asm volatile("cpsid i");
-    if (from_bench.in == from_bench.out && from_host.in == from_host.out) {
+    if (is_empty(&from_bench) && is_empty(&from_host)) {
         __asm volatile("wfi"); /* wakes on an interrupt that is pending, although it is not served yet */
     }
     __asm volatile("cpsie i");

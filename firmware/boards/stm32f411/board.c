@@ -11,6 +11,9 @@
 #include "registers.h"
 #include "sense_channels.h"
 
+#define RING 512u
+#include "ring.h"
+
 #define READINGS 8u
 #define NODE_CHANNEL 4u
 #define SHUNT_CHANNEL 5u
@@ -21,41 +24,12 @@
 mw_retained board_retained __attribute__((section(".noinit")));
 static uint32_t note __attribute__((section(".noinit")));
 
-#define RING 512u
-typedef struct {
-    volatile uint16_t in, out;
-    volatile uint8_t bytes[RING]; /* a byte is stored before the index that says so */
-} ring;
-
 static ring from_host, to_host;
 static volatile uint32_t node_sum, shunt_sum;
 static volatile uint16_t readings, slices;
 static uint8_t cause, missed;
 
 static const mw_channels channels = {MW_CONVERTER_FULL_CODE, MW_NODE_RANGE_V, MW_SHUNT_RANGE_V};
-
-static uint16_t waiting(const ring *of)
-{
-    return (uint16_t)((uint16_t)(of->in - of->out) % RING);
-}
-
-static void keep(ring *of, uint8_t byte)
-{
-    if (waiting(of) < RING - 1u) { /* a full ring drops bytes: the frame's check sum will tell */
-        of->bytes[of->in] = byte;
-        of->in = (uint16_t)((of->in + 1u) % RING);
-    }
-}
-
-static bool take(ring *of, uint8_t *byte)
-{
-    if (of->in == of->out) {
-        return false;
-    }
-    *byte = of->bytes[of->out];
-    of->out = (uint16_t)((of->out + 1u) % RING);
-    return true;
-}
 
 /* The gate's own pull-down holds it while the pin is an input; from here on the pin does. Before memory is set up. */
 void board_output_off_at_reset(void)
@@ -104,7 +78,7 @@ static void send_waiting(void)
     while ((LINE_STATUS & LINE_MAY_SEND) && take(&to_host, &byte)) {
         LINE_DATA = byte;
     }
-    if (to_host.in == to_host.out) {
+    if (is_empty(&to_host)) {
         LINE_CONTROL &= ~LINE_SENDING;
     }
 }
@@ -216,7 +190,7 @@ bool board_wait(mw_board_tick *tick, mw_board_reading *reading)
         return true;
     }
     __asm volatile("cpsid i");
-    if (from_host.in == from_host.out && slices < READINGS) {
+    if (is_empty(&from_host) && slices < READINGS) {
         __asm volatile("wfi"); /* wakes on an interrupt that is pending, although it is not served yet */
     }
     __asm volatile("cpsie i");

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 import time
 from collections import deque
 from collections.abc import Callable
@@ -10,7 +9,7 @@ from collections.abc import Callable
 from musclewire.errors import RigError
 from musclewire.rigs.serial.frames import PROTOCOL_VERSION, Frame, FrameParser, encode_frame
 from musclewire.rigs.serial.line import Line
-from musclewire.rigs.serial.messages import Acknowledgement, Identity, Message, MessageKind, read_message
+from musclewire.rigs.serial.messages import Acknowledgement, Identity, Message, MessageKind, payload_of, read_message
 
 __all__ = ["Board", "LinkStormError"]
 
@@ -59,11 +58,11 @@ class Board:
 
     def send_drive(self, drive_voltage_v: float, sequence: int | None = None) -> int:
         """Command a drive voltage [V]; open loop from here."""
-        return self.send(MessageKind.DRIVE, struct.pack("<f", drive_voltage_v), sequence)
+        return self.send(MessageKind.DRIVE, payload_of(MessageKind.DRIVE, drive_voltage_v), sequence)
 
     def send_target(self, target: float, sequence: int | None = None) -> int:
         """Command a target in the unit of the board's model, SI; the board closes the loop."""
-        return self.send(MessageKind.TARGET, struct.pack("<f", target), sequence)
+        return self.send(MessageKind.TARGET, payload_of(MessageKind.TARGET, target), sequence)
 
     def receive(self, timeout_s: float) -> list[Message]:
         """Return the messages that have come, waiting up to ``timeout_s`` for the first byte.

@@ -14,11 +14,10 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from musclewire.errors import CallerError
+from musclewire.rigs.serial.message_types import MAXIMUM_BODY_BYTES, PROTOCOL_VERSION
 
 __all__ = ["Frame", "FrameParser", "LinkErrors", "MAXIMUM_BODY_BYTES", "PROTOCOL_VERSION", "encode_frame"]
 
-PROTOCOL_VERSION = 1
-MAXIMUM_BODY_BYTES = 96
 HEADER = struct.Struct("<BBH")
 CHECKSUM = struct.Struct("<I")
 SMALLEST_BODY_BYTES = HEADER.size + CHECKSUM.size

@@ -1,89 +1,42 @@
 """What the frames of the serial protocol say: payloads to named values and back.
 
-The numbers are the protocol's (docs/reference/firmware_protocol.md), shared with firmware/src.
+Numbers, fields and layouts are those of ``message_types.py``, which is written from data/protocol.toml, as the
+firmware's header is (docs/reference/firmware_protocol.md).
 """
 
 from __future__ import annotations
 
-import struct
-from enum import IntEnum
-from typing import NamedTuple
+from typing import Any
 
 from musclewire.rigs.serial.frames import Frame
+from musclewire.rigs.serial.message_types import (
+    LAYOUTS,
+    Acknowledgement,
+    AcknowledgementResult,
+    BoardEvent,
+    BoardSample,
+    IdentityFields,
+    MessageKind,
+    ResetCause,
+)
 
 __all__ = [
     "Acknowledgement",
     "AcknowledgementResult",
     "BoardEvent",
     "BoardSample",
-    "BoardState",
     "Identity",
     "Message",
     "MessageKind",
-    "RESET_CAUSES",
+    "payload_of",
     "read_message",
 ]
 
 
-class MessageKind(IntEnum):
-    """Types of frames; those of the device have the highest bit set."""
-
-    HELLO = 0x01
-    ARM = 0x02
-    DRIVE = 0x03
-    TARGET = 0x04
-    OFF = 0x05
-    STREAM = 0x06
-    KEEP = 0x07
-    IDENTITY = 0x81
-    SAMPLE = 0x82
-    EVENT = 0x83
-    ACKNOWLEDGEMENT = 0x84
-
-
-class BoardState(IntEnum):
-    """Protection states as the board numbers them."""
-
-    OFF = 0
-    RUN = 1
-    HOLD = 2
-    SENSE = 3
-    TRIPPED = 4
-
-
-class AcknowledgementResult(IntEnum):
-    """What became of a command."""
-
-    DONE = 0
-    REFUSED = 1
-    UNKNOWN = 2
-    BAD_PAYLOAD = 3
-
-
-RESET_CAUSES = ("power-on", "external", "watchdog", "brown-out")
-IDENTITY_LAYOUT = struct.Struct("<BBBBIIfffHIB16s12s")
-SAMPLE_LAYOUT = struct.Struct("<IBBHffffff")
-EVENT_LAYOUT = struct.Struct("<IBBf")
-ACKNOWLEDGEMENT_LAYOUT = struct.Struct("<HBB")
-
-
-class Identity(NamedTuple):
+class Identity(IdentityFields):
     """What a board is and what it was built with."""
 
-    protocol_version: int
-    firmware_major: int
-    firmware_minor: int
-    reset_cause: int
-    tick_period_us: int
-    control_period_us: int
-    sense_voltage_v: float
-    maximum_voltage_v: float
-    shunt_resistance_ohm: float
-    expiry_ms: int
-    model_checksum: int
-    event_at_reset: int
-    board: str
-    quantity: str
+    __slots__ = ()
 
     @property
     def tick_period_s(self) -> float:
@@ -98,42 +51,23 @@ class Identity(NamedTuple):
     @property
     def reset_by(self) -> str:
         """Why the board started, in words."""
-        return RESET_CAUSES[self.reset_cause] if self.reset_cause < len(RESET_CAUSES) else f"cause {self.reset_cause}"
-
-
-class BoardSample(NamedTuple):
-    """Means over the board's ticks since the sample before, and what the board does."""
-
-    tick: int
-    state: int
-    event: int
-    command_sequence: int
-    drive_voltage_v: float
-    wire_voltage_v: float
-    shunt_voltage_v: float
-    resistance_ohm: float
-    estimate: float
-    target: float
-
-
-class BoardEvent(NamedTuple):
-    """A change of the board's protection state and the value that caused it."""
-
-    tick: int
-    state: int
-    event: int
-    value: float
-
-
-class Acknowledgement(NamedTuple):
-    """The board's answer to a command."""
-
-    sequence: int
-    kind: int
-    result: int
+        known = {cause.value: cause.name.lower().replace("_", "-") for cause in ResetCause}
+        return known.get(self.reset_cause, f"cause {self.reset_cause}")
 
 
 Message = Identity | BoardSample | BoardEvent | Acknowledgement
+# What the board's messages are read as.
+READ_AS: dict[int, type[Message]] = {
+    MessageKind.IDENTITY: Identity,
+    MessageKind.SAMPLE: BoardSample,
+    MessageKind.EVENT: BoardEvent,
+    MessageKind.ACKNOWLEDGEMENT: Acknowledgement,
+}
+
+
+def payload_of(kind: MessageKind, *values: float) -> bytes:
+    """Return the payload of a command with the values of its fields."""
+    return LAYOUTS[kind].pack(*values)
 
 
 def text_of(field: bytes) -> str:
@@ -142,14 +76,12 @@ def text_of(field: bytes) -> str:
 
 
 def read_message(frame: Frame) -> Message | None:
-    """Return what a device's frame says, None for a type that is not the device's or a payload of another length."""
-    if frame.kind == MessageKind.IDENTITY and len(frame.payload) == IDENTITY_LAYOUT.size:
-        *numbers, board, quantity = IDENTITY_LAYOUT.unpack(frame.payload)
-        return Identity._make((*numbers, text_of(board), text_of(quantity)))
-    if frame.kind == MessageKind.SAMPLE and len(frame.payload) == SAMPLE_LAYOUT.size:
-        return BoardSample(*SAMPLE_LAYOUT.unpack(frame.payload))
-    if frame.kind == MessageKind.EVENT and len(frame.payload) == EVENT_LAYOUT.size:
-        return BoardEvent(*EVENT_LAYOUT.unpack(frame.payload))
-    if frame.kind == MessageKind.ACKNOWLEDGEMENT and len(frame.payload) == ACKNOWLEDGEMENT_LAYOUT.size:
-        return Acknowledgement(*ACKNOWLEDGEMENT_LAYOUT.unpack(frame.payload))
-    return None
+    """Return what a board's frame says, None for a type that is not the board's or a payload of another length."""
+    made = READ_AS.get(frame.kind)
+    if made is None:
+        return None
+    layout = LAYOUTS[MessageKind(frame.kind)]
+    if len(frame.payload) != layout.size:
+        return None
+    fields: list[Any] = [text_of(one) if isinstance(one, bytes) else one for one in layout.unpack(frame.payload)]
+    return made._make(fields)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import struct
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -11,7 +10,7 @@ from math import isfinite
 from threading import RLock
 from typing import NoReturn
 
-from musclewire.controllers.protection import Event
+from musclewire.controllers.protection import Event, State
 from musclewire.errors import CallerError, RigError
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Fault
 from musclewire.rigs.kinds import DeviceKind
@@ -24,10 +23,10 @@ from musclewire.rigs.serial.messages import (
     AcknowledgementResult,
     BoardEvent,
     BoardSample,
-    BoardState,
     Identity,
     Message,
     MessageKind,
+    payload_of,
 )
 from musclewire.signals.commands import Command, Target
 from musclewire.signals.samples import RawSample
@@ -103,7 +102,7 @@ class SerialDevice:
         )
         # A trip that is latched from an earlier session is over: whoever opens the rig has looked.
         self._command(MessageKind.OFF, b"")
-        self._command(MessageKind.STREAM, struct.pack("<H", self._ticks // self._frames))
+        self._command(MessageKind.STREAM, payload_of(MessageKind.STREAM, self._ticks // self._frames))
 
     def _check_agreement(self) -> None:
         """Raise CallerError where the rig file asks for what this board is not."""
@@ -275,7 +274,7 @@ class SerialDevice:
 
     def _raise_what_it_reports(self, message: Message, sequence: int) -> None:
         """Trip where the board has tripped, refused the command, or started anew."""
-        if isinstance(message, (BoardSample, BoardEvent)) and message.state == BoardState.TRIPPED:
+        if isinstance(message, (BoardSample, BoardEvent)) and message.state == State.TRIPPED:
             self._trip_as_the_board(message.event)
         if isinstance(message, Identity):  # unasked, so it has started anew
             self._trip_restarted(message)
@@ -303,7 +302,7 @@ class SerialDevice:
             self._unread.extend(self._board.receive(0.2 * self._configuration.sample_period))
             while self._unread:
                 message = self._unread.popleft()
-                if isinstance(message, (BoardSample, BoardEvent)) and message.state == BoardState.TRIPPED:
+                if isinstance(message, (BoardSample, BoardEvent)) and message.state == State.TRIPPED:
                     self._trip_as_the_board(message.event)
                 if isinstance(message, Identity):
                     self._trip_restarted(message)
@@ -336,7 +335,7 @@ class SerialDevice:
         for message in messages:
             if (
                 isinstance(message, (BoardSample, BoardEvent))
-                and message.state == BoardState.TRIPPED
+                and message.state == State.TRIPPED
                 and message.event != Event.COMMAND_MISSING
             ):
                 self._trip_as_the_board(message.event)
