@@ -2,7 +2,7 @@
 
 Two parts. The orders: distances of temperature, contraction and resistance from a much finer run, over a ladder of
 steps and of grains, along a slow loop and along a fast step, for an alloy of round numbers that no fit moves
-(tests/unit/simulate/wire_makers.py). The default loop: strain gap (Eq. 2), smallest and largest resistance from B to C
+(tests/unit/wire/wire_makers.py). The default loop: strain gap (Eq. 2), smallest and largest resistance from B to C
 of the wire as shipped, on the paper's bench without instrument noise, and their distance from the finest run.
 Prints tables, or one JSON document with --json; --quick leaves the finest runs out.
 """
@@ -23,9 +23,9 @@ from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.sensing import find_segments
 from musclewire.sensing.gaps import hysteresis_gap
 from musclewire.simulate.paths import drive_path
-from musclewire.simulate.wire import constants_from
+from musclewire.wire.building import constants_from
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/simulate"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))
 
 from wire_makers import constants
 

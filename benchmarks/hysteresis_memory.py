@@ -3,7 +3,7 @@
 Wiping-out: of a history of turning points only the alternating dominant ones are left; the rest, wiped out by a larger
 excursion, must not matter. Congruency: minor loops between the same two temperatures are congruent whatever happened
 before. Both together make a classical Preisach operator (Mayergoyz 1986, doi 10.1103/PhysRevLett.56.1518). Random
-histories for alloys of round numbers (tests/unit/simulate/wire_makers.py), one of them without R-phase; shown is the
+histories for alloys of round numbers (tests/unit/wire/wire_makers.py), one of them without R-phase; shown is the
 largest departure found, in the fractions of martensite and R-phase and in strain.
 Prints a table, or one JSON document with --json.
 """
@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.simulate.paths import isobaric_path
-from musclewire.simulate.state import WireConstants
+from musclewire.wire.state import WireConstants
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/simulate"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))
 
 from wire_makers import ALLOYS, constants
 

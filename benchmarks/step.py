@@ -24,9 +24,9 @@ from collections.abc import Callable
 from scipy.integrate import solve_ivp
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.simulate.kernel import advance
-from musclewire.simulate.state import WireConstants, WireState
-from musclewire.simulate.wire import constants_from, resting_state
+from musclewire.simulate.circuit import advance
+from musclewire.wire.building import constants_from, resting_state
+from musclewire.wire.state import WireConstants, WireState
 
 PERIOD_S = 90.0
 CONTROL_PERIOD_S = 0.01

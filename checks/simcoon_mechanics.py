@@ -24,11 +24,11 @@ except ImportError:
     sys.exit("simcoon is not installed: `pip install simcoon` beside musclewire, in an environment of its own")
 
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
-from musclewire.simulate.balances import total_strain
 from musclewire.simulate.paths import isobaric_path
-from musclewire.simulate.state import WireConstants
+from musclewire.wire.balances import total_strain
+from musclewire.wire.state import WireConstants
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/simulate"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))
 
 from wire_makers import constants
 
@@ -179,7 +179,7 @@ def loading_rows(wire: WireConstants) -> list[Row]:
         elastic = {"austenite": wire.austenite_modulus_pa, "martensite": wire.martensite_modulus_pa}[name]
         rows.append(Row(f"elastic modulus of {name}", theirs, 1e-9 * elastic, "GPa", 1e-3 * 1e-9 * elastic))
         low, high = (
-            total_strain(wire, 1e6 * stress_mpa, martensite, 0.0, kelvin)
+            total_strain(wire.record, 1e6 * stress_mpa, martensite, 0.0, kelvin)
             for stress_mpa in (low_mpa, low_mpa + more_mpa)
         )
         if martensite:

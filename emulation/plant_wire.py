@@ -14,7 +14,7 @@ from musclewire.rigs.faults import Fault, Faults
 from musclewire.rigs.mechanism import Mechanism
 from musclewire.rigs.simulated_building import wires_of
 from musclewire.rigs.simulated_configuration import with_settings
-from musclewire.simulate.loads import spring_load
+from musclewire.wire.loads import spring_load
 
 __all__ = ["BenchWire", "Converted", "Truth"]
 

@@ -22,11 +22,11 @@ from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER, TARG
 from musclewire.identify.isobars import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.library import read_published
-from musclewire.simulate.grains import signed_power
 from musclewire.simulate.paths import isobaric_path
-from musclewire.simulate.state import WireConstants
-from musclewire.simulate.switching import drives_at
-from musclewire.simulate.wire import cooled_grains
+from musclewire.wire.building import cooled_wire
+from musclewire.wire.grains import signed_power
+from musclewire.wire.state import WireConstants
+from musclewire.wire.switching import driving_forces_at
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -293,7 +293,7 @@ def draw_r_phase_map(axes: Axes, constants: WireConstants) -> ContourSet:
     Lines say the same of a wire heated there from cold.
     """
     degc, mpa = np.linspace(*DIAGRAM_DEGC, 141), np.linspace(*DIAGRAM_MPA, 76)
-    cooled = [[cooled_grains(constants, MPA * s, t + ZERO_DEGC_K)[1].mean() for t in degc] for s in mpa]
+    cooled = [[cooled_wire(constants, MPA * s, t + ZERO_DEGC_K).grain_r_phase.mean() for t in degc] for s in mpa]
     heated = [isobaric_path(constants, MPA * s, degc + ZERO_DEGC_K).r_phase_fraction for s in mpa]
     axes.contour(
         degc, mpa, 100.0 * np.array(heated), levels=SHADES_PCT[1::2], colors=[R_PHASE], linewidths=0.8, linestyles=":"
@@ -314,12 +314,12 @@ def draw_lines(axes: Axes, constants: WireConstants) -> None:
 
 
 def due_degc(constants: WireConstants, stress_pa: float, change: str) -> float:
-    """Return the temperature at which a change is due for the middle grain, where its drive is zero."""
+    """Return the temperature at which a change is due for the middle grain, with a driving force of zero."""
     low, high = 100.0, 700.0
     cooling = change in ("a_to_m_k", "a_to_r_k", "r_to_m_k")
     for _ in range(50):
         middle = 0.5 * (low + high)
-        due = getattr(drives_at(constants, middle, stress_pa, 1.0), change) > 0.0
+        due = getattr(driving_forces_at(constants.record, middle, stress_pa, 1.0), change) > 0.0
         low, high = (middle, high) if due == cooling else (low, middle)
     return 0.5 * (low + high) - ZERO_DEGC_K
 

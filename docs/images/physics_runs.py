@@ -17,8 +17,8 @@ from musclewire.physics.resistivity import phase_resistivity_ohm_m
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 from musclewire.sensing.segments import find_segments
 from musclewire.simulate.paths import DrivenPath, drive_path
-from musclewire.simulate.state import WireConstants
-from musclewire.simulate.wire import constants_from, with_pretension
+from musclewire.wire.building import constants_from, with_pretension
+from musclewire.wire.state import WireConstants
 
 FloatArray = NDArray[np.float64]
 
@@ -131,7 +131,7 @@ def loops_of_the_sweep() -> tuple[LoopTruth, LoopTruth, LoopTruth]:
 
 def without_r_phase(loop: LoopTruth, wire: str = SWEEP_WIRE) -> LoopTruth:
     """Return the same loop of a wire whose R-phase is out of reach, as a model of two phases has it."""
-    constants = loop.constants._replace(r_phase_temperature_k=NEVER_K)
+    constants = loop.constants.replace(r_phase_temperature_k=NEVER_K)
     return slow_loop(with_pretension(constants, loop.pretension_n), wire)
 
 

@@ -23,7 +23,7 @@ numba_config: Any = config  # its options are set at run time, where mypy cannot
 __all__ = ["compiled", "compiled_inline"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-ROOMS_WITH_KERNELS = ("physics", "simulate", "controllers", "sensing")
+ROOMS_WITH_KERNELS = ("physics", "wire", "simulate", "controllers", "sensing")
 
 
 @cache

@@ -16,7 +16,7 @@ from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 from musclewire.sensing.segments import find_segments
 from musclewire.simulate.paths import DrivenPath, drive_path
-from musclewire.simulate.wire import constants_of
+from musclewire.wire.building import constants_of
 
 FloatArray = NDArray[np.float64]
 

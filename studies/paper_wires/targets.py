@@ -9,7 +9,7 @@ import numpy as np
 from musclewire.identify.isobars import half_transformation_slope_pa_per_k, simulated_isobar, summarize_isobar
 from musclewire.parameters.library import read_published
 from musclewire.simulate.paths import drive_path
-from musclewire.simulate.wire import constants_from
+from musclewire.wire.building import constants_from
 from paper_wires.loops import Loop, analysed
 from paper_wires.unknowns import NAMES, PULL, FloatArray, PaperWires, changed, paper_wires
 

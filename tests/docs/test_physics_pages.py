@@ -41,6 +41,10 @@ def test_the_page_on_protection_is_the_table_the_code_runs_by(draw: ModuleType) 
     assert draw.PROTECTION_PAGE.read_text("utf-8") == draw.protection_page.page(), AGAIN
 
 
+def test_the_page_on_the_row_of_a_wire_is_what_its_list_of_fields_says(draw: ModuleType) -> None:
+    assert draw.WIRE_ROW_PAGE.read_text("utf-8") == draw.wire_row_page.page(), AGAIN
+
+
 def test_the_page_on_rig_files_of_hardware_is_what_the_schemas_say(draw: ModuleType) -> None:
     page = draw.rig_keys_page.page()
     assert draw.RIG_KEYS_PAGE.read_text("utf-8") == page, AGAIN

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from musclewire.errors import NumericsError
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.simulate.paths import drive_path, isobaric_path
-from musclewire.simulate.state import WireConstants, WireState
-from musclewire.simulate.wire import constants_from
+from musclewire.wire.building import constants_from
+from musclewire.wire.state import WireConstants, WireState
 
 __all__ = ["PULL_STRESS_PA", "UNCOUNTED_STRAIN", "CatalogueRun", "dead_weight_bench", "run_catalogue_test"]
 

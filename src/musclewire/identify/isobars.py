@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from musclewire.errors import RecordingError
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.simulate.paths import isobaric_path
-from musclewire.simulate.wire import constants_from
+from musclewire.wire.building import constants_from
 
 __all__ = ["Isobar", "IsobarSummary", "half_transformation_slope_pa_per_k", "simulated_isobar", "summarize_isobar"]
 

@@ -15,8 +15,8 @@ from musclewire.errors import NumericsError
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.simulate.paths import DrivenPath, drive_path
-from musclewire.simulate.state import WireConstants, WireState
-from musclewire.simulate.wire import constants_from, resting_state
+from musclewire.wire.building import constants_from, resting_state
+from musclewire.wire.state import WireConstants, WireState
 
 __all__ = [
     "OVERHEATED_K",

@@ -4,20 +4,20 @@ Symbols: A austenite, R R-phase, M martensite; T temperature, sigma stress; f ad
 kelvin; h barrier in kelvin; C stress rate (Clausius-Clapeyron slope) in Pa/K.
 
 A phase change happens once its advantage exceeds its barrier. That excess, positive once the change is due, is
-the drive of the change; there are three drives on cooling (A to M, A to R, R to M) and three on heating.
+the thermodynamic driving force of the change; there are three on cooling (A to M, A to R, R to M) and three on heating.
 
 A grain is one class of transformation temperatures. It is not a single switch but a short interval of them,
-so its phase shares move continuously while a drive sweeps through the interval: the limit of very many
+so its phase shares move continuously while a driving force sweeps through the interval: the limit of very many
 switches, in which the ensemble loses its steps. Within a grain the shares are ordered as they form on
 cooling: martensite first, then R-phase, then austenite. Either function leaves a grain where applying it again
-changes nothing, so that a grain needs a second look only when a drive has risen.
+changes nothing, so that a grain needs a second look only when a driving force has risen.
 """
 
 from __future__ import annotations
 
 from musclewire.compiled import compiled, compiled_inline
 
-__all__ = ["advantage_k", "cooled_grain", "heated_grain", "share_beyond"]
+__all__ = ["advantage_k", "cooled_grain", "heated_grain", "fraction_beyond"]
 
 
 @compiled
@@ -55,12 +55,12 @@ def advantage_k(
 
 
 @compiled_inline
-def share_beyond(drive_k: float, inverse_width_per_k: float) -> float:
+def fraction_beyond(force_k: float, inverse_width_per_k: float) -> float:
     """Return the fraction of a grain for which a change is due, 0 to 1.
 
     Parameters
     ----------
-    drive_k
+    force_k
         Thermodynamic driving force of the change at the grain's middle [K], less its barrier.
     inverse_width_per_k
         1 / width of the grain's interval of transformation temperatures [1/K].
@@ -75,19 +75,19 @@ def share_beyond(drive_k: float, inverse_width_per_k: float) -> float:
 
     Examples
     --------
-    >>> share_beyond(0.25, 1.0)
+    >>> fraction_beyond(0.25, 1.0)
     0.75
     """
-    return min(max(drive_k * inverse_width_per_k + 0.5, 0.0), 1.0)
+    return min(max(force_k * inverse_width_per_k + 0.5, 0.0), 1.0)
 
 
 @compiled_inline
 def cooled_grain(
     martensite: float,
     r_phase: float,
-    a_to_m_drive_k: float,
-    a_to_r_drive_k: float,
-    r_to_m_drive_k: float,
+    a_to_m_force_k: float,
+    a_to_r_force_k: float,
+    r_to_m_force_k: float,
     martensite_inverse_width_per_k: float,
     r_phase_inverse_width_per_k: float,
     preference_inverse_width_per_k: float,
@@ -100,11 +100,11 @@ def cooled_grain(
         Fraction before, 0 to 1.
     r_phase
         Fraction before, 0 to 1 - ``martensite``.
-    a_to_m_drive_k
+    a_to_m_force_k
         Thermodynamic driving force of austenite to martensite at the grain's middle, less its barrier [K].
-    a_to_r_drive_k
+    a_to_r_force_k
         That of austenite to R-phase [K].
-    r_to_m_drive_k
+    r_to_m_force_k
         That of R-phase to martensite [K].
     martensite_inverse_width_per_k
         1 / width of the grain's interval for martensite [1/K].
@@ -132,11 +132,11 @@ def cooled_grain(
     (0.5, 0.0)
     """
     has_left_a = max(
-        share_beyond(a_to_m_drive_k, martensite_inverse_width_per_k),
-        share_beyond(a_to_r_drive_k, r_phase_inverse_width_per_k),
+        fraction_beyond(a_to_m_force_k, martensite_inverse_width_per_k),
+        fraction_beyond(a_to_r_force_k, r_phase_inverse_width_per_k),
     )
     formed = max(martensite + r_phase, has_left_a)
-    no_longer_r = share_beyond(r_to_m_drive_k, preference_inverse_width_per_k)
+    no_longer_r = fraction_beyond(r_to_m_force_k, preference_inverse_width_per_k)
     new_martensite = max(martensite, min(no_longer_r, formed))
     return new_martensite, formed - new_martensite
 
@@ -145,9 +145,9 @@ def cooled_grain(
 def heated_grain(
     martensite: float,
     r_phase: float,
-    m_to_a_drive_k: float,
-    r_to_a_drive_k: float,
-    m_to_r_drive_k: float,
+    m_to_a_force_k: float,
+    r_to_a_force_k: float,
+    m_to_r_force_k: float,
     martensite_inverse_width_per_k: float,
     r_phase_inverse_width_per_k: float,
     preference_inverse_width_per_k: float,
@@ -160,11 +160,11 @@ def heated_grain(
         Fraction before, 0 to 1.
     r_phase
         Fraction before, 0 to 1 - ``martensite``.
-    m_to_a_drive_k
+    m_to_a_force_k
         Thermodynamic driving force of martensite to austenite at the grain's middle, less its barrier [K].
-    r_to_a_drive_k
+    r_to_a_force_k
         That of R-phase to austenite [K].
-    m_to_r_drive_k
+    m_to_r_force_k
         That of martensite to R-phase [K].
     martensite_inverse_width_per_k
         1 / width of the grain's interval for martensite [1/K].
@@ -187,10 +187,10 @@ def heated_grain(
     (0.5, 0.0)
     """
     has_left_m = max(
-        share_beyond(m_to_a_drive_k, martensite_inverse_width_per_k),
-        share_beyond(m_to_r_drive_k, preference_inverse_width_per_k),
+        fraction_beyond(m_to_a_force_k, martensite_inverse_width_per_k),
+        fraction_beyond(m_to_r_force_k, preference_inverse_width_per_k),
     )
     new_martensite = min(martensite, 1.0 - has_left_m)
-    must_be_austenite = share_beyond(r_to_a_drive_k, r_phase_inverse_width_per_k)
+    must_be_austenite = fraction_beyond(r_to_a_force_k, r_phase_inverse_width_per_k)
     formed = min(martensite + r_phase, max(new_martensite, 1.0 - must_be_austenite))
     return new_martensite, formed - new_martensite

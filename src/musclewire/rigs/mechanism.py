@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve, load_finger
 from musclewire.rigs.load_parts import Antagonist, Blocked, Contact, Finger, Part, Pretensioner, Spring, Weight
-from musclewire.simulate.loads import Load, spring_load, with_table
+from musclewire.wire.loads import Load, spring_load, with_table
 
 __all__ = ["Mechanism", "Tendon", "mechanism_of"]
 

@@ -25,8 +25,8 @@ from musclewire.rigs.simulated_wires import Means, TwoWires
 from musclewire.rigs.surroundings import Surroundings, Weather
 from musclewire.signals.commands import Command, drive_voltage_of
 from musclewire.signals.samples import RawSample
-from musclewire.simulate.loads import spring_load
-from musclewire.simulate.state import WireState
+from musclewire.wire.loads import spring_load
+from musclewire.wire.state import WireState
 
 __all__ = ["SimulatedDevice"]
 

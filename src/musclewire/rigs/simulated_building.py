@@ -15,10 +15,10 @@ from musclewire.rigs.limits import Circuit, limits_of
 from musclewire.rigs.load_parts import Antagonist, Contact, ParallelWire, Part, SecondFinger
 from musclewire.rigs.mechanism import LARGEST_CONTRACTION, TABLE_POINTS, Mechanism, Tendon
 from musclewire.rigs.simulated_wires import OneWire, SimulatedWires, TwoWires
-from musclewire.simulate.loads import Load, spring_load
 from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
-from musclewire.simulate.state import WireConstants
-from musclewire.simulate.wire import constants_from
+from musclewire.wire.building import constants_from
+from musclewire.wire.loads import Load, spring_load
+from musclewire.wire.state import WireConstants
 
 __all__ = ["force_limit_n", "simulated_limits", "wires_of"]
 

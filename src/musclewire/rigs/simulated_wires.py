@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, Protocol
 
-from musclewire.simulate.kernel import advance
+from musclewire.simulate.circuit import advance
 from musclewire.simulate.pairs import Grip, Pair, advance_pair
-from musclewire.simulate.state import WireConstants, WireState
-from musclewire.simulate.wire import resting_state
+from musclewire.wire.building import resting_state
+from musclewire.wire.state import WireConstants, WireState
 
 __all__ = ["Means", "OneWire", "SimulatedWires", "TwoWires"]
 
@@ -52,8 +52,8 @@ def aged(constants: WireConstants, before: WireState) -> tuple[WireConstants, Wi
     # What a new wire has gained in length by now belongs to the new zero.
     fresh = math.exp(-before.cycles / constants.shakedown_cycles)
     gained = constants.shakedown_strain * (1.0 - fresh)
-    zeroed = constants._replace(cold_strain=constants.cold_strain + gained)
-    return zeroed, resting_state(zeroed)._replace(time_s=before.time_s, cycles=before.cycles)
+    zeroed = constants.replace(cold_strain=constants.cold_strain + gained)
+    return zeroed, resting_state(zeroed).replace(time_s=before.time_s, cycles=before.cycles)
 
 
 class OneWire:
@@ -72,7 +72,7 @@ class OneWire:
 
     def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
         """Change the air from here on."""
-        self.constants = self.constants._replace(
+        self.constants = self.constants.replace(
             ambient_temperature_k=ambient_temperature_k, convection_factor=self._still_factor * convection_ratio
         )
 
@@ -118,7 +118,7 @@ class TwoWires:
     def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
         """Change the air from here on, around both wires alike."""
         first, second = (
-            one._replace(ambient_temperature_k=ambient_temperature_k, convection_factor=factor * convection_ratio)
+            one.replace(ambient_temperature_k=ambient_temperature_k, convection_factor=factor * convection_ratio)
             for one, factor in zip(self._both, self._still_factors, strict=True)
         )
         self._both = (first, second)

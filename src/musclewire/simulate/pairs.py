@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.compiled import compiled
-from musclewire.simulate.balances import compliance_per_pa, contraction_at_stress, load_beyond_spring
-from musclewire.simulate.kernel import Freshness, balanced, freshness_of, heated, plain, settled
-from musclewire.simulate.state import FloatArray, WireConstants, WireNumbers, WireState
+from musclewire.wire.balances import compliance_per_pa, contraction_at_stress, load_beyond_spring
+from musclewire.wire.state import FloatArray, Rows, RunningWire, WireConstants, WireState
+from musclewire.wire.step import find_equilibrium, heat, resistance_ahead_ohm, running, settle_at
 
-__all__ = ["APART", "OWN_SUPPLY", "PARALLEL", "SERIES", "Grip", "Pair", "PairSums", "advance_pair", "no_grip"]
+__all__ = ["APART", "OWN_SUPPLY", "PARALLEL", "SERIES", "Grip", "Pair", "PairMeans", "advance_pair", "no_grip"]
 
 # How the second wire is fed: from a supply of its own, across the same terminals, or in the same current.
 OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
@@ -24,8 +24,7 @@ OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
 APART = 0.0
 # Steps of Newton's method end below this; a wire then lacks 1e-8 N.
 SMALL_MOVE_M = 1e-13
-MOST_NEWTON_STEPS = 30
-NUMBERS = len(WireNumbers._fields)
+MAX_NEWTON_STEPS = 30
 
 
 class Grip(NamedTuple):
@@ -53,7 +52,7 @@ class Pair(NamedTuple):
     partner_series_ohm: float
 
 
-class PairSums(NamedTuple):
+class PairMeans(NamedTuple):
     """Means over one call of :func:`advance_pair`; ``grip_n`` is the force between each endpoint and the object."""
 
     wire_voltage_v: float
@@ -63,6 +62,14 @@ class PairSums(NamedTuple):
     partner_displacement_m: float
     partner_force_n: float
     grip_n: float
+
+
+class Heated(NamedTuple):
+    """What one step's heat did to two wires: the voltages meanwhile, and the rises that their grains followed [K]."""
+
+    wire_voltage_v: float
+    shunt_voltage_v: float
+    rises_k: tuple[float, float]
 
 
 @compiled
@@ -90,65 +97,55 @@ def grip_of(grip: Grip, displacement_m: float, other_m: float) -> tuple[float, f
 
 
 @compiled
-def contraction_at(
-    state: WireNumbers, constants: WireConstants, freshness: Freshness, stress_pa: float
-) -> tuple[float, float]:
-    """Return contraction at a stress while the phases stay, and how much of it a pascal takes away."""
-    martensite = state.martensite_fraction
+def contraction_at(wire: RunningWire, stress_pa: float) -> tuple[float, float]:
+    """Return contraction at a stress while the phases stay, and by how much a pascal lowers it."""
+    state, constants = wire.state, wire.constants
     shortened = contraction_at_stress(
-        constants, stress_pa, martensite, state.r_phase_fraction, state.temperature_k, freshness.residual_strain
+        constants,
+        stress_pa,
+        state.martensite_fraction,
+        state.r_phase_fraction,
+        state.temperature_k,
+        wire.shakedown.residual_strain,
     )
-    return shortened, compliance_per_pa(constants, stress_pa, martensite) / (1.0 + constants.cold_strain)
+    return shortened, compliance_per_pa(constants, stress_pa, state.martensite_fraction) / (1.0 + constants.cold_strain)
 
 
 @compiled
-def connectors_m(
-    first: WireNumbers,
-    second: WireNumbers,
-    first_constants: WireConstants,
-    second_constants: WireConstants,
-    direction: float,
-) -> tuple[float, float]:
-    """Return how far both connectors have moved, each the way its wire pulls; a slack wire does not tell."""
-    own, other = first.contraction * first_constants.leg_length_m, second.contraction * second_constants.leg_length_m
+def connectors_m(first: RunningWire, second: RunningWire, direction: float) -> tuple[float, float]:
+    """Return the displacement of both connectors, each the way its wire pulls; a slack wire does not show it."""
+    own = first.state.contraction * first.constants.leg_length_m
+    other = second.state.contraction * second.constants.leg_length_m
     if direction == APART:
         return own, other
-    x = own if first.stress_pa > 0.0 or second.stress_pa <= 0.0 else direction * other
+    x = own if first.state.stress_pa > 0.0 or second.state.stress_pa <= 0.0 else direction * other
     return x, direction * x
 
 
 @compiled
-def shared_stresses(
-    first: WireNumbers,
-    second: WireNumbers,
-    first_constants: WireConstants,
-    second_constants: WireConstants,
-    first_freshness: Freshness,
-    second_freshness: Freshness,
-    direction: float,
-) -> tuple[float, float]:
-    """Return the stresses of two wires on one connector in balance with its load: Newton on its displacement.
+def shared_stresses(first: RunningWire, second: RunningWire, direction: float) -> tuple[float, float]:
+    """Return the stresses of two wires on one connector in equilibrium with its load: Newton on its displacement.
 
     N_1 s_1 + d N_2 s_2 = F_p1 + d F_p2 + k x + what the table adds + friction, x = S_1 l_1 = d S_2 l_2; a wire that
     the connector leaves slack carries nothing, and either may be.
     """
-    one, other = first_constants, second_constants
+    one, other = first.constants, second.constants
     section, other_section = one.legs * one.area_m2, other.legs * other.area_m2
-    stress, other_stress = first.stress_pa, second.stress_pa
-    x, _ = connectors_m(first, second, one, other, direction)
+    stress, other_stress = first.state.stress_pa, second.state.stress_pa
+    x, _ = connectors_m(first, second, direction)
     low_m, high_m = -math.inf, math.inf
-    for _ in range(MOST_NEWTON_STEPS):
-        shortened, taken = contraction_at(first, one, first_freshness, stress)
-        other_shortened, other_taken = contraction_at(second, other, second_freshness, other_stress)
+    for _ in range(MAX_NEWTON_STEPS):
+        shortened, taken = contraction_at(first, stress)
+        other_shortened, other_taken = contraction_at(second, other_stress)
         per_m, other_per_m = 1.0 / (one.leg_length_m * taken), 1.0 / (other.leg_length_m * other_taken)
         # Linear in the displacement x from here on: both stresses and the load.
         pulled = stress - (x - shortened * one.leg_length_m) * per_m
         other_pulled = other_stress - (direction * x - other_shortened * other.leg_length_m) * other_per_m
-        beyond_n, beyond_n_per_m = load_beyond_spring(one, x)
+        beyond_n, beyond_n_per_m = load_beyond_spring(first.load_table_n, one.load_step_m, x)
         stiffness = one.spring_stiffness_n_per_m + beyond_n_per_m
         load_n = one.pretension_n + direction * other.pretension_n + one.spring_stiffness_n_per_m * x + beyond_n
         missing_n = section * max(pulled, 0.0) + direction * other_section * max(other_pulled, 0.0)
-        missing_n -= load_n + first.friction_n
+        missing_n -= load_n + first.state.friction_n
         slack = pulled <= 0.0 and other_pulled <= 0.0
         holding = section * per_m if pulled > 0.0 or slack else 0.0
         other_holding = other_section * other_per_m if other_pulled > 0.0 or slack else 0.0
@@ -184,103 +181,79 @@ def currents_a(
 
 
 @compiled
-def settled_pair(
-    first: WireNumbers,
-    second: WireNumbers,
-    one: WireConstants,
-    other: WireConstants,
-    first_freshness: Freshness,
-    second_freshness: Freshness,
-    rises_k: tuple[float, float],
-    dt_s: float,
-    pair: Pair,
-    grip: Grip,
-) -> tuple[WireNumbers, WireNumbers, float]:
-    """Return both wires in balance after a step, and the force between endpoint and object [N]."""
+def settle_pair(
+    first: RunningWire, second: RunningWire, rises_k: tuple[float, float], dt_s: float, pair: Pair, grip: Grip
+) -> float:
+    """Bring both wires into equilibrium after a step; return the force between endpoint and object [N]."""
     if pair.direction != APART:
-        stress, other_stress = shared_stresses(
-            first, second, one, other, first_freshness, second_freshness, pair.direction
-        )
-        return (
-            settled(first, one, first_freshness, rises_k[0], dt_s, stress),
-            settled(second, other, second_freshness, rises_k[1], dt_s, other_stress),
-            0.0,
-        )
-    # Each finger takes the other where it was: one step of lag, with its own give in the balance.
-    x, y = first.contraction * one.leg_length_m, second.contraction * other.leg_length_m
+        stress, other_stress = shared_stresses(first, second, pair.direction)
+        settle_at(first, rises_k[0], dt_s, stress)
+        settle_at(second, rises_k[1], dt_s, other_stress)
+        return 0.0
+    # Each finger takes the other where it was: one step of lag, with its own compliance in the equilibrium.
+    x, y = connectors_m(first, second, APART)
     grip_n, push_n, push_n_per_m = grip_of(grip, x, y)
     _, other_push_n, other_push_n_per_m = grip_of(grip, y, x)
-    return (
-        balanced_against(first, one, first_freshness, rises_k[0], dt_s, push_n, push_n_per_m),
-        balanced_against(second, other, second_freshness, rises_k[1], dt_s, other_push_n, other_push_n_per_m),
-        grip_n,
+    settle_against(first, rises_k[0], dt_s, push_n, push_n_per_m)
+    settle_against(second, rises_k[1], dt_s, other_push_n, other_push_n_per_m)
+    return grip_n
+
+
+@compiled
+def settle_against(wire: RunningWire, rise_k: float, dt_s: float, push_n: float, push_n_per_m: float) -> None:
+    """Bring a wire into equilibrium with its load and a push that was found at the end of the step before."""
+    shortened, _ = contraction_at(wire, wire.state.stress_pa)
+    moved_m = (shortened - wire.state.contraction) * wire.constants.leg_length_m
+    find_equilibrium(wire, rise_k, dt_s, push_n + push_n_per_m * moved_m, push_n_per_m)
+
+
+@compiled
+def heat_pair(first: RunningWire, second: RunningWire, drive_voltage_v: float, dt_s: float, pair: Pair) -> Heated:
+    """Let both wires have one step's current; return the voltages meanwhile and the rises that the grains followed."""
+    first_ohm = resistance_ahead_ohm(first.state, dt_s)
+    second_ohm = resistance_ahead_ohm(second.state, dt_s)
+    current, partner, voltage, through = currents_a(
+        first_ohm, second_ohm, first.constants.series_resistance_ohm, drive_voltage_v, pair
     )
+    rise = heat(first, current * current * first_ohm, dt_s)
+    other_rise = heat(second, partner * partner * second_ohm, dt_s)
+    return Heated(voltage, through * first.constants.shunt_resistance_ohm, (rise, other_rise))
 
 
 @compiled
-def balanced_against(
-    state: WireNumbers,
-    constants: WireConstants,
-    freshness: Freshness,
-    rise_k: float,
-    dt_s: float,
-    push_n: float,
-    push_n_per_m: float,
-) -> WireNumbers:
-    """Return a wire in balance with its load and a push that was found where the step before had ended."""
-    shortened, _ = contraction_at(state, constants, freshness, state.stress_pa)
-    moved_m = (shortened - state.contraction) * constants.leg_length_m
-    return balanced(state, constants, freshness, rise_k, dt_s, push_n + push_n_per_m * moved_m, push_n_per_m)
-
-
-@compiled
-def advance_pair_plain(
-    first_numbers: tuple[float, ...],
-    first_grains: tuple[FloatArray, FloatArray, FloatArray],
-    first_values: tuple[Any, ...],
-    second_numbers: tuple[float, ...],
-    second_grains: tuple[FloatArray, FloatArray, FloatArray],
-    second_values: tuple[Any, ...],
+def advance_pair_rows(
+    states: tuple[Rows, Rows],
+    constants: tuple[Rows, Rows],
+    load_tables_n: tuple[FloatArray, FloatArray],
     pair_values: tuple[Any, ...],
     grip_values: tuple[Any, ...],
     drive_voltage_v: float,
     dt_s: float,
     steps: int,
-) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[float, float, float, float, float, float, float]]:
-    """Do the work of :func:`advance_pair` on plain tuples, with the grains' arrays in place."""
-    one, other = WireConstants(*first_values), WireConstants(*second_values)
+) -> tuple[float, float, float, float, float, float, float]:
+    """Do the work of :func:`advance_pair` in place on arrays of one record, (1,); return the means."""
+    one, other = constants[0][0], constants[1][0]
+    first, second = running(states[0][0], one, load_tables_n[0]), running(states[1][0], other, load_tables_n[1])
     pair, grip = Pair(*pair_values), Grip(*grip_values)
-    first, second = WireNumbers(*first_numbers), WireNumbers(*second_numbers)
-    first_freshness, second_freshness = freshness_of(one, first.cycles), freshness_of(other, second.cycles)
     wire_v, shunt_v, moved, force, other_moved, other_force, grip_sum = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    x, y = connectors_m(first, second, one, other, pair.direction)
+    x, y = connectors_m(first, second, pair.direction)
     for _ in range(steps):
-        first_ohm = first.resistance_ohm + 0.5 * dt_s * first.resistance_rate_ohm_per_s
-        second_ohm = second.resistance_ohm + 0.5 * dt_s * second.resistance_rate_ohm_per_s
-        current, partner, voltage, through = currents_a(
-            first_ohm, second_ohm, one.series_resistance_ohm, drive_voltage_v, pair
-        )
-        wire_v += voltage
-        shunt_v += through * one.shunt_resistance_ohm
-        power_w, partner_w = current * current * first_ohm, partner * partner * second_ohm
-        before, other_before = first, second
-        first, rise = heated(
-            first, one, first_freshness, power_w, dt_s, first_grains[0], first_grains[1], first_grains[2]
-        )
-        second, other_rise = heated(
-            second, other, second_freshness, partner_w, dt_s, second_grains[0], second_grains[1], second_grains[2]
-        )
-        first, second, grip_n = settled_pair(
-            first, second, one, other, first_freshness, second_freshness, (rise, other_rise), dt_s, pair, grip
-        )
+        stress, other_stress = first.state.stress_pa, second.state.stress_pa
+        heated = heat_pair(first, second, drive_voltage_v, dt_s, pair)
+        wire_v += heated.wire_voltage_v
+        shunt_v += heated.shunt_voltage_v
+        grip_n = settle_pair(first, second, heated.rises_k, dt_s, pair, grip)
         x_before, y_before = x, y
-        x, y = connectors_m(first, second, one, other, pair.direction)
+        x, y = connectors_m(first, second, pair.direction)
         moved += 0.5 * (x_before + x)
-        force += 0.5 * (before.stress_pa + first.stress_pa) * one.legs * one.area_m2
+        force += 0.5 * (stress + first.state.stress_pa) * one.legs * one.area_m2
         other_moved += 0.5 * (y_before + y)
-        other_force += 0.5 * (other_before.stress_pa + second.stress_pa) * other.legs * other.area_m2
+        other_force += 0.5 * (other_stress + second.state.stress_pa) * other.legs * other.area_m2
         grip_sum += grip_n
-    means = (
+    # Time would gather rounding errors if it were added up step by step; both wires have the first one's clock.
+    first.state.time_s += steps * dt_s
+    second.state.time_s = first.state.time_s
+    return (
         wire_v / steps,
         shunt_v / steps,
         moved / steps,
@@ -288,12 +261,6 @@ def advance_pair_plain(
         other_moved / steps,
         other_force / steps,
         grip_sum / steps,
-    )
-    time_s = first.time_s + steps * dt_s
-    return (
-        plain(first, time_s, first.martensite_fraction, first.r_phase_fraction),
-        plain(second, time_s, second.martensite_fraction, second.r_phase_fraction),
-        means,
     )
 
 
@@ -311,26 +278,21 @@ def advance_pair(
     drive_voltage_v: float,
     dt_s: float,
     steps: int,
-) -> tuple[tuple[WireState, WireState], PairSums]:
+) -> tuple[tuple[WireState, WireState], PairMeans]:
     """Return both wires after ``steps`` steps of ``dt_s`` at one drive voltage, and the means on the way.
 
     The states given are left as they were. The circuit's shunt and leads are the first wire's.
     """
-    # As for one wire, only plain tuples cross into compiled code and back.
-    numbers: list[tuple[Any, ...]] = [tuple(state[:NUMBERS]) for state in states]
-    grains = [(state.grain_martensite.copy(), state.grain_r_phase.copy(), state.seen_drives.copy()) for state in states]
-    first, second, means = advance_pair_plain(
-        numbers[0],
-        grains[0],
-        tuple(constants[0]),
-        numbers[1],
-        grains[1],
-        tuple(constants[1]),
+    after = (states[0].copy(), states[1].copy())
+    # As for one wire, arrays and plain tuples cross into compiled code, and plain numbers come back.
+    means = advance_pair_rows(
+        (after[0].row, after[1].row),
+        (constants[0].row, constants[1].row),
+        (constants[0].load_table_n, constants[1].load_table_n),
         tuple(pair),
         tuple(grip),
         drive_voltage_v,
         dt_s,
         steps,
     )
-    after = (WireState._make((*first, *grains[0])), WireState._make((*second, *grains[1])))
-    return after, PairSums(*means)
+    return after, PairMeans(*means)

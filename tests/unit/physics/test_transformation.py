@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.physics.transformation import advantage_k, cooled_grain, heated_grain, share_beyond
+from musclewire.physics.transformation import advantage_k, cooled_grain, fraction_beyond, heated_grain
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=300)
 SHARES = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)).map(lambda s: (s[0], (1.0 - s[0]) * s[1]))
@@ -21,43 +21,43 @@ def test_balance_moves_with_stress_by_clausius_and_clapeyron() -> None:
 
 
 @pytest.mark.parametrize(
-    ("drive_k", "share"), [(-1.0, 0.0), (-0.5, 0.25), (0.0, 0.5), (0.5, 0.75), (1.0, 1.0), (9.0, 1.0)]
+    ("force_k", "fraction"), [(-1.0, 0.0), (-0.5, 0.25), (0.0, 0.5), (0.5, 0.75), (1.0, 1.0), (9.0, 1.0)]
 )
-def test_a_grain_two_kelvin_wide_changes_over_two_kelvin(drive_k: float, share: float) -> None:
-    assert share_beyond(drive_k, 0.5) == share
+def test_a_grain_two_kelvin_wide_changes_over_two_kelvin(force_k: float, fraction: float) -> None:
+    assert fraction_beyond(force_k, 0.5) == fraction
 
 
 @SETTINGS
-@given(shares=SHARES, drives=DRIVES, per_widths=PER_WIDTHS, grain=st.sampled_from([cooled_grain, heated_grain]))
-def test_shares_stay_shares(shares, drives, per_widths, grain) -> None:
-    martensite, r_phase = grain(*shares, *drives, *per_widths)
+@given(fractions=SHARES, drives=DRIVES, per_widths=PER_WIDTHS, grain=st.sampled_from([cooled_grain, heated_grain]))
+def test_fractions_stay_fractions(fractions, drives, per_widths, grain) -> None:
+    martensite, r_phase = grain(*fractions, *drives, *per_widths)
     assert -ROUNDING <= martensite <= 1.0 + ROUNDING
     assert -ROUNDING <= r_phase <= 1.0 + ROUNDING
     assert martensite + r_phase <= 1.0 + ROUNDING
 
 
 @SETTINGS
-@given(shares=SHARES, drives=DRIVES, per_widths=PER_WIDTHS, grain=st.sampled_from([cooled_grain, heated_grain]))
-def test_doing_it_again_changes_nothing(shares, drives, per_widths, grain) -> None:
-    once = grain(*shares, *drives, *per_widths)
+@given(fractions=SHARES, drives=DRIVES, per_widths=PER_WIDTHS, grain=st.sampled_from([cooled_grain, heated_grain]))
+def test_doing_it_again_changes_nothing(fractions, drives, per_widths, grain) -> None:
+    once = grain(*fractions, *drives, *per_widths)
     twice = grain(*once, *drives, *per_widths)
     assert twice == pytest.approx(once, abs=ROUNDING)
 
 
 @SETTINGS
-@given(shares=SHARES, drives=DRIVES, per_widths=PER_WIDTHS)
-def test_cooling_never_takes_martensite_nor_gives_austenite(shares, drives, per_widths) -> None:
-    martensite, r_phase = cooled_grain(*shares, *drives, *per_widths)
-    assert martensite >= shares[0] - ROUNDING
-    assert martensite + r_phase >= sum(shares) - ROUNDING
+@given(fractions=SHARES, drives=DRIVES, per_widths=PER_WIDTHS)
+def test_cooling_never_takes_martensite_nor_gives_austenite(fractions, drives, per_widths) -> None:
+    martensite, r_phase = cooled_grain(*fractions, *drives, *per_widths)
+    assert martensite >= fractions[0] - ROUNDING
+    assert martensite + r_phase >= sum(fractions) - ROUNDING
 
 
 @SETTINGS
-@given(shares=SHARES, drives=DRIVES, per_widths=PER_WIDTHS)
-def test_heating_never_gives_martensite_nor_takes_austenite(shares, drives, per_widths) -> None:
-    martensite, r_phase = heated_grain(*shares, *drives, *per_widths)
-    assert martensite <= shares[0] + ROUNDING
-    assert martensite + r_phase <= sum(shares) + ROUNDING
+@given(fractions=SHARES, drives=DRIVES, per_widths=PER_WIDTHS)
+def test_heating_never_gives_martensite_nor_takes_austenite(fractions, drives, per_widths) -> None:
+    martensite, r_phase = heated_grain(*fractions, *drives, *per_widths)
+    assert martensite <= fractions[0] + ROUNDING
+    assert martensite + r_phase <= sum(fractions) + ROUNDING
 
 
 @SETTINGS
@@ -77,10 +77,10 @@ def test_a_grain_colder_in_everything_stays_colder(one, other, drives, per_width
     assert sum(after_colder) >= sum(after_one) - ROUNDING
 
 
-@pytest.mark.parametrize("shares", [(0.0, 0.0), (0.3, 0.4), (0.0, 1.0), (1.0, 0.0)])
-def test_far_below_all_is_martensite_and_far_above_all_is_austenite(shares: tuple[float, float]) -> None:
-    assert cooled_grain(*shares, 90.0, 20.0, 70.0, 1.0, 1.0, 1.0) == pytest.approx((1.0, 0.0))
-    assert heated_grain(*shares, 90.0, 20.0, 70.0, 1.0, 1.0, 1.0) == pytest.approx((0.0, 0.0))
+@pytest.mark.parametrize("fractions", [(0.0, 0.0), (0.3, 0.4), (0.0, 1.0), (1.0, 0.0)])
+def test_far_below_all_is_martensite_and_far_above_all_is_austenite(fractions: tuple[float, float]) -> None:
+    assert cooled_grain(*fractions, 90.0, 20.0, 70.0, 1.0, 1.0, 1.0) == pytest.approx((1.0, 0.0))
+    assert heated_grain(*fractions, 90.0, 20.0, 70.0, 1.0, 1.0, 1.0) == pytest.approx((0.0, 0.0))
 
 
 def test_between_its_drives_a_grain_stays_as_it_is() -> None:

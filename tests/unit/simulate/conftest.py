@@ -1,4 +1,4 @@
-"""What tests here import stands beside them and in benchmarks/; importlib mode puts neither folder on the path."""
+"""What tests here import stands beside them, in ../wire and in benchmarks/; importlib mode puts none on the path."""
 
 from __future__ import annotations
 
@@ -6,4 +6,5 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[1] / "wire"))
 sys.path.insert(0, str(Path(__file__).parents[3] / "benchmarks"))

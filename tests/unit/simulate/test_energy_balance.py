@@ -10,8 +10,8 @@ from wire_makers import ALLOYS, Array, alloy, bench, constants, slow_sine_v, wir
 
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.simulate.paths import DrivenPath, drive_path
-from musclewire.simulate.state import WireConstants, WireState
-from musclewire.simulate.wire import resting_state
+from musclewire.wire.building import resting_state
+from musclewire.wire.state import WireConstants, WireState
 
 DT_S = 1e-3
 CYCLE_V = np.array([slow_sine_v(t) for t in np.arange(0.05, 90.0, 0.1)])

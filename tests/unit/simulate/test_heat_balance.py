@@ -11,9 +11,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from wire_makers import constants
 
-from musclewire.simulate.kernel import advance
-from musclewire.simulate.state import WireConstants, WireState
-from musclewire.simulate.wire import resting_state
+from musclewire.simulate.circuit import advance
+from musclewire.wire.building import resting_state
+from musclewire.wire.state import WireConstants, WireState
 
 # Cold martensite at any temperature reached here, and no latent heat.
 INERT = {"latent_heat_j_per_kg": 0.0, "martensite_temperature_k": 3000.0, "r_phase_temperature_k": 300.0}
@@ -93,7 +93,7 @@ def test_the_error_against_scipy_falls_with_the_square_of_the_step() -> None:
 
 def test_in_warmer_air_the_wire_settles_warmer_by_nearly_as_much() -> None:
     wire = inert_wire()
-    warmer = wire._replace(ambient_temperature_k=wire.ambient_temperature_k + 10.0)
+    warmer = wire.replace(ambient_temperature_k=wire.ambient_temperature_k + 10.0)
     state, _ = advance(resting_state(wire), wire, 2.0, 1e-3, 10_000)
     in_warm_air, _ = advance(resting_state(wire), warmer, 2.0, 1e-3, 10_000)
     assert 8.0 < in_warm_air.temperature_k - state.temperature_k < 12.0

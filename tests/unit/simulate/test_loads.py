@@ -14,11 +14,11 @@ from wire_makers import Array, constants, run, slow_sine_v
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.published_ranges import published_ranges
-from musclewire.simulate.balances import friction_limit_n, load_beyond_spring
-from musclewire.simulate.kernel import advance
-from musclewire.simulate.loads import Load, spring_load, with_table
-from musclewire.simulate.state import WireConstants, WireState
-from musclewire.simulate.wire import constants_from, resting_state
+from musclewire.simulate.circuit import advance
+from musclewire.wire.balances import friction_limit_n, load_beyond_spring
+from musclewire.wire.building import constants_from, resting_state
+from musclewire.wire.loads import Load, spring_load, with_table
+from musclewire.wire.state import WireConstants, WireState
 
 REACH_M = 7e-3
 SMOOTH = {"guide_friction_n": 0.0}
@@ -239,13 +239,13 @@ def test_sliding_friction_of_the_load_separates_pulling_from_easing_by_twice_its
 def test_before_its_table_a_load_keeps_its_force_and_behind_it_the_last_slope() -> None:
     load = with_table(0.0, lambda x: 0.5 + 100.0 * x + 1e5 * x**2, lambda x: 0.1 + x, reach_m=1e-3, points=11)
     wire = constants(load=load, bench_values=SMOOTH)
-    assert load_beyond_spring(wire, -1e-3) == (0.5, 0.0)
-    force, slope = load_beyond_spring(wire, 2e-3)
+    assert load_beyond_spring(wire.load_table_n, wire.load_step_m, -1e-3) == (0.5, 0.0)
+    force, slope = load_beyond_spring(wire.load_table_n, wire.load_step_m, 2e-3)
     last = (load.force_n[-1] - load.force_n[-2]) / 1e-4
     assert slope == pytest.approx(last)
     assert force == pytest.approx(load.force_n[-1] + last * 1e-3)
     for x, friction in ((-1e-3, 0.1), (0.5e-3, 0.1005), (5e-3, 0.101)):
-        assert friction_limit_n(wire, x) == pytest.approx(friction)
+        assert friction_limit_n(wire.record, wire.load_table_n, x) == pytest.approx(friction)
 
 
 def test_a_load_that_is_no_number_or_reaches_nowhere_is_refused() -> None:

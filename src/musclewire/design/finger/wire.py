@@ -17,8 +17,8 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.parameters.finger_file import FingerCurve
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.simulate.paths import drive_path
-from musclewire.simulate.state import WireConstants
-from musclewire.simulate.wire import constants_of, resting_state
+from musclewire.wire.building import constants_of, resting_state
+from musclewire.wire.state import WireConstants
 
 __all__ = ["WireOnFinger", "wire_on_finger"]
 

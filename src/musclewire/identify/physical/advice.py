@@ -29,7 +29,7 @@ from musclewire.identify.physical.observations import Observation, residuals_of
 from musclewire.identify.physical.search import ParallelProblem, jacobian, threads
 from musclewire.identify.physical.uncertainty import IDENTIFIABLE_FRACTION
 from musclewire.simulate.paths import isobaric_path
-from musclewire.simulate.wire import constants_of
+from musclewire.wire.building import constants_of
 
 __all__ = ["Advice", "Experiment", "next_experiments", "how_to_identify", "proposed"]
 

@@ -27,7 +27,7 @@ from musclewire.parameters.library import load_bench
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import drive_path
 from musclewire.simulate.warming import heated_state
-from musclewire.simulate.wire import constants_of
+from musclewire.wire.building import constants_of
 
 __all__ = ["CoolingObservation", "observe_cooling"]
 

@@ -27,7 +27,7 @@ from musclewire.identify.recordings import resistance_reading
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import DrivenPath, drive_path
-from musclewire.simulate.wire import constants_of
+from musclewire.wire.building import constants_of
 
 __all__ = ["DrivenObservation", "observe_drive"]
 

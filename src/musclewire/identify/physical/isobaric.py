@@ -15,7 +15,7 @@ from musclewire.identify.physical.observations import Channel, with_model_error
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import isobaric_path
-from musclewire.simulate.wire import constants_of
+from musclewire.wire.building import constants_of
 
 __all__ = ["IsobaricObservation", "counts_contraction", "in_elongation", "isobars_in", "observe_isobars"]
 

@@ -17,7 +17,7 @@ from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.priors import load_priors
 from musclewire.signals import Recording
 from musclewire.simulate.paths import drive_path, isobaric_path
-from musclewire.simulate.wire import constants_of
+from musclewire.wire.building import constants_of
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from hysteresis_memory import HOT_K, WIRES, along, minor_loop, remembered
 from wire_makers import Array, follow
 
-from musclewire.simulate.wire import cooled_grains
+from musclewire.wire.building import cooled_wire
 
 KINDS = st.sampled_from(sorted(WIRES))
 STRESSES_PA = st.floats(20e6, 250e6)
@@ -54,9 +54,9 @@ def test_at_constant_stress_only_the_dominant_turning_points_are_remembered(
 
 def grains_after_loads(kind: str, temperature_k: float, loads_pa: list[float]) -> Array:
     """Return martensite and R-phase of each grain, cooled without load and then taken through loads, (2, n_grains)."""
-    kept = cooled_grains(WIRES[kind], 0.0, temperature_k)
-    follow(WIRES[kind], kept, [(temperature_k, load_pa) for load_pa in loads_pa])
-    return np.array(kept[:2])
+    state = cooled_wire(WIRES[kind], 0.0, temperature_k)
+    follow(WIRES[kind], state, [(temperature_k, load_pa) for load_pa in loads_pa])
+    return np.array((state.grain_martensite, state.grain_r_phase))
 
 
 @settings(max_examples=150)

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
-from musclewire.simulate import switching
-from musclewire.simulate.kernel import advance
-from musclewire.simulate.loads import Load
-from musclewire.simulate.state import Drives, Sums, WireConstants, WireState
-from musclewire.simulate.wire import constants_from
+from musclewire.simulate.circuit import WireMeans, advance
+from musclewire.wire import switching
+from musclewire.wire.building import constants_from
+from musclewire.wire.loads import Load
+from musclewire.wire.state import WireConstants, WireState
+from musclewire.wire.switching import DrivingForces
 
 Array = NDArray[np.float64]
 
@@ -96,14 +97,14 @@ def constants(
     return constants_from(alloy(kind, **alloy_values), wire_100um(), around, load=load, new_wire=new_wire)
 
 
-def cool(wire: WireConstants, drives: Drives, martensite: Array, r_phase: Array) -> None:
-    """Let every grain follow the cooling drives, in place."""
-    switching.cool_swept(wire, drives, 0, martensite.size, martensite, r_phase)
+def cool(wire: WireConstants, forces: DrivingForces, martensite: Array, r_phase: Array) -> None:
+    """Let every grain follow the driving forces of cooling, in place."""
+    switching.cool_swept(wire.record, forces, 0, martensite.size, martensite, r_phase)
 
 
-def heat(wire: WireConstants, drives: Drives, martensite: Array, r_phase: Array) -> None:
-    """Let every grain follow the heating drives, in place."""
-    switching.heat_swept(wire, drives, 0, martensite.size, martensite, r_phase)
+def heat(wire: WireConstants, forces: DrivingForces, martensite: Array, r_phase: Array) -> None:
+    """Let every grain follow the driving forces of heating, in place."""
+    switching.heat_swept(wire.record, forces, 0, martensite.size, martensite, r_phase)
 
 
 def walk(
@@ -123,19 +124,16 @@ def walk(
         steps = round((end - start) / step_k)
         for step in range(1, abs(steps) + 1):
             temperature = start + (step if steps > 0 else -step) * step_k
-            drives = switching.drives_at(wire, temperature, stress_pa, 1.0)
-            (heat if steps > 0 else cool)(wire, drives, *grains)
+            forces = switching.driving_forces_at(wire.record, temperature, stress_pa, 1.0)
+            (heat if steps > 0 else cool)(wire, forces, *grains)
         visited.append((grains[0].copy(), grains[1].copy()))
     return visited
 
 
-def follow(wire: WireConstants, kept: tuple[Array, Array, Array], climates: list[tuple[float, float]]) -> None:
-    """Take martensite, R-phase and seen drives of a wire through temperatures and stresses as a step does, in place."""
-    martensite, r_phase, seen = kept
+def follow(wire: WireConstants, state: WireState, climates: list[tuple[float, float]]) -> None:
+    """Take the grains of a row through temperatures and stresses as a step does, in place."""
     for temperature_k, stress_pa in climates:
-        drives = switching.drives_at(wire, temperature_k, stress_pa, 1.0)
-        switching.switch_grains(wire, drives, switching.drives_from(seen), martensite, r_phase)
-        switching.keep_drives(drives, seen)
+        switching.follow(state.record, wire.record, temperature_k, stress_pa, 1.0)
 
 
 def austenite(wire: WireConstants) -> tuple[Array, Array]:
@@ -159,7 +157,7 @@ def run(
     *,
     dt_s: float = 1e-3,
     hold_s: float = 0.05,
-) -> tuple[list[WireState], list[Sums]]:
+) -> tuple[list[WireState], list[WireMeans]]:
     """Hold each voltage for a while; return the state and the means after each."""
     states, means = [], []
     for voltage in voltages_v:

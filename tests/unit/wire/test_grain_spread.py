@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.stats import norm
 
 from musclewire.errors import CallerError
-from musclewire.simulate.grains import signed_power, spread_grains
+from musclewire.wire.grains import signed_power, spread_grains
 
 SKEW = st.floats(-0.9, 0.9)
 TAIL = st.floats(0.0, 2.0)

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from wire_makers import ALLOYS, alloy, austenite, constants, cool, fractions, heat, walk
 
-from musclewire.simulate.state import WireConstants
-from musclewire.simulate.switching import drives_at
+from musclewire.wire.state import WireConstants
+from musclewire.wire.switching import driving_forces_at
 
 WIRES = {kind: constants(kind) for kind in ALLOYS}
 KINDS = st.sampled_from(sorted(ALLOYS))
@@ -35,8 +35,8 @@ def test_the_fractions_agree_with_twenty_thousand_hard_switches(kind: str, stres
     ours = []
     before = temperatures[0]
     for temperature in temperatures:
-        drives = drives_at(wire, float(temperature), stress_pa, 1.0)
-        (heat if temperature > before else cool)(wire, drives, *grains)
+        forces = driving_forces_at(wire.record, float(temperature), stress_pa, 1.0)
+        (heat if temperature > before else cool)(wire, forces, *grains)
         ours.append(fractions(grains))
         before = temperature
     assert brute[:, 1].max() > 0.2, "without R-phase this compares only half of the rules"
@@ -66,10 +66,10 @@ def test_shares_stay_shares_whatever_the_state_and_the_walk(
     martensite = random.random(wire.grain_middle.size)
     r_phase = (1.0 - martensite) * random.random(wire.grain_middle.size)
     for temperature, stress in path:
-        drives = drives_at(wire, temperature, stress, 1.0)
-        cool(wire, drives, martensite, r_phase)
+        forces = driving_forces_at(wire.record, temperature, stress, 1.0)
+        cool(wire, forces, martensite, r_phase)
         assert_shares(martensite, r_phase)
-        heat(wire, drives, martensite, r_phase)
+        heat(wire, forces, martensite, r_phase)
         assert_shares(martensite, r_phase)
 
 
@@ -161,9 +161,9 @@ def test_looking_again_changes_nothing(kind: str, stress_pa: float, turn: int) -
         grains = austenite(wire)
         walk(wire, grains, stress_pa, HOT_K, start, turn / 8)
         before = (grains[0].copy(), grains[1].copy())
-        drives = drives_at(wire, turn / 8, stress_pa, 1.0)
-        cool(wire, drives, *grains)
-        heat(wire, drives, *grains)
+        forces = driving_forces_at(wire.record, turn / 8, stress_pa, 1.0)
+        cool(wire, forces, *grains)
+        heat(wire, forces, *grains)
         assert_same_grains(grains, before)
 
 
@@ -181,12 +181,12 @@ def test_a_change_and_its_way_back_are_never_due_together(
 
     Nor may all three changes of a circle be due at one time.
     """
-    drives = drives_at(WIRES[kind], temperature_k, stress_pa, barrier_factor)
-    assert drives.a_to_m_k + drives.m_to_a_k <= 1e-9
-    assert drives.a_to_r_k + drives.r_to_a_k <= 1e-9
-    assert drives.r_to_m_k + drives.m_to_r_k <= 1e-9
-    assert min(drives.m_to_a_k, drives.a_to_r_k, drives.r_to_m_k) <= 1e-9
-    assert min(drives.a_to_m_k, drives.m_to_r_k, drives.r_to_a_k) <= 1e-9
+    forces = driving_forces_at(WIRES[kind].record, temperature_k, stress_pa, barrier_factor)
+    assert forces.a_to_m_k + forces.m_to_a_k <= 1e-9
+    assert forces.a_to_r_k + forces.r_to_a_k <= 1e-9
+    assert forces.r_to_m_k + forces.m_to_r_k <= 1e-9
+    assert min(forces.m_to_a_k, forces.a_to_r_k, forces.r_to_m_k) <= 1e-9
+    assert min(forces.a_to_m_k, forces.m_to_r_k, forces.r_to_a_k) <= 1e-9
 
 
 @settings(derandomize=True, deadline=None, max_examples=60)
@@ -197,6 +197,6 @@ def test_no_detour_is_due_before_the_straight_way(kind: str, temperature_k: floa
     A larger barrier between R-phase and martensite than by way of austenite would let a grain cross over on
     heating and stay behind on cooling: no return-point memory, and a result that depends on the step.
     """
-    drives = drives_at(WIRES[kind], temperature_k, stress_pa, 1.0)
-    assert drives.r_to_m_k >= drives.r_to_a_k + drives.a_to_m_k - 1e-9
-    assert drives.m_to_r_k >= drives.m_to_a_k + drives.a_to_r_k - 1e-9
+    forces = driving_forces_at(WIRES[kind].record, temperature_k, stress_pa, 1.0)
+    assert forces.r_to_m_k >= forces.r_to_a_k + forces.a_to_m_k - 1e-9
+    assert forces.m_to_r_k >= forces.m_to_a_k + forces.a_to_r_k - 1e-9

@@ -6,8 +6,8 @@ import pytest
 from wire_makers import alloy, bench, constants, wire_100um
 
 from musclewire.errors import CallerError
-from musclewire.simulate.balances import total_strain
-from musclewire.simulate.wire import constants_from, resting_state, with_pretension
+from musclewire.wire.balances import total_strain
+from musclewire.wire.building import constants_from, resting_state, with_pretension
 
 
 def test_the_constants_are_the_geometry_of_the_wire() -> None:
@@ -24,7 +24,9 @@ def test_the_constants_are_the_geometry_of_the_wire() -> None:
 def test_contraction_counts_from_the_cold_wire_at_its_pretension(pretension_n: float) -> None:
     wire = with_pretension(constants(), pretension_n)
     state = resting_state(wire)
-    strain = total_strain(wire, state.stress_pa, state.martensite_fraction, state.r_phase_fraction, state.temperature_k)
+    strain = total_strain(
+        wire.record, state.stress_pa, state.martensite_fraction, state.r_phase_fraction, state.temperature_k
+    )
     assert strain == pytest.approx(wire.cold_strain, abs=1e-15)
     assert state.stress_pa == pytest.approx(pretension_n / 2 / wire.area_m2)
     # The cold wire is as long as the bench says; austenite at 20 C, which strain counts from, is shorter.

@@ -11,7 +11,7 @@ from musclewire.physics.mechanics import (
     reuss_modulus_pa,
 )
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K, phase_resistivity_ohm_m, wire_resistance_ohm
-from musclewire.simulate.state import WireConstants
+from musclewire.wire.state import FloatArray, RunningWire, WireConstants
 
 __all__ = [
     "compliance_per_pa",
@@ -22,13 +22,13 @@ __all__ = [
     "load_beyond_spring",
     "resistance_of",
     "strain_at",
-    "stress_in_balance_pa",
+    "equilibrium_stress_pa",
     "total_strain",
 ]
 
 # How far a load may be from the straight line along which a Newton step went; less is an error of second order.
 SMALL_BEND_N = 1e-5
-MOST_NEWTON_STEPS = 30
+MAX_NEWTON_STEPS = 30
 
 
 @compiled
@@ -58,7 +58,7 @@ def total_strain(
 
 @compiled
 def contraction_of(constants: WireConstants, strain: float) -> float:
-    """Return how much shorter the wire is than cold under pretension, as a share of that length.
+    """Return how much shorter the wire is than cold under pretension, as a fraction of that length.
 
     Strain counts from stress-free austenite, contraction from the longer wire that one lays a ruler on.
     """
@@ -93,74 +93,69 @@ def compliance_per_pa(constants: WireConstants, stress_pa: float, martensite: fl
 
 
 @compiled
-def load_beyond_spring(constants: WireConstants, displacement_m: float) -> tuple[float, float]:
-    """Return force [N] and stiffness [N/m] of the load beyond pretension and spring, from the wire's table.
+def load_beyond_spring(load_table_n: FloatArray, step_m: float, displacement_m: float) -> tuple[float, float]:
+    """Return force [N] and stiffness [N/m] of the load beyond pretension and spring, from its table.
 
     Below 0 the load has let go and keeps the force it begins with; beyond the table it goes on as it ended.
     """
-    table = constants.load_force_n
+    table = load_table_n[0]
     if displacement_m <= 0.0:
         return table[0], 0.0
-    place = displacement_m / constants.load_step_m
+    place = displacement_m / step_m
     low = min(int(place), table.shape[0] - 2)
     rise = table[low + 1] - table[low]
-    return table[low] + rise * (place - low), rise / constants.load_step_m
+    return table[low] + rise * (place - low), rise / step_m
 
 
 @compiled
-def friction_limit_n(constants: WireConstants, displacement_m: float) -> float:
+def friction_limit_n(constants: WireConstants, load_table_n: FloatArray, displacement_m: float) -> float:
     """Return the largest friction [N] at a displacement: the guide's, and what the load has of its own."""
-    table = constants.load_friction_n
+    table = load_table_n[1]
     place = min(max(displacement_m / constants.load_step_m, 0.0), table.shape[0] - 1.0)
     low = min(int(place), table.shape[0] - 2)
-    return constants.friction_n + table[low] + (table[low + 1] - table[low]) * (place - low)
+    limit_n: float = constants.friction_n + table[low] + (table[low + 1] - table[low]) * (place - low)
+    return limit_n
 
 
 @compiled
-def stress_in_balance_pa(
-    constants: WireConstants,
-    stress_pa: float,
-    martensite: float,
-    r_phase: float,
-    temperature_k: float,
-    friction_n: float,
-    residual_strain: float,
-    push_n: float,
-    push_n_per_m: float,
-) -> float:
-    """Return the leg stress [Pa] at which wire and load agree: one Newton step from ``stress_pa``, on a kink a few.
+def equilibrium_stress_pa(wire: RunningWire, push_n: float, push_n_per_m: float) -> float:
+    """Return the leg stress [Pa] at which wire and load agree: one Newton step from the wire's, on a kink a few.
 
     F_T = F_p + k S l_leg + what the load's table adds + friction, sigma = F_T / (legs A); a slack wire carries
-    nothing. ``push_n`` is a further force on the connector where the wire is now, and how it grows with displacement.
+    nothing. ``push_n`` is a further force on the connector at the wire's displacement, and how it grows with it.
     The function is almost linear in stress, so that one step leaves an error of second order. Where the table bends
     within that step, the steps go on, kept between stresses known to be too low and too high: from a wall a single
     step would go far out of it, and the next one far into it.
     """
+    state, constants, load_table_n = wire.state, wire.constants, wire.load_table_n
+    martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
+    residual_strain = wire.shakedown.residual_strain
+    stress_pa = state.stress_pa
     spring = constants.spring_stiffness_n_per_m * constants.leg_length_m
     section = constants.legs * constants.area_m2
     per_stretch = 1.0 / (1.0 + constants.cold_strain)
     start = contraction_at_stress(constants, stress_pa, martensite, r_phase, temperature_k, residual_strain)
     contraction = start
     low_pa, high_pa = 0.0, math.inf
-    for _ in range(MOST_NEWTON_STEPS):
+    for _ in range(MAX_NEWTON_STEPS):
         moved_m = (contraction - start) * constants.leg_length_m
-        beyond_n, beyond_n_per_m = load_beyond_spring(constants, contraction * constants.leg_length_m)
+        place_m = contraction * constants.leg_length_m
+        beyond_n, beyond_n_per_m = load_beyond_spring(load_table_n, constants.load_step_m, place_m)
         stiffness = spring + (beyond_n_per_m + push_n_per_m) * constants.leg_length_m
         pushed_n = push_n + push_n_per_m * moved_m
-        wanted = (constants.pretension_n + spring * contraction + beyond_n + pushed_n + friction_n) / section
+        wanted = (constants.pretension_n + spring * contraction + beyond_n + pushed_n + state.friction_n) / section
         excess_pa = stress_pa - wanted
         low_pa, high_pa = (low_pa, stress_pa) if excess_pa > 0.0 else (stress_pa, high_pa)
         compliance = compliance_per_pa(constants, stress_pa, martensite)
         stress_pa = max(stress_pa - excess_pa / (1.0 + stiffness * per_stretch * compliance / section), 0.0)
         if stress_pa > high_pa or stress_pa < low_pa:
             stress_pa = 0.5 * (low_pa + high_pa)
-        if constants.load_force_n.shape[0] == 2:  # a plain spring bends nowhere
+        if load_table_n.shape[1] == 2:  # a plain spring bends nowhere
             break
-        before_m = contraction * constants.leg_length_m
         contraction = contraction_at_stress(constants, stress_pa, martensite, r_phase, temperature_k, residual_strain)
         after_m = contraction * constants.leg_length_m
-        straight_n = beyond_n + beyond_n_per_m * (after_m - before_m)
-        if abs(load_beyond_spring(constants, after_m)[0] - straight_n) < SMALL_BEND_N:
+        straight_n = beyond_n + beyond_n_per_m * (after_m - place_m)
+        if abs(load_beyond_spring(load_table_n, constants.load_step_m, after_m)[0] - straight_n) < SMALL_BEND_N:
             break
     return stress_pa
 
@@ -172,11 +167,13 @@ def resistance_of(
     martensite: float,
     r_phase: float,
     temperature_k: float,
-    fresh: float,
+    shakedown_remaining: float,
 ) -> float:
     """Return the wire's resistance [ohm]: phases mixed by volume, then the change of shape."""
     transformation, elastic, thermal = strain_at(constants, stress_pa, martensite, r_phase, temperature_k)
-    martensite_resistivity = constants.martensite_resistivity_ohm_m * (1.0 + constants.shakedown_resistivity * fresh)
+    martensite_resistivity = constants.martensite_resistivity_ohm_m * (
+        1.0 + constants.shakedown_resistivity * shakedown_remaining
+    )
     resistivity = (
         martensite
         * phase_resistivity_ohm_m(martensite_resistivity, constants.martensite_resistivity_per_k, temperature_k)
@@ -202,4 +199,5 @@ def convection_w_per_m2_k(constants: WireConstants, temperature_k: float) -> flo
     place = min(max(place, 0.0), table.shape[0] - 1.001)
     low = int(place)
     part = place - low
-    return constants.convection_factor * (table[low] * (1.0 - part) + table[low + 1] * part)
+    coefficient: float = constants.convection_factor * (table[low] * (1.0 - part) + table[low + 1] * part)
+    return coefficient

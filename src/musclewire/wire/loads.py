@@ -1,4 +1,4 @@
-"""What a wire pulls, as the kernel takes it: a spring, and a table of whatever is not a straight line.
+"""What a wire pulls, as the wire's equilibrium takes it: a spring, and a table of all that is not a straight line.
 
 Loads at one connector add up: each part gives its force at the connector's displacement.
 """
@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.errors import CallerError
-from musclewire.simulate.state import FloatArray
+from musclewire.wire.state import FloatArray
 
 __all__ = ["Load", "spring_load", "with_table"]
 
@@ -30,6 +30,10 @@ class Load(NamedTuple):
     force_n: FloatArray
     friction_n: FloatArray
 
+    def table_n(self) -> FloatArray:
+        """Return force and friction as compiled code takes them, (2, n_points)."""
+        return np.stack((self.force_n, self.friction_n))
+
 
 def spring_load(stiffness_n_per_m: float) -> Load:
     """Return a plain spring."""
@@ -47,7 +51,7 @@ def with_table(
     """Return a spring with two functions of displacement [m] beside it, tabulated from 0 to ``reach_m``.
 
     Straight lines join the points, so that a kink lies at most ``reach_m / (points - 1)`` from its place.
-    Raises CallerError where a function does not stay finite, or the reach is not positive.
+    Raises CallerError if a function does not stay finite, or the reach is not positive.
     """
     if not reach_m > 0.0:
         raise CallerError(f"a load's table must reach further than {reach_m} m")

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from musclewire.errors import CallerError
-from musclewire.simulate.state import FloatArray
+from musclewire.wire.state import FloatArray
 
 __all__ = ["GrainSpread", "signed_power", "spread_grains"]
 
@@ -41,7 +41,7 @@ def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> Float
 
 
 def spread_grains(grains: int, skew: float, tail: float) -> GrainSpread:
-    """Return ``grains`` classes of equal share of a signed-power distribution.
+    """Return ``grains`` classes of equal weight of a signed-power distribution.
 
     Class j reaches from the quantile j/n to (j + 1)/n; the outermost two, whose true reach is endless, reach as
     far outwards from the quantile in their middle as inwards.

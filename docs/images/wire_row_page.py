@@ -1,0 +1,45 @@
+"""docs/reference/wire_row.md from the two lists of fields that lay out the simulated wire in memory."""
+
+from __future__ import annotations
+
+from musclewire.wire.rows import Row
+from musclewire.wire.state import WireConstants, WireState
+
+HEAD = """# The row of a wire
+
+Written by `python docs/images/draw.py physics` from the lists of fields in `wire/state.py`; a test holds this page to
+them. Do not edit it by hand.
+
+A simulated wire is two rows: what it remembers from step to step, and what does not change while it runs. A row is a
+NumPy record: compiled code reads and writes `state.temperature_k` in place, Python reads the same name
+(`rig.wire_state.temperature_k`), and many wires are an array of rows. A state that was handed out never changes: a step
+works on a copy. `state.replace(time_s=0.0)` is another state, `state.values()` every field by name, `state.row` the
+record itself, in an array of one.
+
+Every number is a double. `grains` is the number of grain classes of the bench (160 unless a rig file says otherwise);
+each number of them has a layout of its own, for which the kernels are compiled once and kept on disk.
+"""
+
+
+def page() -> str:
+    """Return the whole page."""
+    parts = [
+        HEAD,
+        f"## State\n\n`wire.state:WireState`. {summary(WireState)}\n\n{fields(WireState)}\n",
+        f"## Constants\n\n`wire.state:WireConstants`. {summary(WireConstants)}\n\n{fields(WireConstants)}\n",
+    ]
+    return "\n".join(parts)
+
+
+def summary(row: type[Row]) -> str:
+    """Return the first line of a class's docstring."""
+    return (row.__doc__ or "").splitlines()[0]
+
+
+def fields(row: type[Row]) -> str:
+    """Return the fields of a row as a table, in the order in which they lie in memory."""
+    lines = [
+        f"| `{item.name}` | {item.unit} | {'' if item.length is None else f'({item.length},)'} | {item.meaning} |"
+        for item in row.fields
+    ]
+    return "\n".join(["| field | unit | shape | what it is |", "|---|---|---|---|", *lines])

@@ -1,0 +1,170 @@
+"""One step of one wire, compiled: heat in enthalpy form, grains, equilibrium with the load.
+
+Works in place on the records of a :class:`RunningWire`. Its order and its two linear predictions are explained in
+docs/explanation/numerics.md.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from musclewire.compiled import compiled, compiled_inline
+from musclewire.physics.mechanics import friction_force_n
+from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
+from musclewire.wire.balances import (
+    contraction_at_stress,
+    convection_w_per_m2_k,
+    equilibrium_stress_pa,
+    friction_limit_n,
+    resistance_of,
+)
+from musclewire.wire.state import FloatArray, RunningWire, Shakedown, WireConstants, WireState
+from musclewire.wire.switching import follow
+
+__all__ = ["find_equilibrium", "heat", "resistance_ahead_ohm", "running", "settle_at", "shakedown_of", "step"]
+
+# A predicted capacity beyond this multiple of the wire's own means a plateau; more would only slow recovery.
+MAX_CAPACITY_RATIO = 30.0
+# How steeply stress is predicted to follow temperature at most, as a fraction of Clausius and Clapeyron's slope. A rest
+# leaves a slope of rounding errors; were it steeper than theirs, a wire that cools would be predicted to lose stress
+# faster than martensite needs to, and would turn to austenite by cooling. A soft load shows that in its next step, a
+# stiff one cannot.
+SAFE_SLOPE_FRACTION = 0.8
+# Parts of a step's heat, at most; and the fraction of it that may be left for the next step.
+MAX_PARTS = 6
+SMALL_PART = 1e-2
+# Rises below this are rounding.
+NO_RISE_K = 1e-9
+
+
+class EnthalpyStep(NamedTuple):
+    """What a step's heat has done to a wire: its phases, the capacity it showed, and the rise its grains followed."""
+
+    temperature_k: float
+    martensite: float
+    r_phase: float
+    capacity_j_per_k: float
+    rise_k: float
+
+
+@compiled
+def shakedown_of(constants: WireConstants, cycles: float) -> Shakedown:
+    """Return the state of a wire's shakedown after some cycles."""
+    remaining = math.exp(-cycles / constants.shakedown_cycles)
+    return Shakedown(
+        remaining, constants.shakedown_strain * (1.0 - remaining), 1.0 + constants.shakedown_barrier * remaining
+    )
+
+
+@compiled_inline
+def running(state: WireState, constants: WireConstants, load_table_n: FloatArray) -> RunningWire:
+    """Return what a step works on; the shakedown is that at the cycles the wire has now."""
+    return RunningWire(state, constants, load_table_n, shakedown_of(constants, state.cycles))
+
+
+@compiled_inline
+def enthalpy_step(wire: RunningWire, heat_j: float) -> EnthalpyStep:
+    """Return temperature and phases after a step's heat, found together; the grains move in place.
+
+    A rise is tried with the last known capacity, the grains follow it, and enthalpy gives the rise that is left.
+    Stress goes along by its slope in the step before. Energy is kept to rounding.
+    """
+    state, constants = wire.state, wire.constants
+    own = constants.heat_capacity_j_per_k
+    ratio = constants.r_phase_entropy_ratio
+    enthalpy_j = state.enthalpy_j + heat_j
+    martensite, r_phase, capacity = state.martensite_fraction, state.r_phase_fraction, state.capacity_j_per_k
+    rise_k = 0.0
+    temperature_k = state.temperature_k
+    left_k = heat_j / own
+    for _ in range(MAX_PARTS):
+        # Latent heat makes the wire's capacity larger than its own by a factor only known once grains have moved.
+        # Coming from below, a part of the way at a time, never moves grains further than the heat there is.
+        part_k = left_k * own / capacity
+        rise_k += part_k
+        change_m, change_r, grains = follow(
+            state,
+            constants,
+            state.temperature_k + rise_k,
+            state.stress_pa + state.stress_slope_pa_per_k * rise_k,
+            wire.shakedown.barrier_factor,
+        )
+        martensite += change_m / grains
+        r_phase += change_r / grains
+        temperature_k = (
+            REFERENCE_TEMPERATURE_K + (enthalpy_j + constants.latent_heat_j * (martensite + ratio * r_phase)) / own
+        )
+        if part_k != 0.0:
+            capacity = own - constants.latent_heat_j * (change_m + ratio * change_r) / (grains * part_k)
+            capacity = min(max(capacity, own), MAX_CAPACITY_RATIO * own)
+        left_before_k, left_k = left_k, state.temperature_k + rise_k
+        left_k = temperature_k - left_k
+        if left_k * left_before_k <= 0.0 or abs(left_k) < SMALL_PART * abs(heat_j / own) + NO_RISE_K:
+            break
+    return EnthalpyStep(temperature_k, martensite, r_phase, capacity, rise_k)
+
+
+@compiled_inline
+def heat(wire: RunningWire, power_w: float, dt_s: float) -> float:
+    """Let heat flow for one step and the grains follow; return the rise they have followed [K]."""
+    state, constants = wire.state, wire.constants
+    middle_k = state.temperature_k + 0.5 * dt_s * state.temperature_rate_k_per_s
+    excess_k = middle_k - constants.ambient_temperature_k
+    loss_w = convection_w_per_m2_k(constants, middle_k) * constants.surface_m2 * excess_k
+    heat_j = (power_w - loss_w) * dt_s
+    after = enthalpy_step(wire, heat_j)
+    state.enthalpy_j += heat_j
+    state.heat_in_j += power_w * dt_s
+    state.heat_out_j += loss_w * dt_s
+    state.cycles += 0.5 * abs(after.martensite - state.martensite_fraction)
+    state.temperature_rate_k_per_s = (after.temperature_k - state.temperature_k) / dt_s
+    state.temperature_k = after.temperature_k
+    state.martensite_fraction = after.martensite
+    state.r_phase_fraction = after.r_phase
+    state.capacity_j_per_k = after.capacity_j_per_k
+    return after.rise_k
+
+
+@compiled_inline
+def settle_at(wire: RunningWire, rise_k: float, dt_s: float, stress_pa: float) -> None:
+    """Put a wire under its new stress, with the contraction, friction and resistance it then has.
+
+    How stress followed temperature is kept for the next step's prediction, as far as it can be trusted.
+    """
+    state, constants = wire.state, wire.constants
+    martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
+    contraction = contraction_at_stress(
+        constants, stress_pa, martensite, r_phase, temperature_k, wire.shakedown.residual_strain
+    )
+    moved_m = (contraction - state.contraction) * constants.leg_length_m
+    limit_n = friction_limit_n(constants, wire.load_table_n, contraction * constants.leg_length_m)
+    resistance_ohm = resistance_of(constants, stress_pa, martensite, r_phase, temperature_k, wire.shakedown.remaining)
+    if abs(rise_k) > NO_RISE_K:
+        slope = (stress_pa - state.stress_pa) / rise_k
+        steepest = SAFE_SLOPE_FRACTION * constants.martensite_stress_rate_pa_per_k
+        state.stress_slope_pa_per_k = min(max(slope, -steepest), steepest)
+    state.friction_n = friction_force_n(state.friction_n, moved_m, limit_n, constants.friction_presliding_m)
+    state.stress_pa = stress_pa
+    state.contraction = contraction
+    state.resistance_rate_ohm_per_s = (resistance_ohm - state.resistance_ohm) / dt_s
+    state.resistance_ohm = resistance_ohm
+
+
+@compiled_inline
+def find_equilibrium(wire: RunningWire, rise_k: float, dt_s: float, push_n: float, push_n_per_m: float) -> None:
+    """Bring a wire into equilibrium with its load and a push on its connector, with the resistance it then has."""
+    settle_at(wire, rise_k, dt_s, equilibrium_stress_pa(wire, push_n, push_n_per_m))
+
+
+@compiled_inline
+def resistance_ahead_ohm(state: WireState, dt_s: float) -> float:
+    """Return the resistance half a step ahead, as it will be on the mean over the step."""
+    return state.resistance_ohm + 0.5 * dt_s * state.resistance_rate_ohm_per_s
+
+
+@compiled_inline
+def step(wire: RunningWire, power_w: float, dt_s: float) -> None:
+    """Take a wire on its own load through one step with this electrical power."""
+    rise_k = heat(wire, power_w, dt_s)
+    find_equilibrium(wire, rise_k, dt_s, 0.0, 0.0)

@@ -1,0 +1,275 @@
+"""Which grains of a wire change phase as temperature and stress move: compiled.
+
+A grain moves only when one of its six thermodynamic driving forces has risen, and only if that force's threshold swept
+over it. So a step looks at the few grains between the thresholds before and after, whatever their number in all.
+
+All that touches the grains of a row stands here; the rest of the wire knows :func:`follow`, :func:`phase_fractions`
+and :func:`cool_from_hot`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from musclewire.compiled import compiled
+from musclewire.physics.transformation import advantage_k, cooled_grain, heated_grain
+from musclewire.wire.state import FloatArray, Rows, WireConstants, WireState
+
+__all__ = [
+    "DrivingForces",
+    "cool_from_hot",
+    "cool_swept",
+    "driving_forces_at",
+    "follow",
+    "heat_swept",
+    "phase_fractions",
+    "switch_grains",
+]
+
+
+class DrivingForces(NamedTuple):
+    """Thermodynamic driving force [K] of each of the six phase changes for a grain of offset 0, and at what stress.
+
+    How far the advantage of the new phase is beyond the barrier: the change is due from 0 on.
+
+    Parameters
+    ----------
+    a_to_m_k, a_to_r_k, r_to_m_k
+        Of the changes on cooling [K]: austenite to martensite, austenite to R-phase, R-phase to martensite.
+    m_to_a_k, r_to_a_k, m_to_r_k
+        Of the changes on heating [K], the same ones backwards.
+    stress_pa
+        Stress of the leg [Pa], on which the spread over the grains depends.
+    """
+
+    a_to_m_k: float
+    a_to_r_k: float
+    r_to_m_k: float
+    m_to_a_k: float
+    r_to_a_k: float
+    m_to_r_k: float
+    stress_pa: float
+
+
+@compiled
+def driving_forces_at(
+    constants: WireConstants, temperature_k: float, stress_pa: float, barrier_factor: float
+) -> DrivingForces:
+    """Return the six driving forces at a temperature and a stress."""
+    martensite = advantage_k(
+        temperature_k,
+        stress_pa,
+        constants.martensite_temperature_k,
+        constants.martensite_stress_rate_pa_per_k,
+    )
+    r_phase = constants.r_phase_entropy_ratio * advantage_k(
+        temperature_k, stress_pa, constants.r_phase_temperature_k, constants.r_phase_stress_rate_pa_per_k
+    )
+    preference = martensite - r_phase
+    # A load may close the hysteresis, not turn it inside out; and no detour by way of austenite may be easier than
+    # the straight way between R-phase and martensite: else there is no return-point memory.
+    barrier = barrier_factor * max(
+        constants.martensite_barrier_k + constants.martensite_barrier_per_pa * stress_pa, 0.0
+    )
+    r_to_m_barrier = min(constants.r_to_m_barrier_k, barrier + constants.r_phase_barrier_k)
+    return DrivingForces(
+        martensite - barrier,
+        r_phase - constants.r_phase_barrier_k,
+        preference - r_to_m_barrier,
+        -martensite - barrier,
+        -r_phase - constants.r_phase_barrier_k,
+        -preference - r_to_m_barrier,
+        stress_pa,
+    )
+
+
+@compiled
+def spreads(constants: WireConstants, stress_pa: float) -> tuple[float, float, float]:
+    """Return the spreads [K] over the grains of f_M, f_R and f_M - f_R at a stress.
+
+    Load pulls grains apart: each is turned differently to the wire's axis and feels its own part of the stress.
+    A spread under a microkelvin counts as that: a switch rather than a ramp.
+    """
+    spread_m = constants.martensite_spread_k + constants.martensite_spread_per_pa * stress_pa
+    spread_r = constants.r_phase_entropy_ratio * constants.r_phase_spread_k
+    spread_p = spread_m - spread_r
+    if abs(spread_p) < 1e-6:
+        spread_p = 1e-6
+    return max(spread_m, 1e-6), max(spread_r, 1e-6), spread_p
+
+
+@compiled
+def grain_at(edges: FloatArray, place: float) -> int:
+    """Return the number of the grain that holds a place in units of the spread; -1 and n_grains lie outside."""
+    low = -1
+    high = edges.shape[0]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if edges[middle] <= place:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@compiled
+def grains_swept(edges: FloatArray, before: float, after: float) -> tuple[int, int]:
+    """Return first and past-the-last grain between two places of a moving threshold, both places included."""
+    first = grain_at(edges, min(before, after))
+    last = grain_at(edges, max(before, after))
+    return max(first, 0), min(last + 1, edges.shape[0] - 1)
+
+
+@compiled
+def cool_swept(
+    constants: WireConstants,
+    forces: DrivingForces,
+    first: int,
+    last: int,
+    grain_martensite: FloatArray,
+    grain_r_phase: FloatArray,
+) -> None:
+    """Let grains ``first`` to before ``last`` follow the driving forces of cooling, in place."""
+    spread_m, spread_r, spread_p = spreads(constants, forces.stress_pa)
+    for j in range(first, last):
+        middle = constants.grain_middle[j]
+        per_width = 1.0 / constants.grain_width[j]
+        grain_martensite[j], grain_r_phase[j] = cooled_grain(
+            grain_martensite[j],
+            grain_r_phase[j],
+            forces.a_to_m_k + spread_m * middle,
+            forces.a_to_r_k + spread_r * middle,
+            forces.r_to_m_k + spread_p * middle,
+            per_width / spread_m,
+            per_width / spread_r,
+            per_width / abs(spread_p),
+        )
+
+
+@compiled
+def heat_swept(
+    constants: WireConstants,
+    forces: DrivingForces,
+    first: int,
+    last: int,
+    grain_martensite: FloatArray,
+    grain_r_phase: FloatArray,
+) -> None:
+    """Let grains ``first`` to before ``last`` follow the driving forces of heating, in place."""
+    spread_m, spread_r, spread_p = spreads(constants, forces.stress_pa)
+    for j in range(first, last):
+        middle = constants.grain_middle[j]
+        per_width = 1.0 / constants.grain_width[j]
+        grain_martensite[j], grain_r_phase[j] = heated_grain(
+            grain_martensite[j],
+            grain_r_phase[j],
+            forces.m_to_a_k - spread_m * middle,
+            forces.r_to_a_k - spread_r * middle,
+            forces.m_to_r_k - spread_p * middle,
+            per_width / spread_m,
+            per_width / spread_r,
+            per_width / abs(spread_p),
+        )
+
+
+@compiled
+def switch_grains(
+    constants: WireConstants,
+    forces: DrivingForces,
+    followed: DrivingForces,
+    grain_martensite: FloatArray,
+    grain_r_phase: FloatArray,
+) -> tuple[float, float]:
+    """Let every grain follow forces that changed from ``followed``, in place; return the change of both sums.
+
+    A grain moves only when one of its forces has risen, and only if that force's threshold swept over it: so a
+    step looks at the few grains between the thresholds before and after, whatever their number in all.
+    """
+    spread_m, spread_r, spread_p = spreads(constants, forces.stress_pa)
+    followed_m, followed_r, followed_p = spreads(constants, followed.stress_pa)
+    edges = constants.grain_edges
+    grains = constants.grain_middle.shape[0]
+    change_m = 0.0
+    change_r = 0.0
+    for change in range(6):
+        if change == 0:
+            new, old, spread, followed_spread = forces.a_to_m_k, followed.a_to_m_k, -spread_m, -followed_m
+        elif change == 1:
+            new, old, spread, followed_spread = forces.a_to_r_k, followed.a_to_r_k, -spread_r, -followed_r
+        elif change == 2:
+            new, old, spread, followed_spread = forces.r_to_m_k, followed.r_to_m_k, -spread_p, -followed_p
+        elif change == 3:
+            new, old, spread, followed_spread = forces.m_to_a_k, followed.m_to_a_k, spread_m, followed_m
+        elif change == 4:
+            new, old, spread, followed_spread = forces.r_to_a_k, followed.r_to_a_k, spread_r, followed_r
+        else:
+            new, old, spread, followed_spread = forces.m_to_r_k, followed.m_to_r_k, spread_p, followed_p
+        place, followed_place = new / spread, old / followed_spread
+        # The threshold stands where a grain's offset makes its force zero; it moves as force or spread changes.
+        if spread * followed_spread < 0.0:
+            first, last = 0, grains  # the order of the grains has turned over: all may be due
+        elif (place - followed_place) * spread > 0.0:
+            first, last = grains_swept(edges, followed_place, place)
+        else:
+            continue
+        for j in range(first, last):
+            change_m -= grain_martensite[j]
+            change_r -= grain_r_phase[j]
+        if change < 3:
+            cool_swept(constants, forces, first, last, grain_martensite, grain_r_phase)
+        else:
+            heat_swept(constants, forces, first, last, grain_martensite, grain_r_phase)
+        for j in range(first, last):
+            change_m += grain_martensite[j]
+            change_r += grain_r_phase[j]
+    return change_m, change_r
+
+
+@compiled
+def follow(
+    state: WireState, constants: WireConstants, temperature_k: float, stress_pa: float, barrier_factor: float
+) -> tuple[float, float, int]:
+    """Let the grains of a row follow a temperature and a stress.
+
+    Returns by how much the sums of martensite and of R-phase over the grains have changed, and the number of grains.
+    """
+    forces = driving_forces_at(constants, temperature_k, stress_pa, barrier_factor)
+    kept = state.followed_force_k
+    followed = DrivingForces(kept[0], kept[1], kept[2], kept[3], kept[4], kept[5], state.followed_stress_pa)
+    change_m, change_r = switch_grains(constants, forces, followed, state.grain_martensite, state.grain_r_phase)
+    keep(state, forces)
+    return change_m, change_r, constants.grain_middle.shape[0]
+
+
+@compiled
+def keep(state: WireState, forces: DrivingForces) -> None:
+    """Write the driving forces that the grains have followed into a row."""
+    kept = state.followed_force_k
+    kept[0] = forces.a_to_m_k
+    kept[1] = forces.a_to_r_k
+    kept[2] = forces.r_to_m_k
+    kept[3] = forces.m_to_a_k
+    kept[4] = forces.r_to_a_k
+    kept[5] = forces.m_to_r_k
+    state.followed_stress_pa = forces.stress_pa
+
+
+@compiled
+def phase_fractions(state: WireState) -> tuple[float, float]:
+    """Return the fractions of martensite and R-phase from the grains themselves."""
+    return state.grain_martensite.mean(), state.grain_r_phase.mean()
+
+
+@compiled
+def cool_from_hot(states: Rows, constants: Rows, stress_pa: float, temperature_k: float) -> None:
+    """Set the grains of a row, (1,), to those of a wire cooled from all austenite at one stress.
+
+    On cooling all three forces only rise, and fractions only rise to bounds that the forces set: the way there leaves
+    no trace, so one look at its end is enough.
+    """
+    state, of = states[0], constants[0]
+    state.grain_martensite[:] = 0.0
+    state.grain_r_phase[:] = 0.0
+    forces = driving_forces_at(of, temperature_k, stress_pa, 1.0)
+    cool_swept(of, forces, 0, of.grain_middle.shape[0], state.grain_martensite, state.grain_r_phase)
+    keep(state, forces)

@@ -1,0 +1,133 @@
+"""The row of a wire: one list of fields from which all else follows, and states that stay what they were."""
+
+from __future__ import annotations
+
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from wire_makers import constants, slow_sine_v
+
+from musclewire.errors import CallerError
+from musclewire.simulate.circuit import advance
+from musclewire.wire.building import resting_state
+from musclewire.wire.rows import GRAINS, field
+from musclewire.wire.state import WireConstants, WireState
+
+WIRE = constants()
+
+
+class LongerState(WireState):
+    """A wire with two fields more, a number and an array."""
+
+    worn_j: float = field("J", "what the wire has lost")
+    grain_age: np.ndarray = field("1", "age of each grain", GRAINS)
+
+
+# First in memory, so that no offset of the others is what it was.
+LongerState.fields = (*LongerState.fields[-2:], *LongerState.fields[:-2])
+
+
+def longer(state: WireState, worn_j: float) -> LongerState:
+    return LongerState.of(state.grains, **state.values(), worn_j=worn_j, grain_age=np.arange(state.grains))
+
+
+@pytest.mark.parametrize("row", [WireState, WireConstants, LongerState])
+def test_layout_and_attributes_follow_from_the_list_of_fields(row: type[WireState]) -> None:
+    names = [item.name for item in row.fields]
+    layout = row.layout(7)
+    assert list(layout.names or ()) == names == list(row.zeros(7).values())
+    assert layout.itemsize == sum(8 * int(np.prod(item.shape(7), dtype=int)) for item in row.fields)
+    assert all(item.unit and item.meaning for item in row.fields)
+    assert row.layout(7) is layout, "compiled code looks a layout up by the object"
+
+
+def test_a_resting_state_has_every_field_of_the_list() -> None:
+    state = resting_state(WIRE)
+    assert list(state.row.dtype.names or ()) == [item.name for item in WireState.fields]
+    assert all(np.isfinite(value).all() for value in state.values().values())
+
+
+def test_one_line_more_in_the_list_is_all_that_a_new_field_takes() -> None:
+    """The compiled step takes the longer row as it is: the same numbers to the bit, and the new field along."""
+    plain = resting_state(WIRE)
+    extended = longer(plain, 3.0)
+    for time_s in np.arange(0.0, 45.0, 0.5):
+        plain, means = advance(plain, WIRE, slow_sine_v(time_s), 1e-3, 100)
+        extended, same = advance(extended, WIRE, slow_sine_v(time_s), 1e-3, 100)
+        assert means == same
+    assert plain.martensite_fraction < 0.9, "the wire must have moved to say anything"
+    kept = extended.values()
+    assert kept.pop("worn_j") == 3.0
+    assert np.array_equal(kept.pop("grain_age"), np.arange(plain.grains))
+    for name, value in plain.values().items():
+        assert np.array_equal(kept[name], value), name
+
+
+def test_a_state_handed_out_cannot_be_written() -> None:
+    state = resting_state(WIRE)
+    with pytest.raises(AttributeError, match=r"use replace\(temperature_k="):
+        state.temperature_k = 400.0
+    with pytest.raises(ValueError, match="read-only"):
+        state.grain_martensite[0] = 0.0
+    other = state.replace(temperature_k=400.0)
+    assert (state.temperature_k, other.temperature_k) == (WIRE.ambient_temperature_k, 400.0)
+
+
+def test_fields_are_floats_and_a_missing_or_unknown_one_is_named() -> None:
+    state = resting_state(WIRE)
+    assert type(state.temperature_k) is float
+    with pytest.raises(CallerError, match="no field 'temperatur_k'"):
+        state.replace(temperatur_k=1.0)
+    values = state.values()
+    del values["stress_pa"], values["cycles"]
+    with pytest.raises(CallerError, match="needs stress_pa, cycles"):
+        WireState.of(state.grains, **values)
+
+
+def test_a_pickled_row_is_the_same_wire() -> None:
+    state, wire = pickle.loads(pickle.dumps((resting_state(WIRE), WIRE)))
+    after, means = advance(state, wire, 2.0, 1e-3, 500)
+    wanted, same = advance(resting_state(WIRE), WIRE, 2.0, 1e-3, 500)
+    assert means == same
+    assert after.row.tobytes() == wanted.row.tobytes()
+
+
+RUN_UNDER_SIGNALS = """
+import signal
+import time
+
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.simulate.circuit import advance
+from musclewire.wire.building import constants_from, resting_state
+
+wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
+state = resting_state(wire)
+before, wanted = state.row.tobytes(), advance(state, wire, 2.0, 1e-3, 20)
+caught = 0
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+for turn in range(3000):
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 1e-6 * (1 + turn % 37))
+        for _ in range(50):
+            after, means = advance(state, wire, 2.0, 1e-3, 20)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        time.sleep(0.0)  # one that is still on its way arrives here
+    except KeyboardInterrupt:
+        caught += 1
+after, means = advance(state, wire, 2.0, 1e-3, 20)
+assert caught > 1000, caught
+assert state.row.tobytes() == before
+assert after.row.tobytes() == wanted[0].row.tobytes() and means == wanted[1]
+print(sum(__import__("musclewire.simulate.circuit").simulate.circuit.advance_rows.stats.cache_misses.values()))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no interval timers on Windows")
+def test_signals_during_a_call_harm_neither_process_nor_state_and_another_process_starts_warm() -> None:
+    advance(resting_state(WIRE), WIRE, 0.0, 1e-3, 1)  # compiled or read from disk by now
+    ran = subprocess.run([sys.executable, "-c", RUN_UNDER_SIGNALS], capture_output=True, text=True, timeout=120)
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout.strip() == "0", "the other process compiled again"
