@@ -30,7 +30,7 @@ def collected() -> set[str]:
         command = [sys.executable, "-m", "pytest", "--all", "--collect-only", "-qq", "--record", str(record)]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
         if done.returncode != 0:
-            sys.exit(f"the tests cannot be collected:\n{done.stdout}{done.stderr}")
+            sys.exit(f"the tests cannot be collected:\n{done.stdout[-3000:]}{done.stderr}")
         return set(recorded(record))
 
 

@@ -5,9 +5,9 @@ its noise, and calibrated from that recording alone. Bars: strain against resist
 90 % of the parameters called identifiable inside their stated 95 % intervals, which are at most half their prior's; at
 most 120 s a wire on two cores. Exit 1 where one fails.
 
-    python benchmarks/calibrate_own_wire.py [--quick]     10 wires, or 2 without a verdict on shares and times
+    python benchmarks/calibrate_own_wire.py [--quick]     10 wires, or 1 without a verdict on fractions and times
 
-Two wires are too few for a share, and a shared machine too noisy for times.
+One wire is too few for a fraction, and a shared machine too noisy for times.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.signals.recording import Recording
 
-WIRES, QUICK_WIRES = 10, 2
+WIRES, QUICK_WIRES = 10, 1
 # Hot enough for most wires that the priors hold; one that does not transform fully is harder, and stays in.
 AMPLITUDE_V = 3.6
 RMS_BAR_PCT, COVERAGE_BAR, WALL_BAR_S = 0.05, 0.9, 120.0

@@ -22,15 +22,21 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from emulation.exported_library.cost import emulated, library_figures, linked
+from emulation.exported_library.on_this_machine import (
+    MAX_DIFFERENCE,
+    HostLibrary,
+    built,
+    host_hash,
+    largest_differences,
+)
+from emulation.exported_library.targets import TARGETS, missing_tool
 
 import musclewire as mw
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.export.c import write_library
-from musclewire.export.c.compilers import TARGETS, missing_tool
 from musclewire.export.c.exercise import exercise
-from musclewire.export.c.figures import emulated, library_figures, linked
 from musclewire.export.c.golden import golden_ticks
-from musclewire.export.c.host import MOST_DIFFERENCE, HostLibrary, built, host_hash, largest_differences
 from musclewire.export.c.library import Library
 from musclewire.export.c.reference import ReferenceTick
 
@@ -96,7 +102,7 @@ def same_bits(library: Library, folder: Path, samples: int) -> Iterator[bool]:
 
 def against_python(library: Library, reference: ReferenceTick, folder: Path, ticks: int) -> Iterator[bool]:
     """Print and judge the largest differences from Python."""
-    for double, most in MOST_DIFFERENCE.items():
+    for double, most in MAX_DIFFERENCE.items():
         precision = "double" if double else "single"
         loaded = HostLibrary(built(library.folder, folder, double=double), double=double)
         for what, rows in (

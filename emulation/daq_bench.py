@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 from emulation.daq_card import Card, Model
@@ -101,4 +102,13 @@ def card_of(
     if not isinstance(device, SimulatedDevice):
         rig.close()
         raise CallerError(f"{wire} is not simulated: it cannot stand behind an emulated card")
+    if paced:
+        ready_to_run_by_the_clock()
     return Card(found.device, model, WiredRig(device, found, errors), tick_s, paced=paced)
+
+
+@cache
+def ready_to_run_by_the_clock() -> None:
+    """Load the simulated wire's kernels: loading takes longer than a host may be silent, and holds up every thread."""
+    with open_rig("simulated") as rig:
+        rig.exchange(rig.sense_voltage_v)

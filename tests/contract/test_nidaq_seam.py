@@ -126,7 +126,7 @@ def test_a_card_that_is_pulled_out_is_lost_and_says_so(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_reset_by_another_program_ends_the_run_off(name: str) -> None:
-    with at_seam(name, paced=True) as rig:
+    with at_seam(name) as rig:
         rig.exchange(1.0)
         rig.device.server.card.reset("Dev1")
         with pytest.raises(ProtectionTripError, match="reset by another program"):

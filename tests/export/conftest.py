@@ -10,9 +10,8 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))  # for export_parts
 
+from emulation.exported_library.on_this_machine import HostLibrary
 from export_parts import Exported, compiled, export
-
-from musclewire.export.c.host import HostLibrary
 
 
 @pytest.fixture(scope="session")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from emulation.exported_library.on_this_machine import HostLibrary, built
 from hypothesis import assume
 from hypothesis import strategies as st
 
@@ -12,7 +13,6 @@ from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.export.c import Library, write_library
-from musclewire.export.c.host import HostLibrary, built
 from musclewire.export.c.reference import ReferenceTick
 from musclewire.sensing.model import SensingModel
 from tools import require_tool

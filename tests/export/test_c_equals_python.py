@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from emulation.exported_library.on_this_machine import MAX_DIFFERENCE, HostLibrary, largest_differences
 from export_parts import RULE_BASES, Exported, compiled, export, models, settings_of
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
@@ -16,7 +17,6 @@ from hypothesis import strategies as st
 from musclewire.controllers import infer_surface, load_rule_base
 from musclewire.export.c.exercise import FAULTS, exercise
 from musclewire.export.c.golden import golden_ticks
-from musclewire.export.c.host import MOST_DIFFERENCE, HostLibrary, largest_differences
 from musclewire.sensing.resistance import wire_resistance
 
 Libraries = Callable[[str], Exported]
@@ -30,7 +30,7 @@ WITHOUT_JUMPS = [name for name in RULE_BASES if name != "liu-7x7-mirrored"]
 def test_the_golden_vectors_hold(exported: Libraries, loaded: Loaded, rule_base: str, double: bool) -> None:
     reference = exported(rule_base).reference()
     found = largest_differences(loaded(rule_base, double), reference, golden_ticks(reference), relative=double)
-    assert max(found.values()) <= MOST_DIFFERENCE[double], found
+    assert max(found.values()) <= MAX_DIFFERENCE[double], found
 
 
 @pytest.mark.parametrize("rule_base", RULE_BASES)
@@ -46,7 +46,7 @@ def test_a_long_random_run_with_faults_is_the_same_in_double(
 def test_a_long_random_run_with_faults_is_close_in_single(exported: Libraries, loaded: Loaded, rule_base: str) -> None:
     reference = exported(rule_base).reference()
     found = largest_differences(loaded(rule_base, False), reference, exercise(reference, 12, 8000), relative=False)
-    assert max(found.values()) <= MOST_DIFFERENCE[False], found
+    assert max(found.values()) <= MAX_DIFFERENCE[False], found
 
 
 def test_resistance_estimate_state_and_event_are_python_s_to_the_bit_in_double(
@@ -85,7 +85,7 @@ def test_any_model_with_any_settings_equals_python_in_both_precisions(
     model = data.draw(models())
     chosen = data.draw(settings_of(model))
     one = export(tmp_path_factory.mktemp("library"), model=model, settings=chosen)
-    for double, most in MOST_DIFFERENCE.items():
+    for double, most in MAX_DIFFERENCE.items():
         reference = one.reference()
         loaded = compiled(one.library, tmp_path_factory.mktemp("compiled"), double=double)
         ticks = exercise(reference, data.draw(st.integers(0, 1000)), 200, fault_share=0.02)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from emulation.exported_library.on_this_machine import HostLibrary
 from export_parts import Exported
 
 from musclewire.controllers.protection import (
@@ -30,7 +31,6 @@ from musclewire.controllers.protection import (
 from musclewire.controllers.protection.protect import after
 from musclewire.controllers.protection.table import Effect
 from musclewire.export.c.constants import ACTIONS
-from musclewire.export.c.host import HostLibrary
 
 Loaded = Callable[[str, bool], HostLibrary]
 PERIODS_S = (0.01, 0.02, 0.05)

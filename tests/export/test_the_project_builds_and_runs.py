@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from emulation.exported_library.cost import emulated, linked, target_figures
+from emulation.exported_library.on_this_machine import host_hash
+from emulation.exported_library.targets import TARGETS
 from export_parts import RULE_BASES, Exported, limits_for, usual_model
 
 from musclewire.app.main import run as command_line
-from musclewire.export.c.compilers import TARGETS
-from musclewire.export.c.figures import emulated, linked, target_figures
-from musclewire.export.c.host import host_hash
 from musclewire.sensing.model_file import save_model
 from tools import require_tool
 
 Libraries = Callable[[str], Exported]
+ROOT = Path(__file__).resolve().parents[2]
 CORTEX_M = [target for target in TARGETS if target.emulator != "simavr"]
 SAMPLES = 5000
 ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
@@ -210,9 +212,9 @@ def test_the_arduino_sketch_builds_for_an_uno_with_the_arduino_core(exported: Li
     assert data + bss < 1024
 
 
-def musclewire(*arguments: object) -> subprocess.CompletedProcess[str]:
+def musclewire(*arguments: object, **environment: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "musclewire", "export", "c", *(str(argument) for argument in arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **environment})
 
 
 def run_here(*arguments: object) -> int:
@@ -221,18 +223,30 @@ def run_here(*arguments: object) -> int:
 
 
 @pytest.mark.slow
-def test_the_command_writes_the_library_and_says_what_it_costs(tmp_path: Path) -> None:
+def test_the_command_writes_the_library_without_any_compiler(tmp_path: Path) -> None:
     model = usual_model()
     save_model(model, tmp_path / "model.json")
-    done = musclewire(tmp_path / "model.json", "-o", tmp_path / "library", "--name", "elbow", "--json")
+    done = musclewire(tmp_path / "model.json", "-o", tmp_path / "library", "--name", "elbow", "--json", PATH="")
     assert done.returncode == 0, done.stderr
     answer = json.loads(done.stdout)
     assert all((tmp_path / "library" / name).is_file() for name in answer["files"])
     assert (tmp_path / "library/examples/elbow/elbow.ino").is_file()
     assert "@" not in (tmp_path / "library/library.properties").read_text()
     assert answer["single_error_share"] < 1e-4
-    for row in answer["figures"]:
-        assert row["flash_bytes"] or "apt-get install" in row["not_measured"]
+
+
+@pytest.mark.emulated
+def test_what_a_library_costs_is_printed_with_a_row_for_each_target(exported: Callable[[str], Exported]) -> None:
+    folder = exported("zhao-1993").library.folder
+    command = [sys.executable, "-m", "emulation.exported_library", str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    rows = {line.split()[0]: line.split()[1] for line in done.stdout.splitlines()[1:]}
+    assert set(rows) == {target.name for target in TARGETS}
+    for target in TARGETS:
+        assert rows[target.name] != "-" or f"{target.compiler} is missing: apt-get install" in done.stderr
+    nothing = subprocess.run([*command[:-1], str(ROOT)], capture_output=True, text=True, check=False, cwd=ROOT)
+    assert (nothing.returncode, nothing.stderr) == (2, f"{ROOT} holds no exported library\n")
 
 
 @pytest.mark.parametrize(

@@ -103,14 +103,14 @@ def since_start(on_row: Any) -> OnProbe:
 
 
 def refuse_to_write(found: Examination) -> None:
-    """Raise CallerError where offsets mean nothing: the wiring does not hold in a way that no calibration mends."""
+    """Raise CallerError if offsets mean nothing: the wiring is wrong in a way that no calibration corrects."""
     from musclewire.experiment.doctor.examine import STOPPING
 
     blocking = sorted(found.findings.failed & (STOPPING - {"wire_resistance_ohm", "output_gain"}))
     if found.trouble is not None:
         raise found.trouble
     if blocking or not found.calibration:
-        raise CallerError(f"nothing is written: {', '.join(blocking) or 'the readings'} must be mended first")
+        raise CallerError(f"nothing is written: {', '.join(blocking) or 'the readings'} must be corrected first")
 
 
 def document(rig: str, found: Examination, written: Path | None) -> dict[str, Any]:
@@ -157,7 +157,7 @@ def explained(check: Check) -> str:
 def valued(check: Check) -> str:
     """Return a value with its unit, in steps of a thousand where that reads better."""
     if isinstance(check.value, str):
-        # A sentence as value stands with the advice, where there is room for it.
+        # A sentence as value goes to the advice, which has room for it.
         return "" if len(check.value) > 18 else check.value
     if check.value is None:
         return ""

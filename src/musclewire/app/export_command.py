@@ -10,13 +10,12 @@ import typer
 
 from musclewire.app.commands import add_command
 from musclewire.app.options import DOUBLE, NAME, OUTPUT, OVERWRITE, RIG, RULES, SETTINGS, Json
-from musclewire.app.output import emit_json, say, show
+from musclewire.app.output import emit_json, show
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
     from musclewire.controllers import FuzzyPidSettings
     from musclewire.controllers.protection import ProtectionLimits
-    from musclewire.export.c import Library
     from musclewire.rigs.protocol import Metadata
 
 __all__ = ["add_export_commands"]
@@ -53,7 +52,7 @@ def export_c(
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
-    """Model, controller, limits and protection as a self-contained C99 library, with what it costs on a board."""
+    """Model, controller, limits and protection as a self-contained C99 library, with its own test vectors."""
     from musclewire.controllers import DriveLimits
     from musclewire.experiment.closed_loop import check_made_for, settings_for
     from musclewire.export.c import write_library
@@ -81,24 +80,13 @@ def export_c(
         "rule_base": chosen.rule_base,
         "precision": "double" if double else "single",
         "limits": finite_numbers(limits._asdict()),
-        **library_json(library, double),
+        "single_error_share": library.single_error_share,
+        "golden_rows": library.golden_rows,
     }
     if json:
         emit_json(answer)
     else:
         show(export_text(answer, rig))
-
-
-def library_json(library: Library, double: bool) -> dict[str, Any]:
-    """Return how exact the library is and what it costs on a board, under the keys of the interface."""
-    from musclewire.export.c.figures import library_figures
-
-    return {
-        "single_error_share": library.single_error_share,
-        "golden_rows": library.golden_rows,
-        "largest_difference": held_against_python(library, double),
-        "figures": library_figures(library.folder, double=double),
-    }
 
 
 def limits_of_rig(rig: str) -> tuple[ProtectionLimits, Metadata]:
@@ -126,34 +114,6 @@ def limits_of_rig(rig: str) -> tuple[ProtectionLimits, Metadata]:
     )
 
 
-def held_against_python(library: Library, double: bool) -> float | None:
-    """Return how far the library, compiled here, is from Python over its golden vectors; None without a compiler.
-
-    A share of full scale; in double precision of the value. Raises NumericsError where that is more than promised.
-    """
-    import tempfile
-
-    from musclewire.errors import NumericsError
-    from musclewire.export.c.compilers import missing_tool
-    from musclewire.export.c.golden import golden_ticks
-    from musclewire.export.c.host import MOST_DIFFERENCE, HostLibrary, built, largest_differences
-
-    missing = missing_tool("gcc", "gcc libc6-dev")
-    if missing:
-        say(f"not compared with Python here: {missing}")
-        return None
-    with tempfile.TemporaryDirectory() as folder:
-        loaded = HostLibrary(built(library.folder, Path(folder), double=double), double=double)
-        found = largest_differences(loaded, library.reference, golden_ticks(library.reference), relative=double)
-    name, most = max(found.items(), key=lambda item: item[1])
-    if most > MOST_DIFFERENCE[double]:
-        raise NumericsError(
-            f"{library.folder}: {name} of the library is off from Python's by {most:.2g}, more than "
-            f"{MOST_DIFFERENCE[double]:g}: do not use it, and report it with the model"
-        )
-    return most
-
-
 def read_settings(path: Path | None, rules: str | None) -> FuzzyPidSettings:
     """Return the controller's settings from a TOML file, and the rule base that an option names instead.
 
@@ -177,34 +137,16 @@ def finite_numbers(numbers: dict[str, float]) -> dict[str, float | None]:
 
 
 def export_text(answer: dict[str, Any], rig: str) -> str:
-    """Return what was written and what it costs, for people."""
+    """Return what was written and how it is tested, for people."""
     limits = answer["limits"]
-    difference = answer["largest_difference"]
-    compared = "" if difference is None else f"; compiled here it is off from Python by at most {difference:.2g}"
     lines = [
         f"{answer['folder']}: {answer['quantity']} from resistance, rule base {answer['rule_base']}, "
         f"{answer['precision']} precision",
         f"limits of rig {rig}: shunt {limits['shunt_resistance_ohm']:g} ohm, drive {limits['sense_voltage_v']:g} to "
         f"{limits['maximum_voltage_v']:g} V, resistance {limits['resistance_low_ohm']:.3g} to "
         f"{limits['resistance_high_ohm']:.3g} ohm",
-        f"single precision moves an estimate by at most {100.0 * answer['single_error_share']:.2g} % of the full scale"
-        f"{compared}",
+        f"single precision moves an estimate by at most {100.0 * answer['single_error_share']:.2g} % of the full scale",
         f"{len(answer['files'])} files, {answer['golden_rows']} golden vectors: "
         f"cmake -S {answer['folder']} -B build && cmake --build build && ctest --test-dir build",
-        "",
-        f"{'target':<12}{'flash [B]':>10}{'RAM [B]':>9}{'state [B]':>11}{'a tick: mean, most':>32}",
     ]
-    for row in answer["figures"]:
-        said = [str(row[key]) if row[key] is not None else "-" for key in ("flash_bytes", "ram_bytes", "state_bytes")]
-        lines.append(f"{row['target']:<12}{said[0]:>10}{said[1]:>9}{said[2]:>11}{tick_text(row):>32}")
-    for note in dict.fromkeys(row["not_measured"] for row in answer["figures"] if row["not_measured"]):
-        say(f"not measured: {note}")
     return "\n".join(lines)
-
-
-def tick_text(row: dict[str, Any]) -> str:
-    """Return what a whole tick costs on a target: instructions, or cycles where the emulator counts those."""
-    for unit in ("instructions", "cycles"):
-        if row[f"tick_{unit}_mean"] is not None:
-            return f"{row[f'tick_{unit}_mean']}, {row[f'tick_{unit}_most']} {unit}"
-    return "-"

@@ -20,7 +20,7 @@ FIGURES = (".svg", ".png", ".pdf")
 
 
 def require_folder(path: Path) -> None:
-    """Raise CallerError where the folder a file shall go into is not there."""
+    """Raise CallerError if the folder of a file does not exist."""
     if not path.parent.is_dir():
         raise CallerError(f"{path}: there is no folder {path.parent}")
 
@@ -40,7 +40,7 @@ def require_recording_file(path: Path, overwrite: bool) -> None:
 
 
 def require_model_file(path: Path) -> None:
-    """Raise CallerError where a model would replace something that is not a model."""
+    """Raise CallerError if a model would replace something that is not a model."""
     from musclewire.sensing import load_model
 
     if path.suffix != ".json":

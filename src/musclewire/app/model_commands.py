@@ -30,13 +30,13 @@ def add_model_commands(app: typer.Typer) -> None:
 
 
 def import_recordings(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Foreign recordings.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recordings of other programs.")],
     reading: Reading,
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
-    """Read foreign recordings and show what was understood; with -o write one as ours."""
+    """Read recordings of other programs and show what was understood; with -o convert one."""
     from musclewire.signals import understand
 
     understood = [understand(path, mapping(reading.column)) for path in files]
@@ -167,7 +167,7 @@ def cite(json: Json = False) -> None:
 
 
 def whole_number_or(text: str, *words: str) -> Any:
-    """Return a whole number, or the text itself where it is one of the words (any word where none are given)."""
+    """Return a whole number, or the text itself if it is one of the words (any text without words)."""
     try:
         return int(text)
     except ValueError:

@@ -106,7 +106,7 @@ class Bar:
         self._last_s: float | None = None
         self._before_s = 0.0
         # Built before the first sample: importing and drawing for the first time takes a good part of a second on a
-        # busy machine, and a board whose next command is so late lets its heater go.
+        # busy machine, and a board whose next command is so late switches the heater off.
         self._progress = progress_for(task, total_s)
 
     def advance(self, row: Mapping[str, float]) -> None:
@@ -114,7 +114,7 @@ class Bar:
         stop_if_asked()
         if self._last_s is None:
             self._open()
-        elif row["time_s"] < self._last_s:  # a new recording, whose clock begins anew
+        elif row["time_s"] < self._last_s:  # a new recording, whose clock begins again
             self._before_s += self._last_s
         self._last_s = row["time_s"]
         if self._progress is not None:

@@ -1,4 +1,4 @@
-"""The command that puts the paper's numbers beside ours: reproduce."""
+"""The command that puts the paper's numbers next to ours: reproduce."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def row_document(row: Row) -> dict[str, Any]:
 
 
 def write_document(document: dict[str, Any], path: Path) -> None:
-    """Write the answer beside the page, whole or not at all."""
+    """Write the answer next to the page, whole or not at all."""
     from musclewire.signals.whole_files import write_whole
 
     def write(part: Path) -> None:

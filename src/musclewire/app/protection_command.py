@@ -52,7 +52,7 @@ def limits_of_rig(rig: str) -> ProtectionLimits:
 
 
 def document(table: ProtectionTable, limits: ProtectionLimits | None) -> dict[str, Any]:
-    """Return the table, and the limits where there are some, as one JSON document."""
+    """Return the table, and the limits if there are some, as one JSON document."""
     answer: dict[str, Any] = table.model_dump(mode="json")
     plural = {"state": "states", "effect": "effects", "signal": "signals", "event": "events"}
     answer = {plural.get(key, key): value for key, value in answer.items()}

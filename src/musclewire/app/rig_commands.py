@@ -67,7 +67,7 @@ def demo(
     if (output / "model.json").exists():
         require_model_file(output / "model.json")
     if report.is_file():
-        report.unlink()  # an interrupted demo must not leave an old report beside new recordings
+        report.unlink()  # an interrupted demo must not leave an old report with new recordings
     with stops_between_samples():
         result = run_demo(output, seed=seed, progress=lambda task, total_s: progress_bar(task, total_s, quiet=json))
     write_report(result, report, time.perf_counter() - started)

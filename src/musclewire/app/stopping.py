@@ -60,7 +60,7 @@ def ignore_signals() -> None:
 
 
 def stop_if_asked(_row: Mapping[str, float] | None = None) -> None:
-    """Raise SystemExit where a signal has left its note; serves as a callback after each sample."""
+    """Raise SystemExit if a signal has left its note; serves as a callback after each sample."""
     if _Note.exit_code is not None:
         code, _Note.exit_code = _Note.exit_code, None
         _Note.ending_since_s = time.monotonic()

@@ -1,4 +1,4 @@
-"""Commands about wires one can buy: simulate a drive, and the catalogue beside the simulation."""
+"""Commands about wires one can buy: simulate a drive, and the catalogue compared with the simulation."""
 
 from __future__ import annotations
 

@@ -16,6 +16,7 @@ from musclewire.experiment.run import OnSample, file_in
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
 from musclewire.identify.sensing_model import fit
 from musclewire.rigs.configuration import open_rig
+from musclewire.rigs.protocol import Rig
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.recording import Recording
 
@@ -55,19 +56,9 @@ def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -
     """
     files = {f"loop_{volts:g}V": file_in(folder, f"loop-{volts:g}V.h5") for volts in AMPLITUDES_V}
     files |= {"model": folder / "model.json", "staircase": folder / "staircase.h5"}
-    loops: dict[float, Recording] = {}
     steps = staircase()
     with open_rig("simulated", seed=seed) as rig:
-        for volts in AMPLITUDES_V:
-            with progress(f"Slow sine, {volts:g} V", CYCLES * PAPER_PERIOD_S) as on_sample:
-                loops[volts] = characterize(
-                    rig,
-                    amplitude_v=volts,
-                    cycles=CYCLES,
-                    path=files[f"loop_{volts:g}V"],
-                    overwrite=True,
-                    on_sample=on_sample,
-                )
+        loops = {volts: slow_sine_loop(rig, volts, files[f"loop_{volts:g}V"], progress) for volts in AMPLITUDES_V}
         major = loops[AMPLITUDES_V[0]]
         model = fit(major)
         model.save(files["model"])
@@ -79,3 +70,9 @@ def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -
     ):
         sweep = pretension_sweep(rig, cycles=1, folder=folder / "pretension", on_sample=on_sample)
     return DemoResult(loops, loop_gaps(major), model, steps, run, sweep, files)
+
+
+def slow_sine_loop(rig: Rig, amplitude_v: float, path: Path, progress: Progress) -> Recording:
+    """Record the slow sine of one amplitude [V]."""
+    with progress(f"Slow sine, {amplitude_v:g} V", CYCLES * PAPER_PERIOD_S) as on_sample:
+        return characterize(rig, amplitude_v=amplitude_v, cycles=CYCLES, path=path, overwrite=True, on_sample=on_sample)

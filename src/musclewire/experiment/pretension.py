@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -84,15 +84,9 @@ class PretensionSweep:
             if shown:
                 axes.plot(*zip(*shown, strict=True), style, color=COLOURS[quantity], label=f"{quantity} gap")
         axes.axvline(self.best.pretension_n, color="0.7", linewidth=1.0, zorder=0)
-        axes.annotate(
-            f"best {self.best.pretension_n:.2f} N",
-            (self.best.pretension_n, 0.97),
-            xycoords=("data", "axes fraction"),
-            xytext=(4, 0),
-            textcoords="offset points",
-            va="top",
-            color="0.35",
-        )
+        at: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "xytext": (4, 0), "textcoords": "offset points"}
+        best_n = self.best.pretension_n
+        axes.annotate(f"best {best_n:.2f} N", (best_n, 0.97), va="top", color="0.35", **at)
         axes.set(xlabel="pretension $F_p$ [N]", ylabel="hysteresis gap [% of maximum]", ylim=(0.0, None))
         axes.legend(frameon=False)
         return axes

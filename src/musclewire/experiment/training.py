@@ -8,7 +8,7 @@ found anew at each start, from the resistance alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -75,7 +75,7 @@ def train(
     amplitude_v
         Greatest drive [V]; the rig's own if None.
     period_s
-        Time of a cycle [s]; 30 s heat and cool a thin wire fully.
+        Time of a cycle [s]; 30 s are a third of the paper's slow sine.
     most_cycles
         Where to stop if it does not settle.
     settled_share
@@ -107,9 +107,7 @@ def train(
         path = None if folder is None else file_in(folder, f"cycle-{number:03d}.h5")
         recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, **sine)
         warnings = warnings or tuple(f"cycle {number}: {text}" for text in force_warnings(recording))
-        cycle = cycle_of(recording, number)
-        if len(cycles) >= CYCLES_COMPARED:
-            cycle = replace(cycle, change=change_between(cycles[-CYCLES_COMPARED], cycle))
+        cycle = cycle_of(recording, number, cycles)
         cycles.append(cycle)
         if on_cycle is not None:
             on_cycle(cycle)
@@ -118,11 +116,11 @@ def train(
     return Training(tuple(cycles), settled=False, warnings=warnings)
 
 
-def cycle_of(recording: Recording, number: int) -> TrainingCycle:
-    """Return what the loop of one cycle was. Raises RecordingError if it is none."""
+def cycle_of(recording: Recording, number: int, before: Sequence[TrainingCycle]) -> TrainingCycle:
+    """Return what the loop of one cycle was, beside those before. Raises RecordingError if it is none."""
     reading = resistance_reading(recording)
     segments = find_segments(reading.resistance_ohm, required_quantity(recording), reading.valid)
-    return TrainingCycle(
+    cycle = TrainingCycle(
         number=number,
         resistance_min_ohm=segments.resistance_min_ohm,
         resistance_max_ohm=segments.resistance_max_ohm,
@@ -130,6 +128,9 @@ def cycle_of(recording: Recording, number: int) -> TrainingCycle:
         stroke=segments.strain_max - segments.strain_cold,
         change=None,
     )
+    if len(before) < CYCLES_COMPARED:
+        return cycle
+    return replace(cycle, change=change_between(before[-CYCLES_COMPARED], cycle))
 
 
 def change_between(before: TrainingCycle, after: TrainingCycle) -> float:

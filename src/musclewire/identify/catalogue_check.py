@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from musclewire.errors import NumericsError
 from musclewire.parameters.schema import Alloy, Bench, Wire
-from musclewire.simulate.paths import drive_path, isobaric_path
+from musclewire.simulate.paths import DrivenPath, drive_path, isobaric_path
 from musclewire.wire.building import constants_from
 from musclewire.wire.state import WireConstants, WireState
 
@@ -83,10 +83,7 @@ def run_catalogue_test(
     """
     constants = constants_from(alloy, wire, dead_weight_bench(bench, wire.diameter_m.value, stress_pa))
     step_s = step_for(constants)
-    samples = max(round(heating_s / step_s), 1)
-    heated, state = drive_path(
-        constants, np.full(samples, current_a), dt_s=heating_s / samples, steps=1, regulated_current=True
-    )
+    heated, state = heated_by(constants, current_a, heating_s, step_s)
     contraction = state.contraction
     if not np.isfinite(contraction):
         raise NumericsError(f"the simulated {wire.name} left its numbers at {current_a:g} A")
@@ -100,6 +97,14 @@ def run_catalogue_test(
         temperature_k=float(heated.temperature_k.max()),
         energy_j=state.heat_in_j,
     )
+
+
+def heated_by(
+    constants: WireConstants, current_a: float, heating_s: float, step_s: float
+) -> tuple[DrivenPath, WireState]:
+    """Return what a held current [A] does to a cold wire in a time [s], in steps of about ``step_s``."""
+    samples = max(round(heating_s / step_s), 1)
+    return drive_path(constants, np.full(samples, current_a), dt_s=heating_s / samples, steps=1, regulated_current=True)
 
 
 def step_for(constants: WireConstants) -> float:

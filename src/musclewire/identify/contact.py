@@ -110,6 +110,25 @@ def fit_free_closing(recordings: Sequence[Recording], alloy: str = "flexinol") -
             f"{len(recordings)} free closings give {len(blocks)} blocks of {BLOCK_SAMPLES} samples, and {LEAST_BLOCKS} "
             "are needed: record more closings, at different speeds, that close fully"
         )
+    holding, energy = power_terms(blocks)
+    free = FreeClosing(
+        resistance_min_ohm=low_ohm,
+        resistance_max_ohm=high_ohm,
+        holding_power_w=tuple(map(float, holding)),
+        closing_energy_j=tuple(map(float, energy)),
+        normalised_min=NORMALISED_RANGE[0],
+        normalised_max=NORMALISED_RANGE[1],
+        normalised_noise=NOISE_SEARCH[1],
+        thermal_time_s=thermal_time_s(recordings[0].facts.wire_diameter_m, alloy),
+    )
+    return replace(free, normalised_noise=noise_of(free, recordings))
+
+
+def power_terms(blocks: Sequence[tuple[float, float, float]]) -> tuple[FloatArray, FloatArray]:
+    """Return the polynomials of holding power [W] and energy of motion [J] that explain the power of blocks.
+
+    Raises RecordingError if one comes out negative.
+    """
     place, rate_per_s, power_w = np.array(blocks).T
     basis = np.hstack(
         [np.vander(place, HOLDING_ORDER + 1, increasing=True),
@@ -123,17 +142,7 @@ def fit_free_closing(recordings: Sequence[Recording], alloy: str = "flexinol") -
             "these closings do not tell holding power from the energy of motion, one comes out negative: record them "
             "at speeds that differ more"
         )
-    free = FreeClosing(
-        resistance_min_ohm=low_ohm,
-        resistance_max_ohm=high_ohm,
-        holding_power_w=tuple(map(float, holding)),
-        closing_energy_j=tuple(map(float, energy)),
-        normalised_min=NORMALISED_RANGE[0],
-        normalised_max=NORMALISED_RANGE[1],
-        normalised_noise=NOISE_SEARCH[1],
-        thermal_time_s=thermal_time_s(recordings[0].facts.wire_diameter_m, alloy),
-    )
-    return replace(free, normalised_noise=noise_of(free, recordings))
+    return holding, energy
 
 
 def resistance_range(recordings: Sequence[Recording]) -> tuple[float, float]:
@@ -238,13 +247,26 @@ def fit_grip_curve(
         for name in ("displacement_m", "endpoint_displacement_m"):
             if name not in one:
                 raise RecordingError(f"a grip's force is learned with instruments once: a closing lacks {name}")
+    curve = rigid_curve(free_recordings, free, fingers)
+    grips = [squeezed(one, free) for one in known]
+    finger, wire = compliances(curve, grips)
+    return replace(
+        curve,
+        finger_compliance_m_per_n=finger,
+        wire_compliance_m_per_n=wire,
+        power_per_newton_w=power_per_newton_w(curve, grips),
+    )
+
+
+def rigid_curve(free_recordings: Sequence[Recording], free: FreeClosing, fingers: int) -> GripCurve:
+    """Return how the fingers close over resistance, with compliances still 0 and a newton at 1 W."""
     places, connector, endpoint = (np.concatenate(column) for column in zip(
         *(columns_of(one, free) for one in free_recordings), strict=True))  # fmt: skip
     endpoint_over_place = np.polynomial.Polynomial.fit(places, endpoint, CURVE_ORDER).convert()
     endpoint_over_connector = np.polynomial.Polynomial.fit(connector, endpoint, CURVE_ORDER)
     lever = endpoint_over_connector.deriv()(connector)
     lever_over_place = np.polynomial.Polynomial.fit(places, lever, LEVERAGE_ORDER).convert()
-    curve = GripCurve(
+    return GripCurve(
         fingers=fingers,
         endpoint_m=tuple(map(float, endpoint_over_place.coef)),
         leverage=tuple(map(float, lever_over_place.coef)),
@@ -253,14 +275,6 @@ def fit_grip_curve(
         power_per_newton_w=(1.0,),
         normalised_min=free.normalised_min,
         normalised_max=free.normalised_max,
-    )
-    grips = [squeezed(one, free) for one in known]
-    finger, wire = compliances(curve, grips)
-    return replace(
-        curve,
-        finger_compliance_m_per_n=finger,
-        wire_compliance_m_per_n=wire,
-        power_per_newton_w=power_per_newton_w(curve, grips),
     )
 
 

@@ -71,26 +71,15 @@ def fit(
     ----------
     Lan and Fan 2010, Eqs. 3 to 5.
     """
-    notes = wire_notes(recording)
-    source = recording.facts.text_or_none("source") or ""
     if recording.is_branch_table:
-        return fit_table(recording, order, notes, source)
+        return fit_table(recording, order)
     reading = resistance_reading(recording)
-    friction_n = guide_friction_n(recording)
-    if friction_n is not None:
-        notes["guide_friction_n"] = friction_n
+    notes, source = loop_notes(recording), recording.facts.text_or_none("source") or ""
     measured = required_quantity(recording, quantity)
     cut_short = not_done(recording)
     try:
         model = fit_loop(
-            reading.resistance_ohm,
-            measured,
-            reading.valid,
-            order=order,
-            cycle=cycle,
-            quantity=quantity,
-            wire=notes,
-            source=source,
+            reading.resistance_ohm, measured, reading.valid, order, cycle, quantity, wire=notes, source=source
         )
     except RecordingError as error:
         why = without_loop(error, recording)
@@ -105,7 +94,7 @@ def not_done(recording: Recording) -> str:
     return f"this recording was not finished, its run ended with '{recording.facts.text_or_none('ended')}'"
 
 
-def fit_table(recording: Recording, order: int | str, notes: dict[str, str | float], source: str) -> SensingModel:
+def fit_table(recording: Recording, order: int | str) -> SensingModel:
     """Fit a printed loop: strain on both branches at given resistances."""
     resistance = recording["resistance_ohm"]
     return fit_branches(
@@ -114,8 +103,8 @@ def fit_table(recording: Recording, order: int | str, notes: dict[str, str | flo
         order,
         resistance_min_ohm=recording.facts.number_or_none("resistance_min_ohm"),
         resistance_max_ohm=recording.facts.number_or_none("resistance_max_ohm"),
-        wire=notes,
-        source=source,
+        wire=wire_notes(recording),
+        source=recording.facts.text_or_none("source") or "",
     )
 
 
@@ -123,6 +112,12 @@ def wire_notes(recording: Recording) -> dict[str, str | float]:
     """Return what a model should remember of the wire it was fitted to."""
     found = {name: recording.metadata.get(name) for name in WIRE_NOTES}
     return {name: value for name, value in found.items() if isinstance(value, (str, int, float))}
+
+
+def loop_notes(recording: Recording) -> dict[str, str | float]:
+    """Return the notes of a recorded loop, with the friction of the guide if the loop shows it."""
+    friction_n = guide_friction_n(recording)
+    return wire_notes(recording) | ({} if friction_n is None else {"guide_friction_n": friction_n})
 
 
 def in_sensing_segment(model: SensingModel, recording: Recording, reading: ArrayReading) -> NDArray[np.bool_]:
@@ -161,6 +156,16 @@ class EstimateReport:
     max_pct: float | None
 
 
+def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
+    """Return the error that no resistance of a recording is one that the model senses at."""
+    low, high = model.valid_resistance_ohm
+    return RecordingError(
+        f"no sample lies in the model's range of {low:.3f} to {high:.3f} ohm: this recording goes from "
+        f"{reading.resistance_ohm[reading.valid].min():.3f} to {reading.resistance_ohm.max():.3f} ohm; is it the "
+        "same wire?"
+    )
+
+
 def estimate(model: SensingModel, recording: Recording) -> EstimateReport:
     """Estimate strain (or the model's quantity) from a recording's resistance, sample by sample.
 
@@ -187,12 +192,7 @@ def estimate(model: SensingModel, recording: Recording) -> EstimateReport:
     result = model.estimate(reading.resistance_ohm)
     valid: NDArray[np.bool_] = reading.valid & result.valid & in_sensing_segment(model, recording, reading)
     if not valid.any():
-        low, high = model.valid_resistance_ohm
-        raise RecordingError(
-            f"no sample lies in the model's range of {low:.3f} to {high:.3f} ohm: this recording goes from "
-            f"{reading.resistance_ohm[reading.valid].min():.3f} to {reading.resistance_ohm.max():.3f} ohm; is it the "
-            "same wire?"
-        )
+        raise outside_range(model, reading)
     suffix = COLUMN_SUFFIX[model.quantity]
     columns = {
         "wire_resistance_ohm": reading.resistance_ohm,

@@ -96,6 +96,22 @@ def full_stroke(constants: WireConstants) -> float:
     raise NumericsError("no current heats this wire right through: check diameter, resistance and convection")
 
 
+def contracting_current_a(constants: WireConstants, seconds: float, displacement_m: float) -> float:
+    """Return the least current [A] that moves a cold wire so far within some seconds, by bisection."""
+    low, high = 0.0, LARGEST_CURRENT_A_PER_M2 * constants.area_m2
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        path, _ = heat(constants, middle, seconds)
+        # A current far too large expands the hot metal again: what counts is that it has been there.
+        if path.displacement_m.max() >= displacement_m:
+            high = middle
+        else:
+            low = middle
+        if high - low < 1e-4 * high:
+            break
+    return high
+
+
 def one_second_current(
     alloy: Alloy, wire: Wire, bench: Bench, *, seconds: float = 1.0, share: float = CONTRACTED_SHARE
 ) -> OneSecond:
@@ -105,21 +121,11 @@ def one_second_current(
     """
     constants = constants_from(alloy, wire, bench)
     stroke = full_stroke(constants)
-    low, high = 0.0, LARGEST_CURRENT_A_PER_M2 * constants.area_m2
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        path, _ = heat(constants, middle, seconds)
-        # A current far too large expands the hot metal again: what counts is that it has been there.
-        if path.displacement_m.max() >= share * stroke * constants.leg_length_m:
-            high = middle
-        else:
-            low = middle
-        if high - low < 1e-4 * high:
-            break
-    path, state = heat(constants, high, seconds)
+    current_a = contracting_current_a(constants, seconds, share * stroke * constants.leg_length_m)
+    path, state = heat(constants, current_a, seconds)
     power_w = constants.wire_length_m * given_off_w_per_m(state.temperature_k, wire, constants.ambient_temperature_k)
     return OneSecond(
-        high,
+        current_a,
         float(path.wire_voltage_v.max()),
         stroke,
         state.temperature_k,

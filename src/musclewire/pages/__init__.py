@@ -103,11 +103,11 @@ def cards(items: Iterable[Card]) -> str:
 
     Returns
     -------
-    HTML to stand in an element of class "cards".
+    HTML for an element of class "cards".
     """
     return "".join(
         f'<div class="card{"" if item.ok else " fails"}"><div class="name">{item.name}</div>'
-        f'<div class="value">{item.value}</div><div class="beside">{escape(item.note)}</div></div>'
+        f'<div class="value">{item.value}</div><div class="compared">{escape(item.note)}</div></div>'
         for item in items
     )
 
@@ -122,7 +122,7 @@ def table_rows(rows: Iterable[Sequence[str]]) -> str:
 
     Returns
     -------
-    HTML to stand in a table's body.
+    HTML for a table's body.
     """
     return "".join("<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows)
 
@@ -152,7 +152,7 @@ def page(package: str, name: str, parts: Mapping[str, object]) -> str:
     Parameters
     ----------
     package
-        Full name of the package beside whose modules the template is, as "musclewire.app.report".
+        Full name of the package in whose folder the template is, as "musclewire.app.report".
     name
         The template's file name.
     parts

@@ -185,6 +185,7 @@ def catalogue_wire(name: str, shift_wire: Wire, reference_wire: Wire) -> Wire:
     """
     catalogue = load_catalogue()
     row, wire_class, rules = catalogue_row(name), class_of(name), catalogue.wire
+    largest_n = 1e6 * rules.largest_stress_mpa * row.area_m2
     values = {
         "diameter_m": given(row.diameter_m, "m", "datasheet", catalogue.source, f"{row.diameter_in:g} inch"),
         "resistance_per_metre_ohm_per_m": printed(row.resistance_ohm_per_m, "ohm/m", catalogue.source),
@@ -192,9 +193,7 @@ def catalogue_wire(name: str, shift_wire: Wire, reference_wire: Wire) -> Wire:
         "temperature_shift_k": temperature_shift(wire_class, shift_wire, rules),
         "r_phase_shift_k": given(0.0, "K", "assumed", "the alloy's own R-phase temperature"),
         "martensite_barrier_shift_k": given(0.0, "K", "assumed", "the alloy's own hysteresis"),
-        "maximum_force_n": given(
-            1e6 * rules.largest_stress_mpa * row.area_m2, "N", "derived", rules.largest_stress_source
-        ),
+        "maximum_force_n": given(largest_n, "N", "derived", rules.largest_stress_source),
         "nominal_force_n": printed(row.cooling_force_g, "N", catalogue.source, GRAM_FORCE_N),
         "convection_factor": reference_wire.convection_factor.model_copy(
             update={"note": f"that of {reference_wire.name}, for a wire in any direction"}

@@ -94,7 +94,7 @@ class AirMoves(NamedTuple):
     Parameters
     ----------
     draught_share
-        By draughts; a fan across a room makes a tenth.
+        By draughts.
     draught_time_s
         How long a draught lasts, about [s].
     level_share
@@ -131,6 +131,18 @@ class ContactState(NamedTuple):
     slope_w: float
     touched: bool
     surprise: float | None
+
+
+class Interval(NamedTuple):
+    """What passed between two samples: normalised resistances, energy and its noise [J], powers [W], time [s]."""
+
+    before: float
+    here: float
+    energy_j: float
+    holding_w: float
+    taken_w: float
+    noise_j: float
+    dt_s: float
 
 
 class ContactDetector:
@@ -177,23 +189,35 @@ class ContactDetector:
             seen = seen._replace(following=True, covariance=np.diag([noise_j**2, level]))
         taken_w = 0.5 * (power_w + state.power_w)
         energy = state.energy_j + (taken_w - holding_w) * dt_s + noise_j / free.normalised_noise * (here - before)
-        return self._weigh(seen, before, energy, holding_w, taken_w, noise_j, dt_s)
+        return self._weigh(seen, Interval(before, here, energy, holding_w, taken_w, noise_j, dt_s))
 
-    def _weigh(
-        self,
-        state: ContactState,
-        before: float,
-        energy_j: float,
-        holding_w: float,
-        taken_w: float,
-        noise_j: float,
-        dt_s: float,
-    ) -> ContactState:
+    def _weigh(self, state: ContactState, interval: Interval) -> ContactState:
         """Return the state with one more energy weighed: filter, candidates, score."""
-        here = state.normalised or 0.0
+        places, signatures = self._candidates(state, interval)
+        level, covariance, responses = self._predicted(state, interval)
+        variance = covariance[0, 0] + interval.noise_j**2
+        gain = covariance[:, 0] / variance
+        surprise = interval.energy_j - level[0]
+        shown = signatures - responses[0]
+        state = state._replace(
+            energy_j=interval.energy_j,
+            level=level + gain * surprise,
+            covariance=covariance - np.outer(gain, covariance[0]),
+            places=places,
+            signatures=signatures,
+            responses=responses + gain[:, None] * shown,
+            overlaps=grown(state.overlaps) + surprise * shown / variance,
+            weights=grown(state.weights) + shown * shown / variance,
+            surprise=float(surprise / np.sqrt(variance)),
+        )
+        return self._scored(state)
+
+    def _candidates(self, state: ContactState, interval: Interval) -> tuple[FloatArray, FloatArray]:
+        """Return at which places contact may have begun, and what energy each would have shown by now [J per W]."""
+        before, here, dt_s = interval.before, interval.here, interval.dt_s
         # A contact that began since the sample before is one more candidate, at some places; the oldest are forgotten.
-        shares = np.arange(PLACES_PER_SAMPLE) / PLACES_PER_SAMPLE
-        since = shares * (before - here)
+        fractions = np.arange(PLACES_PER_SAMPLE) / PLACES_PER_SAMPLE
+        since = fractions * (before - here)
         places = np.append(state.places, before - since)[-CANDIDATES:]
         old = (
             state.signatures
@@ -202,39 +226,31 @@ class ContactDetector:
         )
         # Those were passed on the way: what is left of the sample, and of the motion, comes after contact.
         left = (before - here) - since
-        new = 0.5 * left * (1.0 - shares) * dt_s + left * self.free.thermal_time_s
-        signatures = np.append(old, new)[-CANDIDATES:]
+        new = 0.5 * left * (1.0 - fractions) * dt_s + left * self.free.thermal_time_s
+        return places, np.append(old, new)[-CANDIDATES:]
+
+    def _predicted(self, state: ContactState, interval: Interval) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return level, covariance and the candidates' responses before the sample's energy is counted."""
+        dt_s = interval.dt_s
         kept = exp(-dt_s / self.air.draught_time_s)
         forward = np.array([[1.0, dt_s], [0.0, 1.0]])
-        wind_w2 = (self.air.draught_share * holding_w) ** 2 * (1.0 - kept * kept)
-        drift = np.diag([(MODEL_POWER_SHARE * taken_w * dt_s) ** 2, wind_w2])
-        covariance = forward @ state.covariance @ forward.T + drift
-        level = forward @ state.level
+        wind_w2 = (self.air.draught_share * interval.holding_w) ** 2 * (1.0 - kept * kept)
+        drift = np.diag([(MODEL_POWER_SHARE * interval.taken_w * dt_s) ** 2, wind_w2])
         responses = forward @ np.hstack([state.responses, np.zeros((2, PLACES_PER_SAMPLE))])[:, -CANDIDATES:]
-        variance = covariance[0, 0] + noise_j**2
-        gain = covariance[:, 0] / variance
-        surprise = energy_j - level[0]
-        shown = signatures - responses[0]
-        overlaps = grown(state.overlaps) + surprise * shown / variance
-        weights = grown(state.weights) + shown * shown / variance
-        told = weights > np.finfo(float).tiny
-        scores = np.where(told, overlaps, 0.0) / np.sqrt(np.where(told, weights, 1.0))
+        return forward @ state.level, forward @ state.covariance @ forward.T + drift, responses
+
+    def _scored(self, state: ContactState) -> ContactState:
+        """Return the state with the best of its candidates, and whether its score counts as contact."""
+        distinguishable = state.weights > np.finfo(float).tiny
+        scores = np.where(distinguishable, state.overlaps, 0.0) / np.sqrt(np.where(distinguishable, state.weights, 1.0))
         best = int(np.argmax(scores))
         score = float(scores[best])
+        slope_w = max(score / float(np.sqrt(state.weights[best])), 0.0) if distinguishable[best] else 0.0
         return state._replace(
-            energy_j=energy_j,
-            level=level + gain * surprise,
-            covariance=covariance - np.outer(gain, covariance[0]),
-            places=places,
-            signatures=signatures,
-            responses=responses + gain[:, None] * shown,
-            overlaps=overlaps,
-            weights=weights,
             score=score,
-            place=float(places[best]),
-            slope_w=max(score / float(np.sqrt(weights[best])), 0.0) if told[best] else 0.0,
+            place=float(state.places[best]),
+            slope_w=slope_w,
             touched=state.touched or score > self.threshold,
-            surprise=float(surprise / np.sqrt(variance)),
         )
 
 

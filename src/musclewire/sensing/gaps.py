@@ -25,8 +25,7 @@ def hysteresis_gap(heating: AnyBranch, cooling: AnyBranch, points: int = 400, ma
     cooling
         The same of the other branch.
     points
-        k, the number of resistances compared, evenly spaced over the range that both branches have. 400 are more than
-        curves have bends.
+        k, the number of resistances compared, evenly spaced over the range that both branches have.
     maximum
         S_max, if the loop reaches further than the branches; their largest quantity if None.
 

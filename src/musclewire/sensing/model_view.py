@@ -87,13 +87,8 @@ def html(model: FittedCurve) -> str:
     return f"<table><caption>Sensing model</caption>{body}</table>"
 
 
-def plot_model(model: FittedCurve, axes: Axes | None = None) -> Axes:
-    """Draw the quantity against resistance as in Lan and Fan 2010, Fig. 9, and return the axes."""
-    if axes is None:
-        from matplotlib import pyplot
-
-        axes = pyplot.subplots()[1]
-    factor, unit = SHOWN_AS[model.quantity]
+def plot_samples(model: FittedCurve, axes: Axes, factor: float) -> None:
+    """Draw the kept samples of both branches, the quantity times ``factor``."""
     for pairs, name, colour in (
         (model.heating_samples, "heating", "tab:red"),
         (model.cooling_samples, "cooling", "tab:blue"),
@@ -101,6 +96,16 @@ def plot_model(model: FittedCurve, axes: Axes | None = None) -> Axes:
         if pairs:
             resistance, quantity = np.array(pairs).T
             axes.plot(resistance, factor * quantity, ".", color=colour, alpha=0.4, label=f"{name}, measured")
+
+
+def plot_model(model: FittedCurve, axes: Axes | None = None) -> Axes:
+    """Draw the quantity against resistance as in Lan and Fan 2010, Fig. 9, and return the axes."""
+    if axes is None:
+        from matplotlib import pyplot
+
+        axes = pyplot.subplots()[1]
+    factor, unit = SHOWN_AS[model.quantity]
+    plot_samples(model, axes, factor)
     fraction = np.linspace(model.normalised_min, model.normalised_max, 300)
     resistance = model.resistance_min_ohm + fraction * (model.resistance_max_ohm - model.resistance_min_ohm)
     for coefficients, name, style in (

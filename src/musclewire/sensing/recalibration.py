@@ -91,9 +91,7 @@ def find_resistance_extremes(
     Lan and Fan 2010, Fig. 3(b) and Eq. 3.
     """
     place, measured = _heating(resistance_ohm, drive_voltage_v, valid)
-    noise = noise_level(measured)
-    window = smoothing_window(noise, float(np.ptp(measured)), int(LONGEST_WINDOW_SHARE * measured.size))
-    resistance, left = smooth(measured, window), smoothed_noise(noise, window)
+    resistance, left = _smoothed(measured)
     highest = np.maximum.accumulate(resistance)
     c = int(np.argmax(highest - resistance))
     b = int(np.flatnonzero(resistance[: c + 1] == highest[c])[-1])
@@ -154,6 +152,13 @@ def recalibrated(model: SensingModel, resistance_min_ohm: float, resistance_max_
         heating_samples=(),
         cooling_samples=(),
     )
+
+
+def _smoothed(measured: FloatArray) -> tuple[FloatArray, float]:
+    """Return resistances smoothed as far as their noise requires, and the noise that is left [ohm]."""
+    noise = noise_level(measured)
+    window = smoothing_window(noise, float(np.ptp(measured)), int(LONGEST_WINDOW_SHARE * measured.size))
+    return smooth(measured, window), smoothed_noise(noise, window)
 
 
 def _heating(

@@ -83,7 +83,7 @@ def wire_resistance(
     shunt_resistance_ohm
         R, resistance of the shunt [ohm].
     minimum_current_a
-        Least current [A] that counts: 1 mA is well above the offset of usual channels.
+        Least current [A] that counts.
 
     Returns
     -------

@@ -21,7 +21,7 @@ NOTHING = np.zeros(2)
 class Load(NamedTuple):
     """A load over the connector's displacement, beyond the pretension.
 
-    ``force_n`` and ``friction_n``, (n_points,), stand at displacements of 0, 1, 2... times ``step_m`` and add to the
+    ``force_n`` and ``friction_n``, (n_points,), are at displacements of 0, 1, 2... times ``step_m`` and add to the
     spring and to the guide's friction; beyond the last they go on, the force with its last slope.
     """
 
@@ -48,7 +48,7 @@ def with_table(
     reach_m: float,
     points: int = 2001,
 ) -> Load:
-    """Return a spring with two functions of displacement [m] beside it, tabulated from 0 to ``reach_m``.
+    """Return a spring and next to it two functions of displacement [m], tabulated from 0 to ``reach_m``.
 
     Straight lines join the points, so that a kink lies at most ``reach_m / (points - 1)`` from its place.
     Raises CallerError if a function does not stay finite, or the reach is not positive.

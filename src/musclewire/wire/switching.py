@@ -1,7 +1,7 @@
 """Which grains of a wire change phase as temperature and stress move: compiled.
 
 A grain moves only when one of its six thermodynamic driving forces has risen, and only if that force's threshold swept
-over it. So a step looks at the few grains between the thresholds before and after, whatever their number in all.
+over it. So a step looks at the few grains between the thresholds before and after, whatever their total number.
 
 All that touches the grains of a row stands here; the rest of the wire knows :func:`follow`, :func:`phase_fractions`
 and :func:`cool_from_hot`.
@@ -183,7 +183,7 @@ def switch_grains(
     """Let every grain follow forces that changed from ``followed``, in place; return the change of both sums.
 
     A grain moves only when one of its forces has risen, and only if that force's threshold swept over it: so a
-    step looks at the few grains between the thresholds before and after, whatever their number in all.
+    step looks at the few grains between the thresholds before and after, whatever their total number.
     """
     spread_m, spread_r, spread_p = spreads(constants, forces.stress_pa)
     followed_m, followed_r, followed_p = spreads(constants, followed.stress_pa)

@@ -47,7 +47,7 @@ def answer_json(answer: FingerStudyResult, output: Path | None, drawings: list[P
 
 
 def foam_json(answer: FingerStudyResult) -> dict[str, Any] | None:
-    """Return the finger on an object, None where there is none."""
+    """Return the finger on an object, None without one."""
     if answer.foam is None:
         return None
     return {key: value for key, value in answer.foam._asdict().items() if key != "at"}
@@ -66,7 +66,7 @@ def answer_text(answer: FingerStudyResult) -> str:
         f"{MM * geometry.plate_length_m:g} mm of it plate",
         f"  beam          {MM * geometry.beam_thickness_m:.2f} mm thick, {MM * geometry.beam_depth_m:.2f} mm deep, in "
         f"{geometry.columns} segments of {MM * geometry.segment_length_m:.3f} mm, curved inward by "
-        f"{degrees(geometry.inward_angle_rad):.1f} deg in all",
+        f"{degrees(geometry.inward_angle_rad):.1f} deg in total",
         f"  columns       {geometry.columns}, {MM * geometry.column_width_m:.2f} mm wide, "
         f"{MM * geometry.column_height_m:.2f} mm high; tendon {MM * geometry.tendon_offset_m:.2f} mm from the beam's "
         "middle",
@@ -90,7 +90,7 @@ def degrees(angle_rad: float) -> float:
 
 
 def load_lines(answer: FingerStudyResult) -> list[str]:
-    """Return what object and wire do, where there are any."""
+    """Return what object and wire do, if there are any."""
     lines = []
     foam, wire = answer.foam, answer.wire
     if foam is not None and answer.study.foam is not None:

@@ -53,7 +53,7 @@ def made_json(made: Pretensioner, material: str, room: Envelope | None) -> dict[
 
 
 def finger_share(made: Pretensioner) -> float | None:
-    """Return the share of the contraction force that a finger beside it gets, k_f/(k_p + k_f); None without one."""
+    """Return the fraction of the contraction force that the finger gets, k_f/(k_p + k_f); None without a finger."""
     finger = made.duty.finger_stiffness_n_per_m
     return None if finger is None else finger / (finger + made.stiffness_n_per_m)
 
@@ -75,10 +75,10 @@ def made_text(made: Pretensioner, room: Envelope | None) -> str:
     lines.append(
         f"  safe        to {MM * curve.safe_travel_m:.2f} mm of travel, {curve.force_at(curve.safe_travel_m):.2f} N"
     )
-    share = finger_share(made)
-    if share is not None:
+    fraction = finger_share(made)
+    if fraction is not None:
         lines.append(
-            f"  finger      {100 * share:.0f} % of the contraction force goes to a finger of "
+            f"  finger      {100 * fraction:.0f} % of the contraction force goes to a finger of "
             f"{made.duty.finger_stiffness_n_per_m:g} N/m"
         )
     return "\n".join([*lines, "", *check_lines(made.checks)])
@@ -103,7 +103,7 @@ def duty_lines(made: Pretensioner) -> list[str]:
 
 
 def materials_json() -> dict[str, Any]:
-    """Return all materials that come along."""
+    """Return all included materials."""
     from musclewire.parameters.materials import load_material, material_names
 
     return {
@@ -119,7 +119,7 @@ def materials_json() -> dict[str, Any]:
 
 
 def materials_text() -> str:
-    """Return all materials that come along as a table."""
+    """Return all included materials as a table."""
     from musclewire.parameters.materials import load_material, material_names
 
     lines = [f"{'material':<16}{'modulus':>10}{'yield':>10}{'allowed':>10}   thinnest by process"]

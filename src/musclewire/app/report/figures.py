@@ -1,4 +1,4 @@
-"""The figures of the report, each drawn as SVG text that stands in the page itself."""
+"""The figures of the report, each drawn as SVG text inside the page."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def loops_figure(loops: Mapping[float, Recording], gaps: LoopGaps) -> Figure:
 
 
 def mark_points(axes: Axes, resistance: Any, strain: Any, gaps: LoopGaps) -> None:
-    """Write A, B and C beside their places on the heating branch, and B and A on the cooling branch."""
+    """Write A, B and C next to their places on the heating branch, and B and A on the cooling branch."""
     found = gaps.segments
     places = (
         ("A", found.heating_a, HEATING, (-4, 6), "right"),

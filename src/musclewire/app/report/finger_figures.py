@@ -91,15 +91,15 @@ def serpentine_outline(made: Pretensioner) -> FloatArray:
     for start, end in zip(ring, (*ring[1:], ring[0]), strict=True):
         chord = complex(end.x_m - start.x_m, end.y_m - start.y_m)
         turn = 4.0 * math.atan(start.bulge)
-        for share in np.linspace(0.0, 1.0, ARC_POINTS, endpoint=False) if start.bulge else (0.0,):
+        for fraction in np.linspace(0.0, 1.0, ARC_POINTS, endpoint=False) if start.bulge else (0.0,):
             # A chord to a point of an arc is as long as the sine of half the angle to it, and turned by the rest.
             part = (
-                chord * share
+                chord * fraction
                 if not turn
                 else chord
-                * math.sin(0.5 * turn * share)
+                * math.sin(0.5 * turn * fraction)
                 / math.sin(0.5 * turn)
-                * (complex(math.cos(0.5 * turn * (1.0 - share)), -math.sin(0.5 * turn * (1.0 - share))))
+                * (complex(math.cos(0.5 * turn * (1.0 - fraction)), -math.sin(0.5 * turn * (1.0 - fraction))))
             )
             points.append((start.x_m + part.real, start.y_m + part.imag))
     return np.array(points)
@@ -195,7 +195,7 @@ def fig18(runs: Runs) -> Figure:
 
 
 def table3(runs: Runs) -> Figure:
-    """Draw the MAE of each step of the finger's staircase beside the paper's."""
+    """Draw the MAE of each step of the finger's staircase next to the paper's."""
     figure = Figure(figsize=SIZE, layout="constrained")
     axes = figure.subplots()
     table, steps = read_published("lan_fan_2010")["table3"], runs.finger.control_run.metrics.steps

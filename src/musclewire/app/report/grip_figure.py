@@ -1,4 +1,4 @@
-"""The figure of a grip: what gives contact away, and the force that is told."""
+"""The figure of a grip: what shows contact, and the estimated force."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SHOWN_BEFORE_S = 0.3
 
 
 def plot_grip(run: GripRun, knowledge: GripperKnowledge) -> Axes:
-    """Draw power against resistance beside the free closing's, and force over time; returns the second axes."""
+    """Draw power against resistance with that of the free closing, and force over time; returns the second axes."""
     import matplotlib.pyplot as plt
 
     figure = plt.figure(figsize=(9.6, 3.8), layout="constrained")
@@ -63,7 +63,7 @@ def draw_power(axes: Axes, run: GripRun, knowledge: GripperKnowledge) -> None:
 
 
 def draw_force(axes: Axes, run: GripRun) -> None:
-    """Draw the force told and the force measured, from the start of closing."""
+    """Draw the estimated and the measured force, from the start of closing."""
     since = run["time_s"] - REST_S
     shown = since > 0.0
     if "endpoint_force_n" in run:

@@ -1,4 +1,4 @@
-"""The report as one HTML file that needs nothing beside it."""
+"""The report as one HTML file that needs no other file."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
 
 
 def key_numbers(result: DemoResult, wall_s: float) -> list[Card]:
-    """Return the key numbers beside the paper's."""
+    """Return the key numbers next to the paper's."""
     paper = read_published("lan_fan_2010")["loop_100um"]
     table = read_published("lan_fan_2010")["table2"]
     printed = [*table["mae_rise_pct"], *table["mae_return_pct"]]
@@ -68,14 +68,14 @@ def wire_seconds(result: DemoResult) -> float:
 
 
 def paper_mae_pct(step: StepMetrics) -> float | None:
-    """Return what the paper printed for this step, None where it printed none."""
+    """Return what the paper printed for this step, None if it printed none."""
     table = read_published("lan_fan_2010")["table2"]
     printed = dict(zip(table["desired_strain_pct"], table[f"mae_{step.direction}_pct"], strict=False))
     return printed.get(round(100 * step.target, 6))
 
 
 def steps_table(result: DemoResult) -> str:
-    """Return the rows of the MAE table: each step beside the paper's (Table 2)."""
+    """Return the rows of the MAE table: each step next to the paper's (Table 2)."""
     rows = []
     for step in result.run.metrics.steps:
         paper = paper_mae_pct(step)
@@ -91,7 +91,7 @@ def steps_table(result: DemoResult) -> str:
 
 
 def number(value: float | None) -> str:
-    """Return a percentage for a table; a dash where there is none."""
+    """Return a percentage for a table; a dash for None."""
     return "–" if value is None else f"{value:.3f}"
 
 

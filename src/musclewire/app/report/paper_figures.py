@@ -40,7 +40,7 @@ ZERO_CELSIUS_K = 273.15
 
 
 def drawn(subject: str, runs: Runs) -> str:
-    """Return a subject's figure as SVG; empty where it has none, the reason where its loops cannot be used."""
+    """Return a subject's figure as SVG; empty without one, the reason if its loops cannot be used."""
     if subject not in FIGURES:
         return ""
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]  # matplotlib lists every key as a literal
@@ -65,7 +65,7 @@ def fig3a(runs: Runs) -> Figure:
 
 
 def fig3b(runs: Runs) -> Figure:
-    """Draw strain against resistance with A, B, C and the printed share of B to C."""
+    """Draw strain against resistance with A, B, C and the printed fraction of B to C."""
     figure, axes = one_panel()
     amplitudes = read_published("lan_fan_2010")["setup"]["amplitude_v"]
     for volts, shade in zip(amplitudes[1:], SHADES[1:], strict=True):
@@ -222,7 +222,7 @@ def fig9(runs: Runs) -> Figure:
 
 
 def table2(runs: Runs) -> Figure:
-    """Draw how far our branches are from the twelve printed strains, and the MAE of each step beside the paper's."""
+    """Draw how far our branches are from the twelve printed strains, and the MAE of each step next to the paper's."""
     figure = Figure(figsize=(6.4, 5.6), layout="constrained")
     top, bottom = figure.subplots(2, 1)
     table = read_published("lan_fan_2010")["table2"]

@@ -1,4 +1,4 @@
-"""The page of ``musclewire reproduce``: our figures beside the rows they belong to, in one HTML file."""
+"""The page of ``musclewire reproduce``: our figures next to the rows they belong to, in one HTML file."""
 
 from __future__ import annotations
 
@@ -41,10 +41,13 @@ TITLES: dict[str, tuple[str, str]] = {
         "it: the printed number counts here.",
     ),
     "fig5": ("Fig. 5: the force loop closes and opens again (125 um)", ""),
-    "fig6a": ("Fig. 6(a): strain gap against force ratio", "Three diameters at equal shares of their maximal force."),
+    "fig6a": (
+        "Fig. 6(a): strain gap against force ratio",
+        "Three diameters at equal fractions of their maximum force.",
+    ),
     "fig6b": ("Fig. 6(b): force gap against force ratio", ""),
     "fig7": (
-        "Fig. 7: strain hardly minds the spring (100 um, 1.70 N)",
+        "Fig. 7: strain hardly depends on the spring (100 um, 1.70 N)",
         "The paper prints none of its three stiffnesses; half, one and two times its spring are our choice.",
     ),
     "fig8": ("Fig. 8: force does", ""),
@@ -83,7 +86,7 @@ TITLES: dict[str, tuple[str, str]] = {
     "fig18": ("Fig. 18: the finger's staircase", "Moved by resistance alone; the laser only judges."),
     "isobars": (
         "Not in the paper: Flexinol isobars",
-        "The same alloy under constant stress, beside measured loops published elsewhere (Texas A&amp;M).",
+        "The same alloy under constant stress, compared with measured loops published elsewhere (Texas A&amp;M).",
     ),
 }
 
@@ -91,7 +94,7 @@ TITLES: dict[str, tuple[str, str]] = {
 def write_paper_page(
     result: Reproduction, path: Path, selection: str, on_figure: Callable[[str], None] = lambda _: None
 ) -> None:
-    """Write the page, whole or not at all; ``on_figure`` hears of each subject before it is drawn."""
+    """Write the page, whole or not at all; ``on_figure`` is called with each subject before it is drawn."""
     subjects = [
         (subject, list(rows))
         for subject, rows in groupby(result.rows, key=lambda row: row.subject)
@@ -102,7 +105,7 @@ def write_paper_page(
         for subject, rows in together:
             on_figure(subject)
             written.append(section(subject, rows, drawn(subject, result.runs)))
-        # Those without a figure are short and stand in two columns.
+        # Those without a figure are short and set in two columns.
         sections.append("".join(written) if with_figure else f'<div class="small">{"".join(written)}</div>')
     parts = {
         "cards": cards(counts(result)),
@@ -144,7 +147,7 @@ def link(subject: str, rows: Sequence[Row]) -> str:
 
 
 def section(subject: str, rows: Sequence[Row], figure: str) -> str:
-    """Return a section: figure and rows side by side, rows alone where there is no figure."""
+    """Return a section: figure and rows side by side, rows alone without a figure."""
     title, text = TITLES[subject]
     paragraph = f"<p>{text}</p>" if text else ""
     drawing = f'<div class="figure">{figure}</div>' if figure else ""

@@ -17,12 +17,12 @@ def paper_text(row: Row) -> str:
 
 
 def has_printed_number(row: Row) -> bool:
-    """Tell whether the number we compare with is in print."""
+    """Return whether the number we compare with is in print."""
     return row.kind not in {"words", "equation"}
 
 
 def ours_text(row: Row) -> str:
-    """Return our number with the digits that its tolerance asks for, or the paper's; a dash where there is none."""
+    """Return our number with the digits that its tolerance requires, or the paper's; a dash for None."""
     if row.ours is None:
         return "–"
     if row.tolerance <= 0.0:
@@ -30,10 +30,10 @@ def ours_text(row: Row) -> str:
     return number_text(row.ours, row.tolerance, len(f"{row.paper:.6g}".partition(".")[2]))
 
 
-def number_text(value: float, tolerance: float, least_decimals: int = 0) -> str:
+def number_text(value: float, tolerance: float, min_decimals: int = 0) -> str:
     """Return a number to a tenth of its tolerance, never as a plain zero that it is not."""
     fewest = 2 if tolerance <= 1.0 else 0
-    decimals = min(6, max(fewest, least_decimals, 1 - math.floor(math.log10(tolerance))))
+    decimals = min(6, max(fewest, min_decimals, 1 - math.floor(math.log10(tolerance))))
     text = f"{value:.{decimals}f}"
     return text if value == 0.0 or float(text) != 0.0 else f"{value:.0e}"
 

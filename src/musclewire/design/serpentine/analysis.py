@@ -116,15 +116,19 @@ def analyse(
     if stress is not None and math.isnan(stress):
         raise CallerError(too_far(travel or 0.0, curve, material))
     checks = [
+        *wanted_checks(linear[-1].stiffness_n_per_m, wanted_n_per_m),
         *model_checks(geometry, material, linear, guided),
         *use_checks(geometry, asked, linear[-1].stiffness_n_per_m, curve, travel, stress, material),
         *making_checks(geometry, least, envelope),
     ]
-    if wanted_n_per_m is not None:
-        checks.insert(
-            0, Check("stiffness", linear[-1].stiffness_n_per_m, wanted_n_per_m, "N/m", "about", WANTED_TOLERANCE)
-        )
     return Pretensioner(geometry, material, process, asked, linear, guided, curve, travel, stress, tuple(checks))
+
+
+def wanted_checks(stiffness_n_per_m: float, wanted_n_per_m: float | None) -> list[Check]:
+    """Return whether the stiffness is the wanted one; nothing if none is."""
+    if wanted_n_per_m is None:
+        return []
+    return [Check("stiffness", stiffness_n_per_m, wanted_n_per_m, "N/m", "about", WANTED_TOLERANCE)]
 
 
 def too_far(travel_m: float, curve: ForceCurve, material: Material) -> str:
@@ -200,12 +204,7 @@ def use_checks(
     """Return whether it is strong enough, stiff enough for the pretension, and softer than the finger."""
     checks = []
     if travel is not None and stress is not None:
-        allowed = material.allowable_stress_pa.value
-        checks.append(Check("largest stress at the whole travel", stress, allowed, "Pa", "below"))
-        checks.append(Check("travel until the allowed stress", curve.safe_travel_m, travel, "m", "above"))
-        moment = curve.force_at(travel) * geometry.half_length_m
-        width = closed_form.width_parameter(geometry, moment, material.youngs_modulus_pa.value)
-        checks.append(Check("b^2/(R t) against that of a plate", width, PLATE, "1", "below"))
+        checks += strength_checks(geometry, curve, travel, stress, material)
     if duty.pretension_n is not None:
         left = max(curve.safe_travel_m - duty.stroke_m, 0.0)
         checks.append(Check("pull that leaves the stroke safe", curve.force_at(left), duty.pretension_n, "N", "above"))
@@ -215,6 +214,19 @@ def use_checks(
     if duty.finger_stiffness_n_per_m is not None:
         checks.append(Check("softer than the finger", stiffness, duty.finger_stiffness_n_per_m, "N/m", "below"))
     return checks
+
+
+def strength_checks(
+    geometry: SerpentineGeometry, curve: ForceCurve, travel_m: float, stress_pa: float, material: Material
+) -> list[Check]:
+    """Return whether it is strong enough for its travel, and narrow enough to be no plate."""
+    moment = curve.force_at(travel_m) * geometry.half_length_m
+    width = closed_form.width_parameter(geometry, moment, material.youngs_modulus_pa.value)
+    return [
+        Check("largest stress at the whole travel", stress_pa, material.allowable_stress_pa.value, "Pa", "below"),
+        Check("travel until the allowed stress", curve.safe_travel_m, travel_m, "m", "above"),
+        Check("b^2/(R t) against that of a plate", width, PLATE, "1", "below"),
+    ]
 
 
 def making_checks(geometry: SerpentineGeometry, least_m: float, envelope: Envelope | None) -> list[Check]:

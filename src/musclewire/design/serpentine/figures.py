@@ -46,7 +46,6 @@ def draw_pretensioner(made: Pretensioner) -> Axes:
 
 def draw_part(axes: Axes, made: Pretensioner) -> None:
     """Draw the part at rest as an outline, and pulled with the stress as colour."""
-    from matplotlib.patches import FancyArrowPatch
     from matplotlib.transforms import Affine2D
 
     geometry, fittings = made.geometry, made.geometry.fittings
@@ -64,18 +63,22 @@ def draw_part(axes: Axes, made: Pretensioner) -> None:
     block(axes, corner, (width, MM * fittings.connector_height_m), [connector], moved)
     shades = stress_mesh(axes, state)
     top = MM * geometry.along_m + end[1]
-    arrow = FancyArrowPatch(
-        (end[0], top + 0.4), (end[0], top + 4.2), arrowstyle="-|>", mutation_scale=14, color=AVERAGE
-    )
-    axes.add_patch(arrow)
-    force = made.curve.force_at(travel)
-    axes.text(end[0] + 0.8, top + 2.4, f"{force:.2f} N\n{MM * travel:.2f} mm", va="center", fontsize=9)
+    draw_pull(axes, end[0], top, f"{made.curve.force_at(travel):.2f} N\n{MM * travel:.2f} mm")
     axes.set(aspect="equal", xlabel="across the wire [mm]", ylabel="along the wire [mm]", ylim=(-1.5, top + 5.2))
     axes.set_title(part_title(made), loc="left", fontsize=10)
     axes.grid(visible=False)
     bar = axes.figure.colorbar(shades, ax=axes, location="bottom", shrink=0.75, pad=0.02, aspect=34)
     bar.set_label(f"von Mises stress [MPa]; {MPA * made.material.allowable_stress_pa.value:g} MPa are allowed")
     bar.outline.set_visible(False)
+
+
+def draw_pull(axes: Axes, across_mm: float, top_mm: float, text: str) -> None:
+    """Draw the arrow of the force that pulls at the part's end, and beside it how much it is."""
+    from matplotlib.patches import FancyArrowPatch
+
+    begin, end = (across_mm, top_mm + 0.4), (across_mm, top_mm + 4.2)
+    axes.add_patch(FancyArrowPatch(begin, end, arrowstyle="-|>", mutation_scale=14, color=AVERAGE))
+    axes.text(across_mm + 0.8, top_mm + 2.4, text, va="center", fontsize=9)
 
 
 def part_title(made: Pretensioner) -> str:
@@ -161,15 +164,10 @@ def draw_stress(axes: Axes, made: Pretensioner) -> None:
     right.axhline(MPA * allowed, color=HEATING, linewidth=0.9, alpha=0.6)
     right.text(0.02, MPA * allowed, "allowed ", transform=right.get_yaxis_transform(), va="bottom", color=HEATING)
     right.axvline(MM * curve.safe_travel_m, color=HEATING, linewidth=0.9, linestyle=":")
+    safe = f"safe to {MM * curve.safe_travel_m:.2f} mm "
+    at_bottom = right.get_xaxis_transform()
     right.text(
-        MM * curve.safe_travel_m,
-        0.03,
-        f"safe to {MM * curve.safe_travel_m:.2f} mm ",
-        transform=right.get_xaxis_transform(),
-        rotation=90,
-        ha="right",
-        color=HEATING,
-        fontsize=9,
+        MM * curve.safe_travel_m, 0.03, safe, transform=at_bottom, rotation=90, ha="right", color=HEATING, size=9
     )
     right.set(
         ylabel="largest von Mises stress [MPa]", ylim=(0.0, 1.12 * MPA * max(allowed, float(curve.stress_pa.max())))

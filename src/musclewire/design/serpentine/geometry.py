@@ -115,6 +115,10 @@ class SerpentineGeometry:
             raise CallerError(
                 f"a serpentine's corner radius is {1e3 * self.corner_radius_m:g} mm: it must be 0 or more"
             )
+        self._check_corners()
+
+    def _check_corners(self) -> None:
+        """Refuse beams that touch, corners that do not fit between them, and beams that are no flexures."""
         widest = self.pitch_m - self.thickness_m
         if widest <= 0.0:
             raise CallerError(

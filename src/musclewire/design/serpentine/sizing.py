@@ -215,6 +215,11 @@ def out_of_reach(request: PretensionerRequest) -> str:
                 f"the envelope is too small: pad, connector and two beams take {1e3 * need:.2f} mm {name} the wire, "
                 f"{1e3 * (need - room):.2f} mm more than the {1e3 * room:.2f} mm there are"
             )
+    return stiffness_out_of_reach(request)
+
+
+def stiffness_out_of_reach(request: PretensionerRequest) -> str:
+    """Return that the envelope holds serpentines, and none that stiff or that soft."""
     stiffest = 0.0
     for form in forms(USUAL_CORNER):
         most = thickest_m(request, form)

@@ -105,20 +105,9 @@ def examine(
     subject = subject_of(rig)
     probe = Probe(rig, clock, on_sample)
     findings = identity_findings(subject) + protection_findings(subject.limits)
-    at_sense: Level | None = None
-    evidence: Evidence | None = None
     try:
-        low = look_low(probe, rig)
-        evidence, seen = low_findings(low, subject)
+        evidence, at_sense, seen = probed(probe, subject, findings, hold_s)
         findings += seen
-        if evidence is not None and probe.trouble is None and not STOPPING & findings.failed:
-            at_sense = probe.hold(rig.sense_voltage_v, hold_s)
-        if evidence is not None:
-            findings += sense_findings(evidence, at_sense, subject)
-        findings += trip_findings(probe.trouble)
-        timed = tuple(level for level in probe.levels if len(level.time_s) > 2)
-        if timed:
-            findings += clock_findings(timed, rig.sample_period_s, rig.paced)
     finally:
         rig.make_safe()
     found = calibrations(evidence, at_sense, meter_wire_v, meter_shunt_v) if evidence is not None else ()
@@ -131,6 +120,26 @@ def trip_findings(trouble: RigError | None) -> Findings:
         return Findings((Check("rig_kept_going", True, "yes", "", "the protection had nothing to switch off"),))
     cause = trouble.event.name.lower() if isinstance(trouble, ProtectionTripError) else "rig fault"
     return Findings((Check("rig_kept_going", False, cause, "", str(trouble)),))
+
+
+def probed(
+    probe: Probe, subject: Subject, before: Findings, hold_s: float
+) -> tuple[Evidence | None, Level | None, Findings]:
+    """Return what the sense voltage and less show: evidence, the sense voltage's level if it was held, findings.
+
+    What was found ``before`` may forbid to hold it.
+    """
+    rig, at_sense = subject.rig, None
+    evidence, findings = low_findings(look_low(probe, rig), subject)
+    if evidence is not None and probe.trouble is None and not STOPPING & (before + findings).failed:
+        at_sense = probe.hold(rig.sense_voltage_v, hold_s)
+    if evidence is not None:
+        findings += sense_findings(evidence, at_sense, subject)
+    findings += trip_findings(probe.trouble)
+    timed = tuple(level for level in probe.levels if len(level.time_s) > 2)
+    if timed:
+        findings += clock_findings(timed, rig.sample_period_s, rig.paced)
+    return evidence, at_sense, findings
 
 
 def subject_of(rig: Rig) -> Subject:

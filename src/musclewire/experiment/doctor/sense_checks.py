@@ -86,23 +86,11 @@ def host_checks(level: Level, sample_period_s: float) -> tuple[Check, Check]:
     jitter = float(np.percentile(np.abs(late), 99.0))
     right = abs(rate - 1.0) <= RATE_SHARE
     even = jitter <= LATE_SHARE * sample_period_s
+    off_pace = "" if right else ": the samples do not keep the pace that the rig file says"
+    uneven = "" if even else ": take load off the machine, or a longer sample period"
     return (
-        Check(
-            "clock_rate",
-            right,
-            rate,
-            "s/s",
-            "the host's seconds for each second of the rig"
-            + ("" if right else ": the samples do not keep the pace that the rig file says"),
-        ),
-        Check(
-            "arrival_jitter_s",
-            even,
-            jitter,
-            "s",
-            "99 of 100 samples arrive this evenly"
-            + ("" if even else ": take load off the machine, or a longer sample period"),
-        ),
+        Check("clock_rate", right, rate, "s/s", f"the host's seconds for each second of the rig{off_pace}"),
+        Check("arrival_jitter_s", even, jitter, "s", f"99 of 100 samples arrive this evenly{uneven}"),
     )
 
 

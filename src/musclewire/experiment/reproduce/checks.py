@@ -80,14 +80,7 @@ def holds(check: Check, ours: float) -> bool:
 
 def judged(check: Check, runs: Runs, known: Mapping[str, str]) -> Row:
     """Return the row of a check. A loop that cannot be used, or a number that is not finite, fails the row."""
-    ours: float | None = None
-    problem: str | None = None
-    try:
-        ours = float(check.measure(runs))
-    except MusclewireError as error:
-        problem = " ".join(str(error).split())
-    if ours is not None and not math.isfinite(ours):
-        ours, problem = None, "the result is not a finite number"
+    ours, problem = measured(check, runs)
     return Row(
         name=check.name,
         paper=float(check.paper),
@@ -102,6 +95,15 @@ def judged(check: Check, runs: Runs, known: Mapping[str, str]) -> Row:
         kind=check.kind,
         problem=problem,
     )
+
+
+def measured(check: Check, runs: Runs) -> tuple[float | None, str | None]:
+    """Return what a check measures, or None and why there is no number."""
+    try:
+        ours = float(check.measure(runs))
+    except MusclewireError as error:
+        return None, " ".join(str(error).split())
+    return (ours, None) if math.isfinite(ours) else (None, "the result is not a finite number")
 
 
 def selected(checks: Sequence[Check], only: str | None) -> list[Check]:

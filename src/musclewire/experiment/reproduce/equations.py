@@ -36,13 +36,7 @@ def checks() -> list[Check]:
             partial(normalised_at, end="resistance_min_ohm")),
         Check("eq3.normalised_resistance[R_max]", 1.0, "1", 1e-9, "exact but for rounding", "equation",
             partial(normalised_at, end="resistance_max_ohm")),
-        *(
-            deviation(f"eq4.polyfit_rms_difference_pct[{branch}]", "% strain", 0.02,
-                partial(polyfit_difference_pct, branch=branch),
-                "numpy.polyfit of order six on the plain samples against our polynomial, rms over B to C; 0.02 %: "
-                "what Table 2's strains may be off rms; polyfit weighs samples, ours weighs resistance")
-            for branch in ("heating", "cooling")
-        ),
+        *polyfit_checks(),
         deviation("eq5.average_difference_pct", "% strain", 1e-6, average_difference_pct,
             "largest difference of g_a from the mean of g_h and g_c: exact but for rounding"),
         deviation("eq5.inverse_difference_pct", "% strain", 1e-6, inverse_difference_pct,
@@ -51,6 +45,17 @@ def checks() -> list[Check]:
         deviation("eq7.mae_difference_pct", "% of target", 1e-6, mae_difference_pct,
             "largest difference of a step's MAE from the same mean taken plainly from the recording: exact but for "
             "rounding"),
+    ]  # fmt: skip
+
+
+def polyfit_checks() -> list[Check]:
+    """Return the check of Eq. 4 for both branches."""
+    return [
+        deviation(f"eq4.polyfit_rms_difference_pct[{branch}]", "% strain", 0.02,
+            partial(polyfit_difference_pct, branch=branch),
+            "numpy.polyfit of order six on the plain samples against our polynomial, rms over B to C; 0.02 %: "
+            "what Table 2's strains may be off rms; polyfit weighs samples, ours weighs resistance")
+        for branch in ("heating", "cooling")
     ]  # fmt: skip
 
 

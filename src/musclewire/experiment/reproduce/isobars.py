@@ -13,28 +13,28 @@ __all__ = ["checks"]
 
 ZERO_CELSIUS_K = 273.15
 STROKE_TOLERANCE_PCT, HALF_TOLERANCE_K, SLOPE_TOLERANCE_MPA_PER_K = 0.3, 4.0, 1.0
+HALF_WHY = (
+    "temperature at which half the stroke is done; 4 K: spools and heat treatments differ by 10 K and more, and one "
+    "shift for the sample is all that is fitted to it"
+)
 
 
 def checks() -> list[Check]:
     """Return strokes, half-transformation temperatures and slopes beside the measured ones."""
     published = read_published("flexinol_isobars")
-    found = []
-    for index, stress in enumerate(published["stress_mpa"]):
-        found.append(
-            Check(f"isobars.stroke_pct[{stress:.0f}MPa]", published["stroke_pct"][index], "% strain",
-                STROKE_TOLERANCE_PCT, "0.3 %: a fifteenth of the stroke; set before the alloy was fitted",
-                "literature", partial(stroke_pct, stress_mpa=stress))
-        )  # fmt: skip
-    for branch in ("heating", "cooling"):
-        for index, stress in enumerate(published["stress_mpa"]):
-            found.append(
-                Check(f"isobars.half_{branch}_degc[{stress:.0f}MPa]", published[f"{branch}_degc"][index][1], "C",
-                    HALF_TOLERANCE_K,
-                    "temperature at which half the stroke is done; 4 K: spools and heat treatments differ by 10 K and "
-                    "more, and one shift for the sample is all that is fitted to it",
-                    "literature", partial(half_degc, branch=branch, stress_mpa=stress))
-            )  # fmt: skip
-    return found + [
+    strokes = [
+        Check(f"isobars.stroke_pct[{stress:.0f}MPa]", published["stroke_pct"][index], "% strain",
+            STROKE_TOLERANCE_PCT, "0.3 %: a fifteenth of the stroke; set before the alloy was fitted",
+            "literature", partial(stroke_pct, stress_mpa=stress))
+        for index, stress in enumerate(published["stress_mpa"])
+    ]  # fmt: skip
+    halves = [
+        Check(f"isobars.half_{branch}_degc[{stress:.0f}MPa]", published[f"{branch}_degc"][index][1], "C",
+            HALF_TOLERANCE_K, HALF_WHY, "literature", partial(half_degc, branch=branch, stress_mpa=stress))
+        for branch in ("heating", "cooling")
+        for index, stress in enumerate(published["stress_mpa"])
+    ]  # fmt: skip
+    return strokes + halves + [
         Check(f"isobars.{branch}_slope_mpa_per_k", published[f"{branch}_slope_mpa_per_k"], "MPa/K",
             SLOPE_TOLERANCE_MPA_PER_K, "straight line through the half-transformation temperatures; published slopes "
             "of NiTi wire lie between 5 and 12 MPa/K", "literature", partial(slope_mpa_per_k, branch=branch))

@@ -39,6 +39,7 @@ STIFFNESS_FACTORS = (0.5, 1.0, 2.0)
 GAP_TOLERANCE_PCT = 0.5
 OUTSIDE_TOLERANCE_PCT = 0.05
 MUCH_SMALLER = 5.0
+ORDERED = '"two smaller hysteresis loops": the stroke of the smaller amplitude over that of the larger, below 1'
 
 
 def checks() -> list[Check]:
@@ -63,7 +64,6 @@ def loop_of_amplitude(runs: Runs, volts: float) -> Loop:
 def minor_loop_checks(setup: dict[str, Any]) -> list[Check]:
     """Return whether smaller amplitudes give smaller loops inside the larger ones (Fig. 3a)."""
     amplitudes = setup["amplitude_v"]
-    ordered = '"two smaller hysteresis loops": the stroke of the smaller amplitude over that of the larger, below 1'
     inside = (
         "largest excursion of the smaller loop out of the larger one, strain over voltage; 0.05 %: what Table 2's "
         "strains may be off, and a few times what the noise of the displacement sensor leaves"
@@ -75,7 +75,7 @@ def minor_loop_checks(setup: dict[str, Any]) -> list[Check]:
     ]  # fmt: skip
     pairs = [(amplitudes[1], amplitudes[0]), (amplitudes[2], amplitudes[0]), (amplitudes[2], amplitudes[1])]
     found += [
-        Check(f"fig3a.stroke_ratio[{small:.2f}V,{large:.2f}V]", 1.0, "1", 0.0, ordered, "words",
+        Check(f"fig3a.stroke_ratio[{small:.2f}V,{large:.2f}V]", 1.0, "1", 0.0, ORDERED, "words",
             partial(stroke_ratio, small=small, large=large), "at most")
         for small, large in pairs
     ]  # fmt: skip
@@ -256,20 +256,17 @@ def stiffness_checks() -> list[Check]:
         "curves it is the ratio of stiffnesses; 10 %: strain curves may be 5 % apart, and the guide's friction is some "
         "5 % of the force on the softest spring"
     )
-    found = []
     pairs = [(0.5, 1.0), (1.0, 2.0), (0.5, 2.0)]
-    for soft, stiff in pairs:
-        found.append(
-            Check(f"fig7.strain_distance_pct[{soft:g}x,{stiff:g}x]", 0.0, "% of S_max", 5.0, near, "words",
-                partial(strain_distance_pct, soft=soft, stiff=stiff), "at most")
-        )  # fmt: skip
-    for soft, stiff in pairs:
-        ratio = stiff / soft
-        found.append(
-            Check(f"fig8.force_ratio[{soft:g}x,{stiff:g}x]", ratio, "1", 0.1 * ratio, apart, "words",
-                partial(stiffness_force_ratio, soft=soft, stiff=stiff))
-        )  # fmt: skip
-    return found
+    found = [
+        Check(f"fig7.strain_distance_pct[{soft:g}x,{stiff:g}x]", 0.0, "% of S_max", 5.0, near, "words",
+            partial(strain_distance_pct, soft=soft, stiff=stiff), "at most")
+        for soft, stiff in pairs
+    ]  # fmt: skip
+    return found + [
+        Check(f"fig8.force_ratio[{soft:g}x,{stiff:g}x]", stiff / soft, "1", 0.1 * (stiff / soft), apart, "words",
+            partial(stiffness_force_ratio, soft=soft, stiff=stiff))
+        for soft, stiff in pairs
+    ]  # fmt: skip
 
 
 def strain_distance_pct(runs: Runs, *, soft: float, stiff: float) -> float:

@@ -81,20 +81,26 @@ def strain_checks(table: dict[str, Any]) -> list[Check]:
             "printed", partial(required_ohm, target_pct=target))
         for target, ohm in zip(desired, printed_ohm, strict=True)
     ]  # fmt: skip
-    for branch in ("heating", "cooling"):
-        for target, ohm, strain in zip(desired, printed_ohm, table[f"strain_{branch}_pct"], strict=True):
-            found.append(
-                Check(f"table2.strain_{branch}_pct[{target:.1f}]", strain, "% strain", STRAIN_TOLERANCE_PCT,
-                    "our polynomial at the paper's printed resistance; 0.05 %: a sixth of a step; set before the wire "
-                    "was fitted",
-                    "printed", partial(strain_at_pct, branch=branch, ohm=ohm))
-            )  # fmt: skip
+    found += branch_checks(table)
     found.append(
         Check("table2.strain_rms_pct", 0.0, "% strain", STRAIN_RMS_PCT,
             "rms of the twelve differences; 0.02 %: single ones may be off by more, all together may not",
             "words", strain_rms_pct, "at most")
     )  # fmt: skip
     return found
+
+
+def branch_checks(table: dict[str, Any]) -> list[Check]:
+    """Return both branches' strains at the paper's resistances."""
+    desired, printed_ohm = table["desired_strain_pct"], table["required_resistance_ohm"]
+    return [
+        Check(f"table2.strain_{branch}_pct[{target:.1f}]", strain, "% strain", STRAIN_TOLERANCE_PCT,
+            "our polynomial at the paper's printed resistance; 0.05 %: a sixth of a step; set before the wire "
+            "was fitted",
+            "printed", partial(strain_at_pct, branch=branch, ohm=ohm))
+        for branch in ("heating", "cooling")
+        for target, ohm, strain in zip(desired, printed_ohm, table[f"strain_{branch}_pct"], strict=True)
+    ]  # fmt: skip
 
 
 def staircase_level_pct(runs: Runs, *, index: int) -> float:

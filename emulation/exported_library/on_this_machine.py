@@ -1,4 +1,4 @@
-"""An exported library on this machine: compiled by gcc, called from Python, held against Python's own tick."""
+"""An exported library on this machine: compiled by gcc, called from Python, compared with Python's own tick."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from musclewire.errors import NumericsError
 from musclewire.export.c.exercise import Tick
 from musclewire.export.c.reference import Outcome, ReferenceTick
 
-__all__ = ["MOST_DIFFERENCE", "HostLibrary", "built", "host_hash", "largest_differences"]
+__all__ = ["MAX_DIFFERENCE", "HostLibrary", "built", "host_hash", "largest_differences"]
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
 # What is promised of C against Python, by whether it is double precision: relative there, else of full scale.
-MOST_DIFFERENCE = {True: 1e-6, False: 2e-4}
-# A value nearer to zero than this share of its full scale is compared to that instead of to itself.
-SMALL_SHARE = 1e-3
+MAX_DIFFERENCE = {True: 1e-6, False: 2e-4}
+# A value nearer to zero than this fraction of its full scale is compared to that instead of to itself.
+SMALL_FRACTION = 1e-3
 # Python's shims around the structures of the library: plain numbers in, plain numbers out.
 SHIMS = """
 #include "musclewire.h"
@@ -244,7 +244,7 @@ def largest_differences(
     for tick in ticks:
         ours = library.tick(tick)
         for name, c, python in zip(Outcome._fields, ours, tick.outcome, strict=True):
-            scale = max(abs(python), SMALL_SHARE * scales[name]) if relative else scales[name]
+            scale = max(abs(python), SMALL_FRACTION * scales[name]) if relative else scales[name]
             difference = abs(float(c) - float(python)) / scale
             most[name] = max(most[name], difference) if not math.isnan(difference) else math.inf
     return most

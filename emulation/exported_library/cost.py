@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from emulation.exported_library.targets import FLAGS, TARGETS, Target, missing_tool
 from musclewire.errors import NumericsError
-from musclewire.export.c.compilers import FLAGS, TARGETS, Target, missing_tool
 
 __all__ = ["emulated", "library_figures", "linked", "target_figures"]
 
-LONGEST_RUN_S = 1200.0
+MAX_RUN_S = 1200.0
 MEASURED = (
     "flash_bytes",
     "ram_bytes",
@@ -102,10 +102,10 @@ def _sizes(folder: Path, target: Target, out: Path) -> tuple[int, int]:
 
 def _run(command: Sequence[str], *, both: bool = False) -> str:
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_RUN_S, check=False)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=MAX_RUN_S, check=False)
     except subprocess.TimeoutExpired:
         raise NumericsError(
-            f"{command[0]} did not end within {LONGEST_RUN_S:g} s: end what else the machine does"
+            f"{command[0]} did not end within {MAX_RUN_S:g} s: end what else the machine does"
         ) from None
     if done.returncode:
         last = (done.stderr or done.stdout).strip().splitlines() or ["nothing was printed"]
