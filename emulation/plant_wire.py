@@ -24,15 +24,15 @@ NOISE_AHEAD = 4096
 FAULT = TypeAdapter(Fault)
 # What happens behind a board's pins; what else a rig file knows is the host's to suffer.
 POSSIBLE = (
-    "broken wire",
-    "short circuit",
-    "contact",
-    "slipped clamp",
-    "frozen channel",
-    "saturated channel",
-    "swapped channels",
-    "output stuck",
-    "supply lost",
+    "wire_open",
+    "wire_short",
+    "bad_contact",
+    "clamp_slipped",
+    "channel_frozen",
+    "channel_saturated",
+    "channels_swapped",
+    "output_stuck",
+    "supply_missing",
 )
 
 
@@ -148,5 +148,5 @@ class BenchWire:
     def _is_frozen(self) -> bool:
         # A frozen channel repeats its last code: no noise on what the fault has put there.
         return self._faults != [] and any(
-            fault.kind == "frozen channel" and fault.active(self.time_s) for fault in self._faults
+            fault.kind == "channel_frozen" and fault.active(self.time_s) for fault in self._faults
         )

@@ -46,7 +46,7 @@ decides which of them is seen first.
 A simulated rig file takes the same faults, to see what your own script does with them:
 
     [[fault]]
-    kind = "contact"        # the wire's clamp lets go a little
+    kind = "bad_contact"    # the wire's clamp lets go a little
     at = "3 s"
     lasts = "0.5 s"         # without it the fault stays
     resistance = "5 ohm"

@@ -30,21 +30,21 @@ def test_a_sound_rig_passes(musclewire: Musclewire, rig: str) -> None:
 
 
 FAULTS = {
-    'kind = "broken wire"': ("sense_current_a", 1),
-    'kind = "short circuit"': ("wire_resistance_ohm", 1),
-    'kind = "slipped clamp"': ("wire_resistance_ohm", 1),
-    'kind = "contact"': ("wire_resistance_ohm", 1),
-    'kind = "swapped channels"': ("channels_in_place", 1),
-    'kind = "frozen channel"\nchannel = "wire"': ("wire_channel_alive", 1),
-    'kind = "frozen channel"\nchannel = "shunt"': ("shunt_channel_alive", 1),
-    'kind = "saturated channel"\nchannel = "shunt"': ("rig_kept_going", 3),
-    'kind = "supply lost"': ("output_gain", 1),
-    'kind = "reading not finite"\nchannel = "shunt"': ("readings_are_numbers", 3),
-    'kind = "output stuck"\nvoltage = "2 V"': ("rig_kept_going", 3),
-    'kind = "output stuck"\nvoltage = "0.2 V"': ("output_at_zero_v", 1),
-    'kind = "device lost"\nat = "1 s"': ("rig_kept_going", 3),
-    'kind = "clock jump"\nat = "1 s"': ("rig_kept_going", 3),
-    'kind = "broken wire"\nat = "4.5 s"': ("rig_kept_going", 3),
+    'kind = "wire_open"': ("sense_current_a", 1),
+    'kind = "wire_short"': ("wire_resistance_ohm", 1),
+    'kind = "clamp_slipped"': ("wire_resistance_ohm", 1),
+    'kind = "bad_contact"': ("wire_resistance_ohm", 1),
+    'kind = "channels_swapped"': ("channels_in_place", 1),
+    'kind = "channel_frozen"\nchannel = "wire"': ("wire_channel_alive", 1),
+    'kind = "channel_frozen"\nchannel = "shunt"': ("shunt_channel_alive", 1),
+    'kind = "channel_saturated"\nchannel = "shunt"': ("rig_kept_going", 3),
+    'kind = "supply_missing"': ("output_gain", 1),
+    'kind = "reading_not_finite"\nchannel = "shunt"': ("readings_are_numbers", 3),
+    'kind = "output_stuck"\nvoltage = "2 V"': ("rig_kept_going", 3),
+    'kind = "output_stuck"\nvoltage = "0.2 V"': ("output_at_zero_v", 1),
+    'kind = "device_lost"\nat = "1 s"': ("rig_kept_going", 3),
+    'kind = "clock_jump"\nat = "1 s"': ("rig_kept_going", 3),
+    'kind = "wire_open"\nat = "4.5 s"': ("rig_kept_going", 3),
 }
 
 
@@ -61,7 +61,7 @@ def test_each_fault_of_a_rig_file_is_told_by_name_and_exit_code(
 
 
 def test_the_text_names_what_failed_and_how_much_was_put_out(musclewire: Musclewire, tmp_path: Path) -> None:
-    answer = musclewire("doctor", rig_with(tmp_path, 'kind = "broken wire"'))
+    answer = musclewire("doctor", rig_with(tmp_path, 'kind = "wire_open"'))
     assert answer.code == 1
     line = next(line for line in answer.out.splitlines() if "sense_current_a" in line)
     assert line.startswith("NO")
@@ -70,7 +70,7 @@ def test_the_text_names_what_failed_and_how_much_was_put_out(musclewire: Musclew
 
 
 def test_a_simulated_rig_has_no_place_for_a_calibration(musclewire: Musclewire, tmp_path: Path) -> None:
-    answer = musclewire("doctor", rig_with(tmp_path, 'kind = "supply lost"'), "--write")
+    answer = musclewire("doctor", rig_with(tmp_path, 'kind = "supply_missing"'), "--write")
     assert answer.code == 2
     assert "holds no calibration" in answer.err
     answer = musclewire("doctor", "simulated", "--write")
@@ -101,9 +101,9 @@ def test_nothing_is_written_while_the_wiring_is_wrong(tmp_path: Path) -> None:
     from musclewire.experiment.doctor import examine
 
     for fault, error in (
-        ('kind = "swapped channels"', CallerError),
-        ('kind = "broken wire"', CallerError),
-        ('kind = "device lost"\nat = "1 s"', RigError),
+        ('kind = "channels_swapped"', CallerError),
+        ('kind = "wire_open"', CallerError),
+        ('kind = "device_lost"\nat = "1 s"', RigError),
     ):
         with mw.open_rig(rig_with(tmp_path, fault)) as rig, pytest.raises(error):
             refuse_to_write(examine(rig))

@@ -1,10 +1,11 @@
 """What may go wrong with a simulated rig, by its rig file: of the wire, the circuit, the channels, the clock.
 
 [[fault]]
-kind = "broken wire"
+kind = "wire_open"
 at = "3 s"
 
-The wire behind a fault stays the simulated one: a fault decides what current reaches it and what the instruments say.
+A fault has the name of the protection's event that it leads to, if there is one. The wire behind a fault stays the
+simulated one: a fault decides what current reaches it and what the instruments say.
 Faults are there to see what the protection does; they are no model of how often anything fails.
 """
 
@@ -12,13 +13,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from musclewire.rigs.quantities import measured_in
 
-__all__ = ["Circuit", "Fault", "Faults"]
+__all__ = ["OLD_KINDS", "Circuit", "Fault", "Faults"]
+
+# Names that kinds had in rig files before they were those of the protection's events; they still read.
+OLD_KINDS = {
+    "broken wire": "wire_open",
+    "short circuit": "wire_short",
+    "contact": "bad_contact",
+    "slipped clamp": "clamp_slipped",
+    "frozen channel": "channel_frozen",
+    "saturated channel": "channel_saturated",
+    "swapped channels": "channels_swapped",
+    "reading not finite": "reading_not_finite",
+    "output stuck": "output_stuck",
+    "supply lost": "supply_missing",
+    "device lost": "device_lost",
+    "clock jump": "clock_jump",
+}
 
 Seconds = Annotated[float, measured_in("s"), Field(ge=0.0, allow_inf_nan=False)]
 Duration = Annotated[float, measured_in("s"), Field(gt=0.0, allow_inf_nan=False)]
@@ -41,43 +58,43 @@ class FaultBase(BaseModel):
 
 
 class BrokenWire(FaultBase):
-    """No current flows, and the whole drive stands at the wire's terminals."""
+    """No current flows, and the whole drive voltage is across the wire's terminals."""
 
-    kind: Literal["broken wire"]
+    kind: Literal["wire_open"]
 
 
 class ShortCircuit(FaultBase):
     """Something of this resistance bridges the wire's terminals and takes its current."""
 
-    kind: Literal["short circuit"]
+    kind: Literal["wire_short"]
     resistance: Ohms = 0.2
 
 
 class BadContact(FaultBase):
     """A clamp that lets go a little adds this resistance between the wire's terminals."""
 
-    kind: Literal["contact"]
+    kind: Literal["bad_contact"]
     resistance: Ohms = 5.0
 
 
 class SlippedClamp(FaultBase):
-    """The wire slipped through its clamp: this share of its resistance is left between the terminals."""
+    """The wire slipped through its clamp: this fraction of its resistance is left between the terminals."""
 
-    kind: Literal["slipped clamp"]
-    share: float = Field(default=0.6, gt=0.0, lt=1.0, allow_inf_nan=False)
+    kind: Literal["clamp_slipped"]
+    fraction: float = Field(default=0.6, gt=0.0, lt=1.0, allow_inf_nan=False)
 
 
 class FrozenChannel(FaultBase):
     """A channel repeats its last reading to the bit."""
 
-    kind: Literal["frozen channel"]
+    kind: Literal["channel_frozen"]
     channel: Channel = "wire"
 
 
 class SaturatedChannel(FaultBase):
-    """A channel stands at the end of its range."""
+    """A channel reads the end of its range."""
 
-    kind: Literal["saturated channel"]
+    kind: Literal["channel_saturated"]
     channel: Channel = "wire"
     voltage: Volts = 10.0
 
@@ -85,40 +102,48 @@ class SaturatedChannel(FaultBase):
 class SwappedChannels(FaultBase):
     """Each channel reads what the other should."""
 
-    kind: Literal["swapped channels"]
+    kind: Literal["channels_swapped"]
 
 
 class NotFinite(FaultBase):
     """A channel gives a value that is not a number."""
 
-    kind: Literal["reading not finite"]
+    kind: Literal["reading_not_finite"]
     channel: Channel = "wire"
 
 
 class StuckOutput(FaultBase):
     """The output stays at this voltage whatever is commanded, 0 V included."""
 
-    kind: Literal["output stuck"]
+    kind: Literal["output_stuck"]
     voltage: Volts = 3.0
 
 
 class SupplyLost(FaultBase):
     """The supply is gone: nothing comes out whatever is commanded."""
 
-    kind: Literal["supply lost"]
+    kind: Literal["supply_missing"]
 
 
 class DeviceLost(FaultBase):
     """The device does not answer any more."""
 
-    kind: Literal["device lost"]
+    kind: Literal["device_lost"]
 
 
 class ClockJump(FaultBase):
     """The clock jumps by this much once, backwards below zero."""
 
-    kind: Literal["clock jump"]
+    kind: Literal["clock_jump"]
     by: Annotated[float, measured_in("s"), Field(allow_inf_nan=False)] = -1.0
+
+
+def by_present_names(given: Any) -> Any:
+    """Return a [[fault]] table with the names of before replaced: of its kind, and of what is left of a wire."""
+    if not isinstance(given, dict):
+        return given
+    kind = OLD_KINDS.get(str(given.get("kind")), given.get("kind"))
+    return {("fraction" if key == "share" else key): value for key, value in {**given, "kind": kind}.items()}
 
 
 Fault = Annotated[
@@ -135,6 +160,7 @@ Fault = Annotated[
     | DeviceLost
     | ClockJump,
     Field(discriminator="kind"),
+    BeforeValidator(by_present_names),
 ]
 
 
@@ -186,7 +212,9 @@ class Faults:
                 bridged_v = current_a * bridged_ohm
                 return Circuit(bridged_v / wire_ohm, bridged_v, current_a * shunt_ohm)
             if isinstance(fault, (BadContact, SlippedClamp)):
-                between_ohm = wire_ohm + fault.resistance if isinstance(fault, BadContact) else wire_ohm * fault.share
+                between_ohm = (
+                    wire_ohm + fault.resistance if isinstance(fault, BadContact) else wire_ohm * fault.fraction
+                )
                 current_a = output_v / (between_ohm + shunt_ohm)
                 return Circuit(current_a, current_a * between_ohm, current_a * shunt_ohm)
         return Circuit(current_a, current_a * wire_ohm, current_a * shunt_ohm)

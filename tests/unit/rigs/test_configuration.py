@@ -107,7 +107,7 @@ def test_an_unknown_setting_is_answered_with_the_nearest() -> None:
         ("settings = 3", "settings: must be a table, [settings] in TOML, not 3"),
         ('[load]\npart = "finger"', "load: must be a list: write [[load]], with two brackets, before each part"),
         (
-            '[fault]\nkind = "short circuit"',
+            '[fault]\nkind = "wire_short"',
             "fault: must be a list: write [[fault]], with two brackets, before each fault",
         ),
         ("load = []", "load is empty: give a [[load]] part, or leave load out for the bench's spring"),

@@ -10,7 +10,7 @@ from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError
 from musclewire.parameters.validation import validated
 from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.faults import Faults
+from musclewire.rigs.faults import OLD_KINDS, Faults
 from musclewire.rigs.guarded import ProtectionTripError
 
 WIRE_OHM, SHUNT_OHM = 14.0, 1.0
@@ -26,11 +26,11 @@ def test_without_a_fault_the_circuit_is_a_wire_and_a_shunt() -> None:
 
 
 def test_a_broken_wire_carries_nothing_and_stands_at_the_whole_drive() -> None:
-    assert faulty(kind="broken wire").circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0) == (0.0, 3.0, 0.0)
+    assert faulty(kind="wire_open").circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0) == (0.0, 3.0, 0.0)
 
 
 def test_a_short_takes_the_current_past_the_wire() -> None:
-    circuit = faulty(kind="short circuit", resistance="1 ohm").circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0)
+    circuit = faulty(kind="wire_short", resistance="1 ohm").circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0)
     bridged_ohm = 14.0 / 15.0
     assert circuit.shunt_voltage_v == pytest.approx(3.0 / (1.0 + bridged_ohm))
     assert circuit.wire_voltage_v == pytest.approx(3.0 - circuit.shunt_voltage_v)
@@ -39,7 +39,7 @@ def test_a_short_takes_the_current_past_the_wire() -> None:
 
 @pytest.mark.parametrize(
     ("fault", "between_ohm"),
-    [({"kind": "contact", "resistance": 5.0}, 19.0), ({"kind": "slipped clamp", "share": 0.5}, 7.0)],
+    [({"kind": "bad_contact", "resistance": 5.0}, 19.0), ({"kind": "clamp_slipped", "fraction": 0.5}, 7.0)],
 )
 def test_what_lies_between_the_terminals_decides_the_current(fault: dict[str, object], between_ohm: float) -> None:
     circuit = faulty(**fault).circuit(2.0, WIRE_OHM, SHUNT_OHM, 0.0)
@@ -48,38 +48,38 @@ def test_what_lies_between_the_terminals_decides_the_current(fault: dict[str, ob
 
 
 def test_a_fault_begins_at_its_time_and_ends_after_it() -> None:
-    faults = faulty(kind="supply lost", at="1 s", lasts="500 ms")
+    faults = faulty(kind="supply_missing", at="1 s", lasts="500 ms")
     assert [faults.output_v(2.0, time_s) for time_s in (0.99, 1.0, 1.49, 1.5)] == [2.0, 0.0, 0.0, 2.0]
 
 
 def test_channels_freeze_saturate_swap_and_lose_their_numbers() -> None:
-    frozen = faulty(kind="frozen channel", channel="shunt", at=1.0)
+    frozen = faulty(kind="channel_frozen", channel="shunt", at=1.0)
     assert frozen.readings_v(1.0, 0.1, 0.5) == (1.0, 0.1)
     assert frozen.readings_v(2.0, 0.2, 1.5) == (2.0, 0.1)
     assert frozen.readings_v(3.0, 0.3, 1.6) == (3.0, 0.1)
-    assert faulty(kind="swapped channels").readings_v(1.0, 0.1, 0.0) == (0.1, 1.0)
-    assert faulty(kind="saturated channel", voltage="5 V").readings_v(1.0, 0.1, 0.0) == (5.0, 0.1)
-    assert math.isnan(faulty(kind="reading not finite", channel="shunt").readings_v(1.0, 0.1, 0.0)[1])
+    assert faulty(kind="channels_swapped").readings_v(1.0, 0.1, 0.0) == (0.1, 1.0)
+    assert faulty(kind="channel_saturated", voltage="5 V").readings_v(1.0, 0.1, 0.0) == (5.0, 0.1)
+    assert math.isnan(faulty(kind="reading_not_finite", channel="shunt").readings_v(1.0, 0.1, 0.0)[1])
 
 
 def test_a_typo_in_a_fault_is_one_line_with_the_nearest_kind() -> None:
-    with pytest.raises(CallerError, match="broken wire"):
-        validated(RigConfiguration, {"fault": [{"kind": "broken wir"}]}, "rig file")
+    with pytest.raises(CallerError, match="wire_open"):
+        validated(RigConfiguration, {"fault": [{"kind": "wire_opn"}]}, "rig file")
 
 
 CAUSES = {
-    "broken wire": Event.WIRE_OPEN,
-    "short circuit": Event.WIRE_SHORT,
-    "contact": Event.RESISTANCE_JUMP,
-    "slipped clamp": Event.RESISTANCE_JUMP,
-    "frozen channel": Event.CHANNEL_FROZEN,
-    "saturated channel": Event.CHANNEL_SATURATED,
-    "swapped channels": Event.CHANNELS_SWAPPED,
-    "reading not finite": Event.READING_NOT_FINITE,
-    "output stuck": Event.OUTPUT_STUCK,
-    "supply lost": Event.SUPPLY_MISSING,
-    "device lost": Event.DEVICE_LOST,
-    "clock jump": Event.CLOCK_BACKWARDS,
+    "wire_open": Event.WIRE_OPEN,
+    "wire_short": Event.WIRE_SHORT,
+    "bad_contact": Event.RESISTANCE_JUMP,
+    "clamp_slipped": Event.RESISTANCE_JUMP,
+    "channel_frozen": Event.CHANNEL_FROZEN,
+    "channel_saturated": Event.CHANNEL_SATURATED,
+    "channels_swapped": Event.CHANNELS_SWAPPED,
+    "reading_not_finite": Event.READING_NOT_FINITE,
+    "output_stuck": Event.OUTPUT_STUCK,
+    "supply_missing": Event.SUPPLY_MISSING,
+    "device_lost": Event.DEVICE_LOST,
+    "clock_jump": Event.CLOCK_BACKWARDS,
 }
 
 
@@ -100,3 +100,21 @@ def test_each_fault_ends_with_its_cause_and_the_drive_off_within_half_a_second(k
         assert rig.drive_voltage_v == 0.0
     assert event is CAUSES[kind]
     assert sampled * rig.sample_period_s < began_s + 0.5
+
+
+@pytest.mark.parametrize(("old", "new"), OLD_KINDS.items())
+def test_a_rig_file_with_a_faults_old_name_still_reads(old: str, new: str) -> None:
+    assert RigConfiguration(fault=[{"kind": old}]) == RigConfiguration(fault=[{"kind": new}])  # type: ignore[list-item]
+
+
+def test_what_is_left_of_a_slipped_wire_reads_by_its_old_name() -> None:
+    old = {"kind": "slipped clamp", "share": 0.5}
+    assert Faults(RigConfiguration(fault=[old]).fault).circuit(  # type: ignore[list-item]
+        3.0, WIRE_OHM, SHUNT_OHM, 0.0
+    ) == faulty(kind="clamp_slipped", fraction=0.5).circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0)
+
+
+def test_a_fault_is_called_as_the_event_it_leads_to() -> None:
+    events = {event.name.lower() for event in Event}
+    causes_of_their_own = {"bad_contact", "clamp_slipped", "clock_jump"}
+    assert set(OLD_KINDS.values()) - causes_of_their_own <= events
