@@ -26,7 +26,10 @@ are SI, or text with a unit (`"14 cm"`). An unknown key is an error that names t
 copied: `ni-pci-6229`, `ni-usb-6001`, `serial-board` and `arduino-uno`, under `src/musclewire/parameters/data/rigs`.
 """
 SECTIONS = {
-    "The wire and its circuit": (MountedWire, "Every real rig has these keys, at the top of the file."),
+    "The wire and its circuit": (
+        MountedWire,
+        "Every rig has these keys, at the top of the file; a simulated one may leave them to its wire and bench.",
+    ),
     "`[limits]`": (
         LimitsTable,
         "What the [protection](protection.md) is held against follows from wire and circuit; these are for what you "

@@ -17,6 +17,7 @@ from musclewire.rigs.kinds import DeviceConfiguration
 from musclewire.rigs.load_parts import Part, Parts
 from musclewire.rigs.mounted import LimitsTable
 from musclewire.rigs.surroundings import Surroundings
+from musclewire.rigs.wire_keys import WireKeys
 from musclewire.signals.units import parse_quantity
 
 __all__ = ["RigConfiguration", "changed_group", "with_settings"]
@@ -24,8 +25,10 @@ __all__ = ["RigConfiguration", "changed_group", "with_settings"]
 Group = TypeVar("Group", bound=ParameterGroup)
 
 
-class RigConfiguration(DeviceConfiguration):
-    """A rig file: a wire, by name or wire file, a bench by name, and ``settings`` that change numbers of both.
+class RigConfiguration(WireKeys, DeviceConfiguration):
+    """A rig file: a wire, by name or wire file, a bench by name, and what differs from both.
+
+    The keys of wire and circuit are those of real hardware; ``settings`` change all other numbers of wire and bench.
 
     Where no bench is named, the paper's is taken with what the wire file knows of its own. ``load`` lists what the wire
     pulls, without any the bench's spring; ``surroundings`` tells how the air moves, without any not at all.
@@ -36,7 +39,6 @@ class RigConfiguration(DeviceConfiguration):
     bench: str = "paper"
     new_wire: bool = False
     seed: int = Field(default=1, ge=0)
-    settings: dict[str, float | str] = Field(default_factory=dict)
     load: list[Part] = Field(default_factory=list)
     surroundings: Surroundings = Surroundings()
     limits: LimitsTable = LimitsTable()

@@ -28,7 +28,7 @@ def open_simulated(
     around = load_bench(bench or configuration.bench)
     if bench is None and "bench" not in configuration.model_fields_set:
         around = changed_group(around, bench_known_with(name), f"wire file {name}")
-    given = {**configuration.settings, **settings}
+    given = {**configuration.all_settings(), **settings}
     chosen, around = with_settings(named, around, given, where)
     if configuration.load and "spring_stiffness_n_per_m" in given:
         raise CallerError(

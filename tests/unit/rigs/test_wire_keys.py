@@ -1,0 +1,69 @@
+"""Keys of wire and circuit are the same in rig files of simulated and of real rigs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from musclewire.errors import CallerError
+from musclewire.rigs.configuration import open_rig, read_rig_file
+from musclewire.rigs.mounted import MountedWire
+from musclewire.rigs.simulated_configuration import RigConfiguration
+from musclewire.rigs.wire_keys import SETTINGS
+
+BY_KEYS = """
+wire_length = "120 mm"
+legs = 2
+shunt = "0.5 ohm"
+sense_voltage = "0.25 V"
+maximum_voltage = "3.1 V"
+drive_amplitude = "2.8 V"
+pretension = "1.7 N"
+ambient_temperature = "20 degC"
+sample_period = "40 ms"
+"""
+BY_SETTINGS = """
+[settings]
+wire_length_m = "120 mm"
+legs = 2
+shunt_resistance_ohm = "0.5 ohm"
+sense_voltage_v = "0.25 V"
+maximum_voltage_v = "3.1 V"
+drive_amplitude_v = "2.8 V"
+pretension_n = "1.7 N"
+ambient_temperature_k = "20 degC"
+sample_period_s = "40 ms"
+"""
+
+
+def rig_file(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "rig.toml"
+    path.write_text(text, "utf-8")
+    return path
+
+
+def test_every_key_of_a_real_wire_and_its_circuit_is_one_of_a_simulated_rig() -> None:
+    assert set(MountedWire.model_fields) <= set(RigConfiguration.model_fields)
+    assert set(SETTINGS) == set(MountedWire.model_fields) - {"wire", "limits"}
+
+
+def test_the_keys_set_what_the_settings_set_by_their_old_names(tmp_path: Path) -> None:
+    recorded = []
+    for text in (BY_KEYS, BY_SETTINGS):
+        with open_rig(rig_file(tmp_path, text)) as rig:
+            recorded.append((rig.metadata(), [rig.exchange(1.0) for _ in range(5)]))
+    assert recorded[0] == recorded[1]
+    assert recorded[0][0]["pretension_n"] == 1.7
+    assert recorded[0][0]["shunt_resistance_ohm"] == 0.5
+
+
+def test_a_number_that_is_said_twice_is_refused(tmp_path: Path) -> None:
+    text = 'pretension = "1 N"\n[settings]\npretension_n = "2 N"\n'
+    with pytest.raises(CallerError, match=r"pretension and settings\.pretension_n are the same number"):
+        read_rig_file(rig_file(tmp_path, text))
+
+
+def test_a_quantity_of_another_kind_names_the_key(tmp_path: Path) -> None:
+    with pytest.raises(CallerError, match="pretension"):
+        read_rig_file(rig_file(tmp_path, 'pretension = "1 V"\n'))
