@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 import subprocess
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from tests.tools import require_tool
 from musclewire.rigs.serial.frames import Frame, FrameParser, encode_frame
 
 TESTS = Path(__file__).with_name("host_tests.c")
+HEADER = FIRMWARE.parent / "src/musclewire/export/c_library/mw_protect.h"
+STRUCTURE = re.compile(r"typedef struct \{(.*?)\} mw_protection;", re.S)
 SANITIZED = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
 
@@ -69,3 +72,12 @@ def test_frames_are_the_same_in_c_and_in_python(program: Path) -> None:
     ).stdout.split()
     assert said == [encode_frame(frame).hex() for frame in frames]
     assert FrameParser().feed(bytes.fromhex("".join(said))) == frames
+
+
+def test_no_program_writes_into_the_protection_but_the_library() -> None:
+    fields = re.findall(r"^    (?:uint\w+|mw_real) ([\w, ]+)", STRUCTURE.search(HEADER.read_text("utf-8"))[1], re.M)
+    names = {name.strip() for group in fields for name in group.split(",")}
+    assert {"state", "event", "missing_us", "above_ambient_k"} <= names
+    writes = re.compile(rf"protection(?:\.|->)(?:{'|'.join(sorted(names))})(?:\[.*?\])?\s*[-+*/|&]?=[^=]")
+    for file in (*sorted((FIRMWARE / "src").glob("*.c")), *sorted((FIRMWARE / "boards").rglob("*.c"))):
+        assert not writes.findall(file.read_text("utf-8")), file.name

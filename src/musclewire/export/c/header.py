@@ -43,9 +43,19 @@ def constants_header(constants: Constants, *, name: str, model: str, rules: str,
 
 
 def model_checksum(constants: Constants) -> int:
-    """Return the crc32 that tells one model with its controller from another; circuit and limits are not in it.
+    """Return the crc32 that tells one model with its controller from another.
 
-    They belong to the board; a host that wants to know whose loop runs there has only model and controller to compare.
+    Circuit and limits are not in it: they belong to the board, and a host that wants to know whose loop runs there has
+    only model and controller to compare.
+
+    Parameters
+    ----------
+    constants
+        Every number of the library, as ``collect`` or ``control_numbers`` returns them.
+
+    Returns
+    -------
+    The crc32 (IEEE 802.3) of the constants' text, 0 to 2^32 - 1.
     """
     chosen = {heading: group for heading, group in constants.groups.items() if heading in CONTROL_HEADINGS}
     return zlib.crc32(_body(Constants(chosen)).encode())

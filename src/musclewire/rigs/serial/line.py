@@ -28,11 +28,37 @@ class Line(Protocol):
         ...
 
     def write(self, data: bytes) -> None:
-        """Send bytes. Raises LineLostError."""
+        """Send bytes.
+
+        Parameters
+        ----------
+        data
+            What to send, of any length.
+
+        Raises
+        ------
+        LineLostError
+            The line is gone, or takes nothing in time.
+        """
         ...
 
     def read(self, timeout_s: float) -> bytes:
-        """Return what has come, waiting for the first byte up to ``timeout_s``. Raises LineLostError."""
+        """Return what has come.
+
+        Parameters
+        ----------
+        timeout_s
+            How long to wait for the first byte [s]; 0 does not wait.
+
+        Returns
+        -------
+        The bytes that have come, none after the whole time without one.
+
+        Raises
+        ------
+        LineLostError
+            The line is gone.
+        """
         ...
 
     def close(self) -> None:
