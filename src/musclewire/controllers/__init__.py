@@ -3,9 +3,11 @@
 A controller takes a number, so it runs alike on a sensor and on an estimate from the wire's own resistance.
 """
 
+from musclewire.controllers.controller import CONTROLLERS, Controller, ControllerFactory, ControllerSetup
 from musclewire.controllers.fuzzy import FuzzyRatios, RatioSurface, infer_ratios, infer_surface
-from musclewire.controllers.fuzzy_pid import ControllerState, FuzzyPid, FuzzyPidSettings, StepResult
+from musclewire.controllers.fuzzy_pid import ControllerState, FuzzyPid, FuzzyPidController, FuzzyPidSettings, StepResult
 from musclewire.controllers.limits import DriveLimits
+from musclewire.controllers.pid import PidController, PidSettings
 from musclewire.controllers.plots import plot_rule_surfaces
 from musclewire.controllers.references import (
     Reference,
@@ -18,6 +20,13 @@ from musclewire.controllers.references import (
 from musclewire.controllers.rules import RuleBase, load_rule_base, parse_rule_base, rule_base_names
 
 __all__ = [
+    "CONTROLLERS",
+    "Controller",
+    "ControllerFactory",
+    "ControllerSetup",
+    "FuzzyPidController",
+    "PidController",
+    "PidSettings",
     "FuzzyPid",
     "FuzzyPidSettings",
     "ControllerState",

@@ -38,13 +38,28 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
+from musclewire.controllers.controller import PERCENT_STRAIN, ControllerSetup, settings_of_kind
 from musclewire.controllers.fuzzy import packed_rules
 from musclewire.controllers.limits import DriveLimits
 from musclewire.controllers.rules import DEFAULT_RULE_BASE, RuleBase, load_rule_base
 from musclewire.controllers.schema import StrictModel
 from musclewire.errors import CallerError, NumericsError
+from musclewire.signals.commands import Drive
+from musclewire.signals.samples import ControlStep, QuantityEstimate, Reason
 
-__all__ = ["ControllerState", "FuzzyPid", "FuzzyPidSettings", "StepResult", "packed_settings"]
+__all__ = [
+    "GAIN_COLUMNS",
+    "ControllerState",
+    "FuzzyPid",
+    "FuzzyPidController",
+    "FuzzyPidSettings",
+    "StepResult",
+    "fuzzy_pid_controller",
+    "packed_settings",
+    "with_error_unit",
+]
+
+GAIN_COLUMNS = ("proportional_gain", "integral_gain", "derivative_gain")
 
 Range: TypeAlias = tuple[Annotated[float, Field(ge=0.0)], Annotated[float, Field(ge=0.0)]]
 Positive: TypeAlias = Annotated[float, Field(gt=0.0)]
@@ -198,6 +213,71 @@ class FuzzyPid:
     def hold(self, state: ControllerState) -> ControllerState:
         """Return the state for a tick without a measurement: same drive, rates forgotten."""
         return state._replace(measured_rate=0.0, error_rate=0.0, rates_known=False)
+
+
+class FuzzyPidController:
+    """The fuzzy-tuned PID as a loop's controller (``controllers.controller.Controller``).
+
+    Its state is the drive it took over until the first estimate, and the law's state from then on.
+
+    Parameters
+    ----------
+    law
+        The law with its settings, limits and rule base.
+    """
+
+    columns = GAIN_COLUMNS
+
+    def __init__(self, law: FuzzyPid) -> None:
+        """Control by a law."""
+        self.law = law
+        self.settings, self.limits = law.settings, law.limits
+
+    def start(self, drive_voltage_v: float) -> Drive:
+        """Return the state before the first estimate: the drive [V] that is out, within the limits."""
+        return Drive(self.limits.clamp(float(drive_voltage_v)))
+
+    def step(
+        self, state: Drive | ControllerState, target: float, estimate: QuantityEstimate, dt_s: float
+    ) -> ControlStep:
+        """Return the law's drive for an estimate; without current the last one, and no gains."""
+        if estimate.reason is Reason.NO_CURRENT:
+            if isinstance(state, Drive):
+                return ControlStep(state, state, (0.0, 0.0, 0.0))
+            held = self.law.hold(state)
+            return ControlStep(Drive(held.drive_voltage_v), held, (0.0, 0.0, 0.0))
+        if isinstance(state, Drive):
+            state = self.law.start(state.voltage_v, estimate.value, target)
+        following, drive_voltage_v, kp, ki, kd = self.law.step(state, target, estimate.value, dt_s)
+        return ControlStep(Drive(drive_voltage_v), following, (kp, ki, kd))
+
+
+def fuzzy_pid_controller(setup: ControllerSetup) -> FuzzyPidController:
+    """Return the fuzzy-tuned PID for a loop.
+
+    Parameters
+    ----------
+    setup
+        Limits, error unit, and ``FuzzyPidSettings`` or None. Settings that name an error unit keep it.
+
+    Returns
+    -------
+    The controller, compiled.
+
+    Raises
+    ------
+    CallerError
+        If the settings are another controller's.
+    """
+    settings = with_error_unit(settings_of_kind(setup, FuzzyPidSettings), setup.error_unit)
+    return FuzzyPidController(FuzzyPid(settings, setup.limits))
+
+
+def with_error_unit(settings: FuzzyPidSettings, error_unit: float) -> FuzzyPidSettings:
+    """Return settings with an error unit, unless they name one themselves or it is strain's, which is their default."""
+    if error_unit == PERCENT_STRAIN or "error_unit" in settings.model_fields_set:
+        return settings
+    return settings.model_copy(update={"error_unit": error_unit})
 
 
 def packed_settings(settings: FuzzyPidSettings, limits: DriveLimits) -> NDArray[np.void]:

@@ -1,41 +1,45 @@
 """The closed loop: the wire positioned by its own resistance.
 
-One sample's journey: voltages -> resistance (Eq. 1) -> normalised resistance (Eq. 3) -> strain (Eqs. 4, 5) ->
-error -> fuzzy-tuned PID (Eq. 6) -> drive voltage. The reference instruments of the rig are recorded beside it
-and judged afterwards; nothing here reads them.
+One sample's journey: voltages -> estimator (Eq. 1, normalised resistance Eq. 3, strain Eqs. 4, 5) -> error ->
+controller (fuzzy-tuned PID, Eq. 6) -> drive voltage. This file only joins them: what is estimated and how it is
+controlled belong to ``sensing.estimator`` and ``controllers.controller``. The reference instruments of the rig are
+recorded beside it and judged afterwards; nothing here reads them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
+from typing import Any, Unpack
 
-from musclewire.controllers import DriveLimits, FuzzyPid, FuzzyPidSettings
-from musclewire.controllers.fuzzy_pid import ControllerState
+from musclewire.controllers.controller import (
+    CONTROLLERS,
+    PERCENT_STRAIN,
+    Controller,
+    ControllerFactory,
+    ControllerSetup,
+)
+from musclewire.controllers.fuzzy_pid import FuzzyPidSettings, with_error_unit
+from musclewire.controllers.limits import DriveLimits
 from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.metrics import ControlRun, control_metrics
-from musclewire.experiment.run import Decision, OnSample, run_on_rig
+from musclewire.experiment.run import Decision, RunOptions, run_on_rig
+from musclewire.experiment.slow_corrections import CORRECTION_COLUMN, InLine, InThread, SlowCorrections, SlowStatus
 from musclewire.experiment.staircases import staircase_within
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.protocol import Metadata, Rig
 from musclewire.sensing.curve import SHOWN_AS
+from musclewire.sensing.estimator import ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup, wire_sample
 from musclewire.sensing.known_load import KnownSpring, force_model
 from musclewire.sensing.model import SensingModel
-from musclewire.sensing.resistance import wire_resistance
-from musclewire.sensing.tracking import SegmentState, SegmentTracker
 from musclewire.signals.commands import Command, Drive
 from musclewire.signals.recording import MetadataValue
-from musclewire.signals.samples import RawSample
+from musclewire.signals.samples import EstimatorStep, RawSample, WireSample
 
 __all__ = ["SelfSensingPolicy", "check_made_for", "control", "controller_for", "settings_for"]
 
 # In the first step the wire starts cold, where resistance does not tell strain; it gets this long to arrive.
 APPROACH_S = 12.0
-# A sample without current is bridged by holding the drive; this many in a row are a broken wire or circuit.
-LONGEST_BLIND_SAMPLES = 10
-# So far outside R_min..R_max, as a share of their span, no sample of this wire can be: another wire, or a fault.
-FOREIGN_SHARE = 0.15
 # Lengths that differ by less are one length, measured twice.
 SAME_LENGTH_SHARE = 0.005
 # What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
@@ -45,161 +49,123 @@ RANGE_AS_PERCENT_STRAIN = 3.0
 FRICTION_AS_RANGE = 8.0
 
 
+def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> float:
+    """Return how much of the model's quantity the controller takes for one percent strain, in its SI unit."""
+    if model.quantity == "strain":
+        return PERCENT_STRAIN
+    steep = 0.0 if load is None else FRICTION_AS_RANGE * load.friction_n
+    return (model.quantity_max - model.quantity_min + steep) / RANGE_AS_PERCENT_STRAIN
+
+
 def controller_for(
-    rig: Rig, model: SensingModel, settings: FuzzyPidSettings | None = None, load: KnownSpring | None = None
-) -> FuzzyPid:
-    """Return the fuzzy-tuned PID within a rig's limits, its error unit fitted to the model's quantity."""
-    return FuzzyPid(settings_for(model, settings, load), DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v))
+    rig: Rig,
+    model: SensingModel,
+    settings: Any = None,
+    load: KnownSpring | None = None,
+    controller: str | ControllerFactory = "fuzzy-pid",
+) -> Controller:
+    """Return a controller within a rig's limits, its error unit fitted to the model's quantity."""
+    factory = CONTROLLERS.find(controller) if isinstance(controller, str) else controller
+    limits = DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v)
+    return factory(ControllerSetup(limits, error_unit_for(model, load), settings))
+
+
+def estimator_for(
+    rig: Rig, model: SensingModel, load: KnownSpring | None = None, estimator: str | EstimatorFactory = "polynomial"
+) -> Estimator:
+    """Return an estimator for a rig's circuit by a model; with a ``load`` the model is one of the force on it."""
+    factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
+    return factory(EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load))
 
 
 def settings_for(
     model: SensingModel, settings: FuzzyPidSettings | None = None, load: KnownSpring | None = None
 ) -> FuzzyPidSettings:
-    """Return the controller's settings with the error unit fitted to the model's quantity, unless they name one."""
-    chosen = settings or FuzzyPidSettings()
-    if model.quantity != "strain" and "error_unit" not in chosen.model_fields_set:
-        steep = 0.0 if load is None else FRICTION_AS_RANGE * load.friction_n
-        unit = (model.quantity_max - model.quantity_min + steep) / RANGE_AS_PERCENT_STRAIN
-        chosen = chosen.model_copy(update={"error_unit": unit})
-    return chosen
+    """Return the fuzzy PID's settings with the error unit fitted to the model's quantity, unless they name one."""
+    return with_error_unit(settings or FuzzyPidSettings(), error_unit_for(model, load))
 
 
 class SelfSensingPolicy:
-    """Estimates from two voltages, compares with the target, and lets the controller choose the drive."""
+    """Estimates from two voltages, compares with the target, and lets the controller choose the command.
+
+    Parameters
+    ----------
+    estimator
+        What makes a quantity of the wire's voltages.
+    controller
+        What makes a command of target and estimate.
+    reference
+        The targets; its time zero comes after the approach.
+    sample_period_s
+        Time [s] between two samples.
+    approach_s
+        Time [s] the wire gets to reach the first target.
+    first_drive_voltage_v
+        The drive [V] that is out already.
+    slow
+        What runs the estimator's slow part; None if it has none.
+    """
 
     def __init__(
         self,
-        model: SensingModel,
-        controller: FuzzyPid,
+        estimator: Estimator,
+        controller: Controller,
         reference: Reference,
         *,
-        shunt_resistance_ohm: float,
         sample_period_s: float,
         approach_s: float,
         first_drive_voltage_v: float,
-        load: KnownSpring | None = None,
+        slow: SlowCorrections | None = None,
     ) -> None:
-        """Start from a drive that is out already; the reference's time zero comes after the approach.
-
-        With a ``load`` the model is one of the force on its spring, and its friction is added here.
-        """
-        self._model = model
-        self._load = load
-        # A wire that was warmed up has been contracting: it pulls against the friction.
-        self._friction_n = 0.0 if load is None else load.friction_n
-        self._spring_force_n: float | None = None
-        self._controller = controller
-        self._reference = reference
-        self._shunt_resistance_ohm = shunt_resistance_ohm
-        self._sample_period_s = sample_period_s
-        self._approach_s = approach_s
-        self._first_drive_voltage_v = controller.limits.clamp(first_drive_voltage_v)
-        self._state: ControllerState | None = None
-        self._estimate = model.quantity_min
-        self._std = 0.0
-        self._blind_samples = 0
-        self._foreign_samples = 0
-        self._tracker = SegmentTracker(model.resistance_min_ohm, model.resistance_max_ohm)
-        self._segment: SegmentState | None = None
-        suffix = COLUMN_SUFFIX[model.quantity]
-        self._target_name, self._estimated_name = f"target_{suffix}", f"estimated_{suffix}"
+        """Start both from what is out already."""
+        self._estimator, self._controller, self._reference, self._slow = estimator, controller, reference, slow
+        self._sample_period_s, self._approach_s = sample_period_s, approach_s
+        self._first = Drive(controller.limits.clamp(first_drive_voltage_v))
+        self._estimator_state, self._controller_state = estimator.start(), controller.start(self._first.voltage_v)
+        suffix = COLUMN_SUFFIX[estimator.quantity]
+        self._columns = (
+            *estimator.columns,
+            *(() if slow is None else (CORRECTION_COLUMN,)),
+            f"target_{suffix}",
+            f"estimated_{suffix}",
+            "valid",
+            *controller.columns,
+        )
+        self.metadata: dict[str, MetadataValue] = {}
 
     @property
     def columns(self) -> Sequence[str]:
-        """Names of the columns this policy adds."""
-        return (
-            "wire_resistance_ohm",
-            self._target_name,
-            self._estimated_name,
-            "valid",
-            "proportional_gain",
-            "integral_gain",
-            "derivative_gain",
-        )
+        """Names of the columns this policy adds: the estimator's, target, estimate and validity, the controller's."""
+        return self._columns
 
     def first_command(self) -> Command:
         """Return the drive the loop takes over from."""
-        return Drive(self._first_drive_voltage_v)
+        return self._first
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
-        """Return the controller's answer to one sample."""
-        reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
+        """Return the controller's answer to one sample. Raises RigError where the estimator says it cannot go on."""
+        (estimate, self._estimator_state, sensed), status = self._estimated(wire_sample(sample))
+        if estimate.failure:
+            raise RigError(estimate.failure)
         # The sample that has just ended is judged by the target that held while it was taken.
         judged = self._reference.target_at(max(elapsed_s - self._sample_period_s - self._approach_s, 0.0))
         target = self._reference.target_at(max(elapsed_s - self._approach_s, 0.0))
-        valid = False
-        gains = (0.0, 0.0, 0.0)
-        drive = sample.drive_voltage_v if self._state is None else self._state.drive_voltage_v
-        if reading.valid:
-            self._blind_samples = 0
-            self._check_belongs(reading.resistance_ohm, sample)
-            estimate = self._model.estimate(reading.resistance_ohm)
-            self._estimate = estimate.value + self._friction_at(estimate.value)
-            valid = estimate.valid and self._in_sensing_segment(reading.resistance_ohm, sample.wire_voltage_v)
-            if self._state is None:
-                self._state = self._controller.start(self._first_drive_voltage_v, self._estimate, target)
-            result = self._controller.step(self._state, target, self._estimate, self._sample_period_s)
-            self._state, drive = result.state, result.drive_voltage_v
-            gains = (result.kp, result.ki, result.kd)
-        else:
-            self._lose_sight(sample)
-        return Decision(
-            Drive(drive),
-            {
-                "wire_resistance_ohm": reading.resistance_ohm,
-                self._target_name: judged,
-                self._estimated_name: self._estimate,
-                "valid": float(valid),
-                "proportional_gain": gains[0],
-                "integral_gain": gains[1],
-                "derivative_gain": gains[2],
-            },
+        command, self._controller_state, controlled = self._controller.step(
+            self._controller_state, target, estimate, self._sample_period_s
         )
+        values = (*sensed, *status, judged, estimate.value, float(estimate.valid), *controlled)
+        return Decision(command, dict(zip(self._columns, values, strict=True)))
 
-    def _friction_at(self, spring_force_n: float) -> float:
-        """Return the friction that the wire pulls beside a known spring, by which way it has been moving [N]."""
-        if self._load is None:
-            return 0.0
-        if self._spring_force_n is not None:
-            change_n = spring_force_n - self._spring_force_n
-            self._friction_n = self._load.friction_after(self._friction_n, change_n)
-        self._spring_force_n = spring_force_n
-        return self._friction_n
-
-    def _in_sensing_segment(self, resistance_ohm: float, wire_voltage_v: float) -> bool:
-        """Tell whether the wire has come from its cold start to between B and C. The loop goes on either way.
-
-        Once there it stays there: a reference keeps within the model's range, so the wire is not let go cold.
-        """
-        power_w = wire_voltage_v * wire_voltage_v / resistance_ohm
-        if self._segment is None:
-            self._segment = self._tracker.start(resistance_ohm, power_w)
-        elif not self._segment.sensing:
-            self._segment = self._tracker.step(self._segment, resistance_ohm, power_w)
-        return self._segment.sensing
-
-    def _check_belongs(self, resistance_ohm: float, sample: RawSample) -> None:
-        """Stop when the resistance stays where the model's wire never is: it would read as cold and be overheated."""
-        low, high = self._model.resistance_min_ohm, self._model.resistance_max_ohm
-        margin = FOREIGN_SHARE * (high - low)
-        inside = low - margin <= resistance_ohm <= high + margin
-        self._foreign_samples = 0 if inside else self._foreign_samples + 1
-        if self._foreign_samples >= LONGEST_BLIND_SAMPLES:
-            raise RigError(
-                f"resistance {resistance_ohm:.3f} ohm at {sample.time_s:.2f} s is not this model's wire ({low:.3f} to "
-                f"{high:.3f} ohm): check wire and wiring, or recalibrate; the rig is at its sense voltage"
-            )
-
-    def _lose_sight(self, sample: RawSample) -> None:
-        """Hold the drive over a sample without current; give up when sight does not come back."""
-        self._blind_samples += 1
-        if self._state is not None:
-            self._state = self._controller.hold(self._state)
-        if self._blind_samples >= LONGEST_BLIND_SAMPLES:
-            raise RigError(
-                f"no current through the wire for {self._blind_samples} samples up to {sample.time_s:.2f} s at "
-                f"{sample.drive_voltage_v:.2f} V: check wire, clamps and shunt; the rig is at its sense voltage"
-            )
+    def _estimated(self, sample: WireSample) -> tuple[EstimatorStep, tuple[float, ...]]:
+        """Return the estimator's step, with a correction of its slow part in effect if one is due, and what is said."""
+        if self._slow is None:
+            return self._estimator.step(self._estimator_state, sample), ()
+        state, status = self._slow.before(self._estimator_state)
+        step = self._estimator.step(state, sample)
+        self._slow.after(sample)
+        if status is not SlowStatus.NONE_DUE:
+            self.metadata.update(self._slow.metadata())
+        return step, (float(status),)
 
 
 def control(
@@ -207,52 +173,86 @@ def control(
     model: SensingModel,
     reference: Reference | None = None,
     *,
-    settings: FuzzyPidSettings | None = None,
+    estimator: str | EstimatorFactory = "polynomial",
+    controller: str | ControllerFactory = "fuzzy-pid",
+    settings: Any = None,
     load: KnownSpring | None = None,
     approach_s: float = APPROACH_S,
-    path: str | Path | None = None,
-    overwrite: bool = False,
-    on_sample: OnSample | None = None,
+    **run: Unpack[RunOptions],
 ) -> ControlRun:
-    """Move the wire along a reference with no sensor but its resistance; the paper's staircase by default.
+    """Move the wire along a reference with no sensor but its resistance.
 
-    With a ``load`` force is controlled: a model of strain, or of the connector's displacement, gives it by the load's
-    stiffness. The wire first gets ``approach_s`` to reach the reference's start. Returns the recording with its metrics
-    (Eq. 7 for each step, where the rig has a reference instrument). Raises CallerError for a target outside
-    the model's range, RigError when the wire carries no current.
+    Parameters
+    ----------
+    rig
+        An open rig.
+    model
+        The fitted model of its wire.
+    reference
+        The targets, in the model's quantity; the paper's staircase without.
+    estimator
+        Name of an estimator (``musclewire.sensing.ESTIMATORS``), or a factory of one; the default is the paper's.
+    controller
+        Name of a controller (``musclewire.controllers.CONTROLLERS``), or a factory of one; the default is the paper's.
+    settings
+        The controller's settings, ``FuzzyPidSettings`` for "fuzzy-pid"; its defaults without.
+    load
+        A known spring: then force is controlled, and a model of strain, or of the connector's displacement, gives it by
+        the spring's stiffness.
+    approach_s
+        Time [s] the wire gets to reach the reference's start; by default enough to warm up from cold.
+    run
+        ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row.
+
+    Returns
+    -------
+    The recording with its metrics (Eq. 7 for each step, where the rig has a reference instrument).
+
+    Raises
+    ------
+    CallerError
+        If a target is outside the model's range, a name is unknown, or the model is of another wire.
+    RigError
+        If the wire carries no current, or has a resistance that the model's wire never has.
     """
     if load is not None:
         model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
     chosen = staircase_within(model) if reference is None else reference
     check_targets(model, chosen, rig.sample_period_s)
     check_same_wire(model, rig)
+    made, controls = estimator_for(rig, model, load, estimator), controller_for(rig, model, settings, load, controller)
+    slow = None if made.slow_part is None else SlowCorrections(made.slow_part, InThread() if rig.paced else InLine())
     policy = SelfSensingPolicy(
-        model,
-        controller_for(rig, model, settings, load),
+        made,
+        controls,
         chosen,
-        shunt_resistance_ohm=rig.shunt_resistance_ohm,
         sample_period_s=rig.sample_period_s,
         approach_s=approach_s,
         first_drive_voltage_v=rig.drive_voltage_v,
-        load=load,
+        slow=slow,
     )
-    metadata: dict[str, MetadataValue] = {
+    # What is known only at the end, the corrections of a slow part, comes into the policy's own.
+    policy.metadata |= {
         "experiment": "closed loop",
         "quantity": model.quantity,
         "approach_s": approach_s,
+        "estimator": name_of(estimator),
+        "controller": name_of(controller),
+        **({} if slow is None else slow.metadata()),
     }
     if load is not None:
-        metadata |= {"known_stiffness_n_per_m": load.stiffness_n_per_m, "known_friction_n": load.friction_n}
-    recording = run_on_rig(
-        rig,
-        policy,
-        approach_s + chosen.duration_s,
-        metadata=metadata,
-        path=path,
-        overwrite=overwrite,
-        on_sample=on_sample,
-    )
+        policy.metadata |= {"known_stiffness_n_per_m": load.stiffness_n_per_m, "known_friction_n": load.friction_n}
+    try:
+        recording = run_on_rig(rig, policy, approach_s + chosen.duration_s, metadata=policy.metadata, **run)
+    finally:
+        if slow is not None:
+            slow.close()
     return ControlRun(recording.columns, recording.metadata, control_metrics(recording, model.quantity, chosen))
+
+
+def name_of(kind: str | EstimatorFactory | ControllerFactory) -> str:
+    """Return what a recording calls an estimator or a controller: its registered name, or its factory's."""
+    return kind if isinstance(kind, str) else str(getattr(kind, "__name__", type(kind).__name__))
 
 
 def check_same_wire(model: SensingModel, rig: Rig) -> None:

@@ -12,6 +12,7 @@ from musclewire.errors import CallerError, RigError
 from musclewire.experiment.run import Decision, OnSample, Policy, run_on_rig
 from musclewire.rigs.abilities import true_state_of
 from musclewire.rigs.protocol import Rig
+from musclewire.sensing.estimator import dropout_failure
 from musclewire.sensing.resistance import wire_resistance
 from musclewire.signals.commands import Command, Drive
 from musclewire.signals.recording import MetadataValue, Recording
@@ -20,7 +21,7 @@ from musclewire.signals.samples import RawSample
 __all__ = ["HeldCurrent", "HeldVoltage", "WithThermometer", "drive_wire"]
 
 # Samples without current after which a wire counts as broken.
-LONGEST_BLIND_SAMPLES = 5
+MAX_DROPOUTS = 5
 
 
 class HeldVoltage:
@@ -68,7 +69,7 @@ class HeldCurrent:
         self._maximum_voltage_v = maximum_voltage_v
         self._shunt_resistance_ohm = shunt_resistance_ohm
         self._off_at_s = sample_period_s + on_s
-        self._blind_samples = 0
+        self._dropouts = 0
 
     def first_command(self) -> Command:
         """Return the sense voltage."""
@@ -81,18 +82,16 @@ class HeldCurrent:
         reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
         if not reading.valid:
             return Decision(Drive(self._kept(sample)), {})
-        self._blind_samples = 0
+        self._dropouts = 0
         circuit_ohm = sample.drive_voltage_v * self._shunt_resistance_ohm / sample.shunt_voltage_v
         wanted_v = self._current_a * circuit_ohm
         return Decision(Drive(min(max(wanted_v, self._sense_voltage_v), self._maximum_voltage_v)), {})
 
     def _kept(self, sample: RawSample) -> float:
-        self._blind_samples += 1
-        if self._blind_samples >= LONGEST_BLIND_SAMPLES:
-            raise RigError(
-                f"no current through the wire for {self._blind_samples} samples up to {sample.time_s:.2f} s at "
-                f"{sample.drive_voltage_v:.2f} V: check wire, clamps and shunt; the rig is at its sense voltage"
-            )
+        self._dropouts += 1
+        failure = dropout_failure(self._dropouts, sample, MAX_DROPOUTS)
+        if failure:
+            raise RigError(failure)
         return sample.drive_voltage_v
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from pathlib import Path
+from typing import Unpack
 
 import numpy as np
 
@@ -15,10 +15,11 @@ from musclewire.controllers import DriveLimits
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.closings import CLOSING_S, REST_S, GripperKnowledge, closing_waveform, gripper_of
 from musclewire.experiment.open_loop import Waveform
-from musclewire.experiment.run import Decision, OnSample, run_on_rig
+from musclewire.experiment.run import Decision, RunOptions, run_on_rig
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.contact import AirMoves, ContactDetector
 from musclewire.sensing.curve import evaluate
+from musclewire.sensing.estimator import dropout_failure
 from musclewire.sensing.grip_force import fall_by_cooling
 from musclewire.sensing.resistance import wire_resistance
 from musclewire.signals.commands import Command, Drive
@@ -34,16 +35,30 @@ HOLD_S = 5.0
 HOLD_SHARE = 0.96
 # The end of the hold is judged.
 JUDGED_S = 3.0
-LONGEST_BLIND_SAMPLES = 10
 # Noise of one sample's motion must not take more of the power away than this leaves.
 LEAST_HOLDING_SHARE = 0.4
+
+
+@dataclass(frozen=True)
+class GripPlan:
+    """How a gripper is to close and hold.
+
+    ``closing`` is the drive over time while it closes; without contact it opens again at ``closes_until_s``, and if the
+    target is out of reach it stays at ``closed_v``, which closes fully. With ``stiffness_n_per_m`` None the object's
+    stiffness is taken from the power that contact costs, as it is when the target is reached.
+    """
+
+    closing: Waveform
+    closes_until_s: float
+    closed_v: float
+    target_n: float
+    stiffness_n_per_m: float | None
 
 
 class GripPolicy:
     """Closes with rising power, watches for contact, closes on to the target force and holds the drive there.
 
-    Without contact it opens again at the end. With ``stiffness_n_per_m`` None the object's stiffness is taken from
-    the power that contact costs, as it is when the target is reached.
+    Without contact it opens again at the end.
     """
 
     columns = ("wire_resistance_ohm", "contact_score", "contact", "estimated_grip_force_n", "target_grip_force_n")
@@ -52,22 +67,16 @@ class GripPolicy:
         self,
         knowledge: GripperKnowledge,
         detector: ContactDetector,
-        closing: Waveform,
+        plan: GripPlan,
         limits: DriveLimits,
         *,
         shunt_resistance_ohm: float,
         sample_period_s: float,
-        closes_until_s: float,
-        closed_v: float,
-        target_n: float,
-        stiffness_n_per_m: float | None,
     ) -> None:
-        """Begin with the waveform; it is left at the target force or, without contact, at ``closes_until_s``."""
+        """Begin with the plan's waveform; it is left at the target force or, without contact, at its end."""
         self._curve, self._free, self._detector = knowledge.curve, knowledge.free, detector
-        self._closing, self._limits = closing, limits
+        self._plan, self._limits = plan, limits
         self._shunt_resistance_ohm, self._sample_period_s = shunt_resistance_ohm, sample_period_s
-        self._closes_until_s, self._closed_v = closes_until_s, closed_v
-        self._target_n, self._known_n_per_m = target_n, stiffness_n_per_m
         self.state = detector.start()
         self.stiffness_n_per_m: float | None = None
         self.contact = 1.0
@@ -75,21 +84,21 @@ class GripPolicy:
         self._held_places: list[float] = []
         self._force_n = 0.0
         self._place_before = 1.0
-        self._blind_samples = 0
+        self._dropouts = 0
 
     def first_command(self) -> Command:
         """Return the waveform's start."""
-        return Drive(self._closing(0.0))
+        return Drive(self._plan.closing(0.0))
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the next drive voltage and what the grip looks like from the wire's voltages."""
         reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
         drive = sample.drive_voltage_v
         if reading.valid:
-            self._blind_samples = 0
+            self._dropouts = 0
             drive = self._drive_after(sample, reading.resistance_ohm, elapsed_s)
         else:
-            self._lose_sight(sample)
+            self._bridge(sample)
         return Decision(
             Drive(drive),
             {
@@ -97,27 +106,27 @@ class GripPolicy:
                 "contact_score": self.state.score,
                 "contact": float(self.state.touched),
                 "estimated_grip_force_n": self._force_n,
-                "target_grip_force_n": self._target_n if self._held_v else 0.0,
+                "target_grip_force_n": self._plan.target_n if self._held_v else 0.0,
             },
         )
 
     def _drive_after(self, sample: RawSample, resistance_ohm: float, elapsed_s: float) -> float:
         """Return the drive after a sample with current, by the phase of the grip."""
         place = self._free.normalised(resistance_ohm)
-        if self._held_v is None and elapsed_s > self._closes_until_s:
+        if self._held_v is None and elapsed_s > self._plan.closes_until_s:
             # Open again where nothing was met; where the target is out of reach, stay at what closes fully.
-            return self._closed_v if self.state.touched else self._limits.sense_voltage_v
+            return self._plan.closed_v if self.state.touched else self._limits.sense_voltage_v
         if self._held_v is None:
             moved, self._place_before = self._place_before - place, place
             before_n, power_w = self._force_n, sample.wire_voltage_v**2 / resistance_ohm
             self.state = self._detector.step(self.state, resistance_ohm, power_w, self._sample_period_s)
             if not self.state.touched:
-                return self._closing(elapsed_s)
+                return self._plan.closing(elapsed_s)
             stiffness = self._follow_contact()
             self._force_n = self._curve.force_n(place, self.contact, stiffness)
             # The wire goes on for a sample: the hold begins where the next one would reach the target.
-            if self._force_n <= 0.0 or 2.0 * self._force_n - before_n < self._target_n:
-                return self._closing(elapsed_s)
+            if self._force_n <= 0.0 or 2.0 * self._force_n - before_n < self._plan.target_n:
+                return self._plan.closing(elapsed_s)
             self.stiffness_n_per_m = stiffness
             self._held_v = self._holding_voltage_v(sample.drive_voltage_v, power_w, place, moved)
             return self._held_v
@@ -128,9 +137,9 @@ class GripPolicy:
 
     def _follow_contact(self) -> float:
         """Say anew where contact began, and return the object's stiffness: the known one, or what power tells."""
-        if self._known_n_per_m is not None:
-            self.contact = self._curve.contact_place(self.state, self._known_n_per_m)
-            return self._known_n_per_m
+        if self._plan.stiffness_n_per_m is not None:
+            self.contact = self._curve.contact_place(self.state, self._plan.stiffness_n_per_m)
+            return self._plan.stiffness_n_per_m
         self.contact, stiffness = self._curve.met_by_power(self.state)
         return stiffness
 
@@ -142,14 +151,12 @@ class GripPolicy:
         still_v = drive_voltage_v * math.sqrt(max(1.0 - moving_w / power_w, LEAST_HOLDING_SHARE))
         return self._limits.clamp(HOLD_SHARE * still_v)
 
-    def _lose_sight(self, sample: RawSample) -> None:
-        """Hold the drive over a sample without current; give up when sight does not come back."""
-        self._blind_samples += 1
-        if self._blind_samples >= LONGEST_BLIND_SAMPLES:
-            raise RigError(
-                f"no current through the wires for {self._blind_samples} samples up to {sample.time_s:.2f} s at "
-                f"{sample.drive_voltage_v:.2f} V: check wires, clamps and shunt; the rig is at its sense voltage"
-            )
+    def _bridge(self, sample: RawSample) -> None:
+        """Hold the drive over a sample without current. Raises RigError where too many follow each other."""
+        self._dropouts += 1
+        failure = dropout_failure(self._dropouts, sample, pulls="wires")
+        if failure:
+            raise RigError(failure)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -181,39 +188,60 @@ def grip(
     air: AirMoves | None = None,
     closing_s: float = CLOSING_S,
     hold_s: float = HOLD_S,
-    path: str | Path | None = None,
-    overwrite: bool = False,
-    on_sample: OnSample | None = None,
+    **run: Unpack[RunOptions],
 ) -> GripRun:
     """Close the fingers, find contact, go on to a force and hold it, by the wires' resistance alone.
 
-    ``stiffness_n_per_m`` is the object's, None where nobody knows it; ``air`` is what weather to expect. Raises
-    CallerError for a target not above 0, a stiffness not above 0, or another gripper than the one learned on.
+    Parameters
+    ----------
+    rig
+        An open rig of a gripper.
+    knowledge
+        What free closings and known grips of this gripper have taught.
+    target_n
+        Force [N] to hold.
+    stiffness_n_per_m
+        Stiffness of the object [N/m]; None takes it from the power that contact costs.
+    air
+        How the air is expected to move; the gripper's own noise without.
+    closing_s
+        Time [s] in which it closes.
+    hold_s
+        Time [s] of the hold; its last 3 s are judged.
+    run
+        ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row.
+
+    Returns
+    -------
+    The recording with what was found.
+
+    Raises
+    ------
+    CallerError
+        If target or stiffness is not above 0, the hold too short, or the gripper not the one of the knowledge.
+    RigError
+        If the wires carry no current.
     """
     if not target_n > 0.0 or (stiffness_n_per_m is not None and not stiffness_n_per_m > 0.0):
         raise CallerError(f"target force {target_n:g} N and stiffness {stiffness_n_per_m} N/m must be above 0")
     if not hold_s > JUDGED_S:
         raise CallerError(f"a hold of {hold_s:g} s is too short: its last {JUDGED_S:g} s are judged")
     knowledge.gripper.require_same(gripper_of(rig))
+    plan = GripPlan(
+        closing_waveform(rig, closing_s), REST_S + closing_s, rig.drive_amplitude_v, target_n, stiffness_n_per_m
+    )
     policy = GripPolicy(
         knowledge,
         ContactDetector(knowledge.free, air),
-        closing_waveform(rig, closing_s),
+        plan,
         DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v),
         shunt_resistance_ohm=rig.shunt_resistance_ohm,
         sample_period_s=rig.sample_period_s,
-        closes_until_s=REST_S + closing_s,
-        closed_v=rig.drive_amplitude_v,
-        target_n=target_n,
-        stiffness_n_per_m=stiffness_n_per_m,
     )
     metadata: dict[str, MetadataValue] = {
         "experiment": "grip", "closing_s": closing_s, "rest_s": REST_S, "known_stiffness_n_per_m": stiffness_n_per_m,
     }  # fmt: skip
-    recording = run_on_rig(
-        rig, policy, REST_S + closing_s + hold_s,
-        metadata=metadata, path=path, overwrite=overwrite, on_sample=on_sample,
-    )  # fmt: skip
+    recording = run_on_rig(rig, policy, REST_S + closing_s + hold_s, metadata=metadata, **run)
     return judged(recording, policy, knowledge, target_n)
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter_ns
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypedDict
 
 from musclewire.errors import CallerError
 from musclewire.experiment.recorder import Recorder
@@ -22,7 +22,7 @@ from musclewire.signals.commands import Command
 from musclewire.signals.recording import MetadataValue, Recording
 from musclewire.signals.samples import ELECTRICAL_COLUMNS, REFERENCE_COLUMNS, RawSample
 
-__all__ = ["Decision", "OnSample", "Policy", "file_in", "refuse_unusable", "run_on_rig"]
+__all__ = ["Decision", "OnSample", "Policy", "RunOptions", "file_in", "refuse_unusable", "run_on_rig"]
 
 OnSample = Callable[[Mapping[str, float]], None]
 Exchange = Callable[[Command], RawSample]
@@ -30,6 +30,18 @@ Exchange = Callable[[Command], RawSample]
 PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
 # A block takes some milliseconds to write, on a busy machine over ten: in shorter periods another process writes it.
 LEAST_PERIOD_FOR_DISK_S = 0.02
+
+
+class RunOptions(TypedDict, total=False):
+    """Keywords of every run on a rig.
+
+    ``path`` is the recording's file, none without; ``overwrite`` replaces one that exists; ``on_sample`` sees every
+    recorded row and may raise to stop the run.
+    """
+
+    path: str | Path | None
+    overwrite: bool
+    on_sample: OnSample | None
 
 
 class Decision(NamedTuple):

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import functools
 import importlib.resources
+import re
 import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
 from musclewire.errors import CallerError, nearest_hint
 
@@ -70,13 +71,54 @@ _ALL = (
     Column("proportional_gain", "", "proportional gain in force at this tick", "control"),
     Column("integral_gain", "", "integral gain in force at this tick", "control"),
     Column("derivative_gain", "", "derivative gain in force at this tick", "control"),
+    Column("slow_correction", "", "of an estimator's slow part: 0 none due, 1 applied, 2 late, 3 failed", "control"),
     Column("cycle", "", "number of the cycle this row belongs to", "control"),
     Column("resistance_ohm", "ohm", "resistance at which both branches are given", "table"),
     Column("strain_heating", "", "strain on the heating branch at this resistance", "table"),
     Column("strain_cooling", "", "strain on the cooling branch at this resistance", "table"),
 )
 
-COLUMNS: Mapping[str, Column] = MappingProxyType({column.name: column for column in _ALL})
+# What an estimator or a controller of another package records begins with this; its unit is the name's ending.
+EXTRA_PREFIX = "extra_"
+EXTRA_NAME = re.compile(r"extra_[a-z0-9]+(?:_[a-z0-9]+)*")
+UNIT_ENDINGS = {
+    "s": "s",
+    "v": "V",
+    "a": "A",
+    "ohm": "ohm",
+    "m": "m",
+    "n": "N",
+    "k": "K",
+    "pa": "Pa",
+    "w": "W",
+    "j": "J",
+}
+
+
+class _Columns(dict[str, Column]):
+    """All columns by name; one that begins with ``extra_`` is made when it is looked up, in any process."""
+
+    def __missing__(self, name: str) -> Column:
+        """Return an extra column. Raises KeyError for any other name."""
+        if not (isinstance(name, str) and EXTRA_NAME.fullmatch(name)):
+            raise KeyError(name)
+        words = name.removeprefix(EXTRA_PREFIX).split("_")
+        unit = UNIT_ENDINGS.get(words[-1], "") if len(words) > 1 else ""
+        return Column(name, unit, "recorded by an estimator or controller of another package", "control")
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return a column by its name, an extra one included, or a default."""
+        try:
+            return self[name]
+        except KeyError:
+            return default
+
+    def __contains__(self, name: object) -> bool:
+        """Return whether a recording may have a column of this name."""
+        return super().__contains__(name) or (isinstance(name, str) and EXTRA_NAME.fullmatch(name) is not None)
+
+
+COLUMNS: Mapping[str, Column] = MappingProxyType(_Columns({column.name: column for column in _ALL}))
 
 # Two kinds of table have no clock, and these columns stand in for one: a printed loop, and what a test machine writes
 # while it heats and cools a wire under constant stress, where only the order of the rows counts.

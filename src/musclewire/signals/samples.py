@@ -1,10 +1,22 @@
-"""One tick of a rig, as plain values."""
+"""One tick of a loop as plain values: what a rig measures, an estimator makes of it, and a controller answers."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from enum import IntEnum
+from typing import Any, NamedTuple
 
-__all__ = ["ELECTRICAL_COLUMNS", "REFERENCE_COLUMNS", "RawSample"]
+from musclewire.signals.commands import Command
+
+__all__ = [
+    "ELECTRICAL_COLUMNS",
+    "REFERENCE_COLUMNS",
+    "ControlStep",
+    "EstimatorStep",
+    "QuantityEstimate",
+    "RawSample",
+    "Reason",
+    "WireSample",
+]
 
 
 class RawSample(NamedTuple):
@@ -49,3 +61,62 @@ class RawSample(NamedTuple):
 # What every rig gives, and the reference instruments that only some have: those that may be missing.
 ELECTRICAL_COLUMNS = tuple(name for name in RawSample._fields if name not in RawSample._field_defaults)
 REFERENCE_COLUMNS = tuple(RawSample._field_defaults)
+
+
+class WireSample(NamedTuple):
+    """All that an estimator may see of a sample: drive, wire and shunt voltage [V], time [s], the air [K] or None.
+
+    No reference instrument is in it: what senses the wire by itself cannot read one by mistake.
+    """
+
+    time_s: float
+    drive_voltage_v: float
+    wire_voltage_v: float
+    shunt_voltage_v: float
+    ambient_temperature_k: float | None = None
+
+
+class Reason(IntEnum):
+    """Why an estimate is valid or not; the number is what a recording holds."""
+
+    OK = 0
+    NO_CURRENT = 1
+    """No current flows, so there is no resistance."""
+    MISMATCH = 2
+    """The resistance is one that the model's wire never has."""
+    OUT_OF_RANGE = 3
+    """The resistance lies outside of the range in which the model senses."""
+    COLD = 4
+    """The wire is still on its way from A to B, where resistance does not tell the quantity."""
+    NOT_READY = 5
+    """The estimator has not seen enough samples yet."""
+
+
+class QuantityEstimate(NamedTuple):
+    """What an estimator makes of a sample.
+
+    ``value`` and ``std`` (standard deviation) are finite, in the quantity's SI unit, whether valid or not. ``failure``
+    says in one line why a run must end here, after ``reason`` has lasted too long; "" while it may go on.
+    """
+
+    value: float
+    std: float
+    valid: bool
+    reason: Reason = Reason.OK
+    failure: str = ""
+
+
+class EstimatorStep(NamedTuple):
+    """What an estimator returns for a sample: the estimate, its next state, and a number for each of its columns."""
+
+    estimate: QuantityEstimate
+    state: Any
+    recorded: tuple[float, ...]
+
+
+class ControlStep(NamedTuple):
+    """What a controller returns for a tick: the command, its next state, and a number for each of its columns."""
+
+    command: Command
+    state: Any
+    recorded: tuple[float, ...]

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from musclewire.controllers import DriveLimits, FuzzyPid, FuzzyPidSettings, RuleBase
+from musclewire.controllers import DriveLimits, FuzzyPid, FuzzyPidController, FuzzyPidSettings, RuleBase
 from musclewire.controllers.fuzzy_pid import ControllerState
 from musclewire.controllers.protection import (
     Event,
@@ -24,7 +24,9 @@ from musclewire.controllers.protection import (
     tripped_by,
 )
 from musclewire.sensing.model import SensingModel
-from musclewire.sensing.resistance import wire_resistance
+from musclewire.sensing.polynomial import PolynomialEstimator
+from musclewire.signals.commands import drive_voltage_of
+from musclewire.signals.samples import QuantityEstimate, Reason
 
 __all__ = ["Outcome", "ReferenceTick"]
 
@@ -69,7 +71,8 @@ class ReferenceTick:
 
     def __post_init__(self) -> None:
         """Build the controller and start."""
-        self._controller = FuzzyPid(self.settings, self.limits, self.rule_base)
+        self._controller = FuzzyPidController(FuzzyPid(self.settings, self.limits, self.rule_base))
+        self._estimator = PolynomialEstimator(self.model, self.protection_limits.shunt_resistance_ohm)
         self.start()
 
     def start(self) -> None:
@@ -79,7 +82,7 @@ class ReferenceTick:
         self._mean, self._block = Sums(), Sums()
         self._resistance_ohm = 0.0
         self._estimate, self._valid = self.model.quantity_min, False
-        self._gains = (0.0, 0.0, 0.0)
+        self._gains: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     @property
     def drive_voltage_v(self) -> float:
@@ -88,11 +91,14 @@ class ReferenceTick:
 
     def outcome(self) -> Outcome:
         """Return what the last tick left behind."""
+        kp, ki, kd = self._gains
         return Outcome(
             self._resistance_ohm,
             self._estimate,
             self._valid,
-            *self._gains,
+            kp,
+            ki,
+            kd,
             self.drive_voltage_v,
             int(self.protection.state),
             int(self.protection.event),
@@ -123,28 +129,24 @@ class ReferenceTick:
         mean, self._mean = self._mean, Sums()
         self._resistance_ohm = 0.0
         if mean.samples:
-            shunt_ohm = self.protection_limits.shunt_resistance_ohm
-            reading = wire_resistance(mean.wire_v / mean.samples, mean.shunt_v / mean.samples, shunt_ohm)
-            self._resistance_ohm = reading.resistance_ohm
-        drive_v = -1.0
-        if math.isfinite(target):
-            drive_v = self._controlled(target, dt_s) if self._resistance_ohm > 0.0 else self._blind()
+            self._resistance_ohm = self._estimator.read(mean.wire_v / mean.samples, mean.shunt_v / mean.samples)[0]
+        drive_v = self._controlled(target, dt_s) if math.isfinite(target) else -1.0
         self.protection = protect_command(self.protection, self.protection_limits, drive_v)
         return self.outcome()
 
     def _controlled(self, target: float, dt_s: float) -> float:
-        estimate = self.model.estimate(self._resistance_ohm)
+        """Return the controller's drive; before its first estimate it keeps what may be out."""
+        estimate = self._sensed()
         self._estimate, self._valid = estimate.value, estimate.valid
-        if self._pid is None:
-            self._pid = self._controller.start(self.drive_voltage_v, self._estimate, target)
-        result = self._controller.step(self._pid, target, self._estimate, dt_s)
-        self._pid = result.state
-        self._gains = (result.kp, result.ki, result.kd)
-        return result.drive_voltage_v
-
-    def _blind(self) -> float:
-        self._valid, self._gains = False, (0.0, 0.0, 0.0)
-        if self._pid is None:
+        if self._pid is None and estimate.reason is Reason.NO_CURRENT:
+            self._gains = (0.0, 0.0, 0.0)
             return self.drive_voltage_v
-        self._pid = self._controller.hold(self._pid)
-        return self._pid.drive_voltage_v
+        before = self._controller.start(self.drive_voltage_v) if self._pid is None else self._pid
+        command, self._pid, self._gains = self._controller.step(before, target, estimate, dt_s)
+        return drive_voltage_of(command)
+
+    def _sensed(self) -> QuantityEstimate:
+        """Return the estimate of the last resistance; the last one where there is no current."""
+        if not self._resistance_ohm > 0.0:
+            return QuantityEstimate(self._estimate, 0.0, False, Reason.NO_CURRENT)
+        return QuantityEstimate(*self.model.estimate(self._resistance_ohm))

@@ -1,0 +1,197 @@
+"""Run the slow part of an estimator beside the loop: in line in simulation, in a thread on a rig with a clock.
+
+Both ways give the same recording, as a correction takes effect exactly ``after_ticks`` ticks after it was requested,
+never earlier; in the thread it may be late, and then the old one stays and the sample says so. Nothing here waits: a
+tick looks whether the result is there and goes on. What the slow part raises never reaches the loop: it counts as a
+failed correction, and the run's metadata say how many there were and what the first one was.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections import deque
+from collections.abc import Callable
+from enum import IntEnum
+from queue import SimpleQueue
+from typing import Any, NamedTuple, Protocol
+
+from musclewire.errors import CallerError
+from musclewire.sensing.estimator import SlowPart
+from musclewire.signals.recording import MetadataValue
+from musclewire.signals.samples import WireSample
+
+__all__ = ["CORRECTION_COLUMN", "Correction", "InLine", "InThread", "SlowCorrections", "SlowStatus"]
+
+CORRECTION_COLUMN = "slow_correction"
+# While a slow part computes in Python, the tick gets the interpreter back after at most this; Python's default is 5 ms.
+SWITCH_INTERVAL_S = 0.0005
+
+
+class SlowStatus(IntEnum):
+    """What a sample says of the correction that was due at it."""
+
+    NONE_DUE = 0
+    APPLIED = 1
+    LATE = 2
+    FAILED = 3
+
+
+class Correction(NamedTuple):
+    """What a slow part returned, or the exception it raised."""
+
+    value: Any
+    error: Exception | None = None
+
+
+class Executor(Protocol):
+    """Where slow parts are computed: one at a time."""
+
+    def request(self, compute: Callable[[], Any]) -> Callable[[], Correction | None] | None:
+        """Begin to compute; return what tells the result, None of it as yet; or None if the last one still runs."""
+        ...
+
+    def close(self) -> None:
+        """Let go; a computation that still runs is left alone."""
+        ...
+
+
+def computed(compute: Callable[[], Any]) -> Correction:
+    """Return what a slow part returns or raises."""
+    try:
+        return Correction(compute())
+    except Exception as error:
+        return Correction(None, error)
+
+
+class InLine:
+    """Computes at once, in the caller's time: for simulations, in which time stands still meanwhile."""
+
+    def request(self, compute: Callable[[], Any]) -> Callable[[], Correction | None]:
+        """Compute, and return what tells the result."""
+        result = computed(compute)
+        return lambda: result
+
+    def close(self) -> None:
+        """Do nothing."""
+
+
+class InThread:
+    """Computes in a thread that the tick never waits for; the process does not wait for it at its end either."""
+
+    def __init__(self) -> None:
+        """Start the thread, and let the interpreter change threads often enough for a tick."""
+        self._work: SimpleQueue[tuple[Callable[[], Any], list[Correction]] | None] = SimpleQueue()
+        self._running: list[Correction] | None = None
+        self._interval_s = sys.getswitchinterval()
+        sys.setswitchinterval(min(SWITCH_INTERVAL_S, self._interval_s))
+        threading.Thread(target=self._follow, name="musclewire slow part", daemon=True).start()
+
+    def _follow(self) -> None:
+        """Compute what is requested until the run ends."""
+        while (task := self._work.get()) is not None:
+            compute, results = task
+            results.append(computed(compute))
+
+    def request(self, compute: Callable[[], Any]) -> Callable[[], Correction | None] | None:
+        """Hand over to the thread; None while it is busy with the last one."""
+        if self._running is not None and not self._running:
+            return None
+        results: list[Correction] = []
+        self._running = results
+        self._work.put((compute, results))
+        return lambda: results[0] if results else None
+
+    def close(self) -> None:
+        """Let the thread end after what it is computing, and give the interpreter its interval back."""
+        self._work.put(None)
+        sys.setswitchinterval(self._interval_s)
+
+
+class SlowCorrections:
+    """Requests corrections of an estimator's slow part and puts them into effect, tick by tick.
+
+    Parameters
+    ----------
+    slow_part
+        The estimator's slow part.
+    executor
+        ``InLine()`` where no clock runs, ``InThread()`` on a rig with one.
+
+    Raises
+    ------
+    CallerError
+        If the slow part's ticks cannot be: a correction must take effect before the next one is requested.
+    """
+
+    def __init__(self, slow_part: SlowPart, executor: Executor) -> None:
+        """Begin with an empty window."""
+        if not (slow_part.window_ticks >= 1 and 1 <= slow_part.after_ticks <= slow_part.every_ticks):
+            raise CallerError(
+                f"a slow part with a window of {slow_part.window_ticks} ticks that is requested every "
+                f"{slow_part.every_ticks} ticks and takes effect after {slow_part.after_ticks}: the window must be at "
+                "least 1, and the effect from 1 tick to those between two requests"
+            )
+        self._slow, self._executor = slow_part, executor
+        self._window: deque[WireSample] = deque(maxlen=slow_part.window_ticks)
+        self._tick = 0
+        self._due_tick: int | None = None
+        self._result: Callable[[], Correction | None] | None = None
+        self._counts = dict.fromkeys(SlowStatus, 0)
+        self._first_error = ""
+
+    def before(self, state: Any) -> tuple[Any, SlowStatus]:
+        """Return the state with which the next sample is estimated, and what became of a correction due at it.
+
+        Parameters
+        ----------
+        state
+            The estimator's state.
+
+        Returns
+        -------
+        The state, corrected if a correction was due and there, and the status to record.
+        """
+        if self._due_tick is None or self._tick < self._due_tick:
+            return state, SlowStatus.NONE_DUE
+        result = None if self._result is None else self._result()
+        self._due_tick = self._result = None
+        state, status = self._in_effect(state, result)
+        self._counts[status] += 1
+        return state, status
+
+    def _in_effect(self, state: Any, result: Correction | None) -> tuple[Any, SlowStatus]:
+        """Return the state with a correction that is due, or the old one if it is late or failed."""
+        if result is None:
+            return state, SlowStatus.LATE
+        error = result.error
+        if error is None:
+            try:
+                return self._slow.corrected(state, result.value), SlowStatus.APPLIED
+            except Exception as raised:
+                error = raised
+        self._first_error = self._first_error or f"{type(error).__name__}: {error}"
+        return state, SlowStatus.FAILED
+
+    def after(self, sample: WireSample) -> None:
+        """Take a sample into the window and, if it is time, request a correction; returns at once on a rig's clock."""
+        self._window.append(sample)
+        slow = self._slow
+        since_full = self._tick - (slow.window_ticks - 1)
+        if since_full >= 0 and since_full % slow.every_ticks == 0:
+            window = tuple(self._window)
+            self._due_tick = self._tick + slow.after_ticks
+            self._result = self._executor.request(lambda: slow.correction(window))
+        self._tick += 1
+
+    def metadata(self) -> dict[str, MetadataValue]:
+        """Return how many corrections were applied, late and failed so far, and the first error."""
+        counts: dict[str, MetadataValue] = {
+            f"slow_corrections_{status.name.lower()}": self._counts[status]
+            for status in (SlowStatus.APPLIED, SlowStatus.LATE, SlowStatus.FAILED)
+        }
+        return {**counts, **({"slow_correction_error": self._first_error} if self._first_error else {})}
+
+    def close(self) -> None:
+        """Let go of the thread, if there is one."""
+        self._executor.close()

@@ -1,0 +1,229 @@
+"""What an estimator is: a sample of the wire in, state in; estimate with standard deviation, validity and reason out.
+
+An estimator has no clock, reads no reference instrument and keeps nothing to itself: all it remembers is its state,
+which the loop hands back. ``tests/contract/test_estimator_contract.py`` holds every implementation to this.
+
+Another estimator is one file with a factory, an ``EstimatorFactory``, and a name for it: a line in ``ESTIMATORS`` here,
+or from outside ``ESTIMATORS.register("name", factory)`` or an entry point of the group "musclewire.estimators". One
+that needs physics may use published equations (``physics``) with constants from the user's own wire file, never the
+simulator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from musclewire.registry import Registry
+from musclewire.sensing.fit_report import FittedCurve
+from musclewire.sensing.known_load import KnownSpring
+from musclewire.signals.samples import EstimatorStep, QuantityEstimate, RawSample, WireSample
+
+__all__ = [
+    "ESTIMATORS",
+    "MAX_DROPOUTS",
+    "Estimator",
+    "EstimatorFactory",
+    "EstimatorSetup",
+    "SlowPart",
+    "dropout_failure",
+    "estimates",
+    "wire_sample",
+]
+
+# A sample without current is bridged by holding the drive; this many in a row are a broken wire or circuit.
+MAX_DROPOUTS = 10
+
+
+class SlowPart(Protocol):
+    """The part of an estimator that takes longer than a tick: a window of samples in, a correction out.
+
+    Every ``every_ticks`` ticks a correction is requested, and exactly ``after_ticks`` ticks later it takes effect: in
+    line in simulation, out of a thread on a rig with a clock, with the same result. One that is late or fails leaves
+    the old correction in place, and the sample says so (``experiment/slow_corrections.py``).
+    """
+
+    @property
+    def window_ticks(self) -> int:
+        """Of how many of the latest samples a correction is made; the first is requested when there are as many."""
+        ...
+
+    @property
+    def every_ticks(self) -> int:
+        """After how many ticks the next correction is requested."""
+        ...
+
+    @property
+    def after_ticks(self) -> int:
+        """How many ticks after it was requested a correction takes effect: from 1 to ``every_ticks``."""
+        ...
+
+    def correction(self, window: tuple[WireSample, ...]) -> Any:
+        """Return a correction. Pure, and run in another thread on a rig: it touches nothing but its argument.
+
+        Parameters
+        ----------
+        window
+            The latest ``window_ticks`` samples, oldest first.
+
+        Returns
+        -------
+        An immutable value that only ``corrected`` reads.
+        """
+        ...
+
+    def corrected(self, state: Any, correction: Any) -> Any:
+        """Return the estimator's state with a correction in effect. Pure and quick: it runs within a tick.
+
+        Parameters
+        ----------
+        state
+            The estimator's state before the tick.
+        correction
+            What ``correction`` returned.
+
+        Returns
+        -------
+        The state with which the tick is estimated.
+        """
+        ...
+
+
+class Estimator(Protocol):
+    """Estimates strain, displacement or force of a wire from its own voltages, sample by sample."""
+
+    @property
+    def quantity(self) -> str:
+        """What it estimates: "strain", "displacement" or "force"."""
+        ...
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns that it wants recorded, one for each number in ``EstimatorStep.recorded``."""
+        ...
+
+    @property
+    def has_c_form(self) -> bool:
+        """Whether ``musclewire export c`` writes it, so that a board can run it."""
+        ...
+
+    @property
+    def slow_part(self) -> SlowPart | None:
+        """The part that takes longer than a tick; None without one."""
+        ...
+
+    def start(self) -> Any:
+        """Return the state before the first sample: an immutable value that only this estimator reads."""
+        ...
+
+    def step(self, state: Any, sample: WireSample) -> EstimatorStep:
+        """Return the estimate of one sample.
+
+        Pure: the same arguments give the same answer, and the state is not changed. Value and standard deviation are
+        always finite; without current the value is the last one.
+
+        Parameters
+        ----------
+        state
+            What ``start`` or the last ``step`` returned.
+        sample
+            What has been measured of the wire.
+
+        Returns
+        -------
+        Estimate, next state, and the numbers to record.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class EstimatorSetup:
+    """What a loop knows when it makes its estimator.
+
+    Parameters
+    ----------
+    model
+        The fitted curve of the wire; for a quantity of "force" already that of the force.
+    shunt_resistance_ohm
+        R [ohm] of Eq. 1.
+    sample_period_s
+        Time [s] between two samples.
+    load
+        The spring that the wire pulls, if force is estimated from a model of strain; its friction belongs to the force.
+    """
+
+    model: FittedCurve
+    shunt_resistance_ohm: float
+    sample_period_s: float
+    load: KnownSpring | None = None
+
+
+EstimatorFactory = Callable[[EstimatorSetup], Estimator]
+
+ESTIMATORS: Registry[EstimatorFactory] = Registry(
+    "estimator",
+    "musclewire.estimators",
+    {"polynomial": "musclewire.sensing.polynomial:polynomial_estimator"},
+)
+
+
+def wire_sample(sample: RawSample) -> WireSample:
+    """Return of a rig's sample what an estimator may see."""
+    return WireSample(
+        sample.time_s,
+        sample.drive_voltage_v,
+        sample.wire_voltage_v,
+        sample.shunt_voltage_v,
+        sample.ambient_temperature_k,
+    )
+
+
+def estimates(
+    estimator: Estimator, samples: Iterable[WireSample]
+) -> Iterator[tuple[QuantityEstimate, tuple[float, ...]]]:
+    """Estimate samples one after the other, from the estimator's start on.
+
+    Parameters
+    ----------
+    estimator
+        An estimator; its slow part is left out.
+    samples
+        What was measured, in order.
+
+    Returns
+    -------
+    For each sample the estimate, and the numbers the estimator wants recorded.
+    """
+    state = estimator.start()
+    for sample in samples:
+        estimate, state, recorded = estimator.step(state, sample)
+        yield estimate, recorded
+
+
+def dropout_failure(
+    dropouts: int, sample: WireSample | RawSample, allowed: int = MAX_DROPOUTS, pulls: str = "wire"
+) -> str:
+    """Return why a run must end after so many samples in a row without current; "" while they are bridged.
+
+    Parameters
+    ----------
+    dropouts
+        Samples without current in a row, this one included.
+    sample
+        The last of them.
+    allowed
+        How many end a run.
+    pulls
+        "wire", or "wires" if several share the circuit.
+
+    Returns
+    -------
+    One sentence for a ``RigError``, or "".
+    """
+    if dropouts < allowed:
+        return ""
+    return (
+        f"no current through the {pulls} for {dropouts} samples up to {sample.time_s:.2f} s at "
+        f"{sample.drive_voltage_v:.2f} V: check {pulls}, clamps and shunt; the rig is at its sense voltage"
+    )

@@ -1,0 +1,143 @@
+"""Every estimator keeps to ``sensing.estimator.Estimator``: pure, finite, bridging dropouts, with a reason."""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.sensing import ESTIMATORS, Estimator, EstimatorSetup, KnownSpring, SensingModel
+from musclewire.sensing.estimator import MAX_DROPOUTS, estimates
+from musclewire.signals.samples import QuantityEstimate, Reason, WireSample
+from slow_estimators import drifting
+
+# 4 % at 13.5 ohm, nothing at 17.5 ohm; the branches half a tenth of a percent apart.
+MODEL = SensingModel(13.5, 17.5, (0.0405, -0.04), (0.0395, -0.04), 0.05, 0.95, resistance_noise_ohm=0.005)
+PERIOD_S = 0.05
+FACTORIES = {**{name: ESTIMATORS.find(name) for name in ESTIMATORS.names()}, "with a slow part": drifting()}
+MADE: dict[str, Estimator] = {name: make(EstimatorSetup(MODEL, 1.0, PERIOD_S)) for name, make in FACTORIES.items()}
+
+every_estimator = pytest.mark.parametrize("name", FACTORIES)
+
+
+def sample(tick: int, resistance_ohm: float | None, drive_v: float = 2.0) -> WireSample:
+    """What a wire of a resistance shows at a drive; None for an open circuit."""
+    current_a = 0.0 if resistance_ohm is None else drive_v / (resistance_ohm + 1.0)
+    return WireSample(PERIOD_S * tick, drive_v, current_a * (resistance_ohm or 0.0), current_a)
+
+
+def followed(estimator: Estimator, resistances: list[float | None]) -> list[QuantityEstimate]:
+    return [estimate for estimate, _ in estimates(estimator, [sample(k, ohm) for k, ohm in enumerate(resistances)])]
+
+
+resistance_lists = st.lists(st.one_of(st.floats(5.0, 40.0), st.none()), min_size=1, max_size=30)
+any_volts = st.floats(allow_nan=True, allow_infinity=True)
+
+
+@every_estimator
+@given(resistance_lists)
+def test_the_same_sample_gives_the_same_estimate_and_the_state_is_left_alone(
+    name: str, resistances: list[float | None]
+) -> None:
+    estimator = MADE[name]
+    state = estimator.start()
+    assert state == estimator.start()
+    for tick, ohm in enumerate(resistances):
+        before = copy.deepcopy(state)
+        once = estimator.step(state, sample(tick, ohm))
+        assert estimator.step(state, sample(tick, ohm)) == once
+        assert state == before
+        state = once.state
+        hash(state)  # immutable all through
+
+
+@every_estimator
+@given(st.lists(st.tuples(any_volts, any_volts), min_size=1, max_size=10))
+def test_whatever_the_channels_say_value_and_deviation_are_finite_numbers(
+    name: str, volts: list[tuple[float, float]]
+) -> None:
+    samples = [WireSample(PERIOD_S * tick, 2.0, wire, shunt) for tick, (wire, shunt) in enumerate(volts)]
+    for estimate, recorded in estimates(MADE[name], samples):
+        assert math.isfinite(estimate.value)
+        assert math.isfinite(estimate.std)
+        assert estimate.std >= 0.0
+        assert estimate.valid == (estimate.reason is Reason.OK)
+        assert len(recorded) == len(MADE[name].columns)
+        assert all(math.isfinite(number) for number in recorded)
+
+
+@every_estimator
+def test_a_heated_wire_is_read_as_its_model_reads_it(name: str) -> None:
+    found = followed(MADE[name], [16.9 - 0.1 * k for k in range(20)])
+    assert [estimate.reason for estimate in found[-5:]] == [Reason.OK] * 5
+    read = MODEL.estimate(np.array([16.9 - 0.1 * k for k in range(20)]))
+    assert [estimate.value for estimate in found] == pytest.approx(
+        read.value.tolist(), abs=2.0 * MODEL.estimate(16.0).std
+    )
+
+
+@every_estimator
+def test_a_dropout_is_bridged_by_the_last_value_and_lasting_ones_end_the_run(name: str) -> None:
+    resistances: list[float | None] = [15.5] * 5 + [None] * MAX_DROPOUTS
+    found = followed(MADE[name], resistances)
+    assert [estimate.reason for estimate in found[5:]] == [Reason.NO_CURRENT] * MAX_DROPOUTS
+    assert {estimate.value for estimate in found[5:]} == {found[4].value}
+    assert all(estimate.std > found[4].std for estimate in found[5:])
+    assert [bool(estimate.failure) for estimate in found] == [False] * (len(found) - 1) + [True]
+    assert re.match(r"no current through the wire for 10 samples up to 0\.70 s at 2\.00 V", found[-1].failure)
+    again = followed(MADE[name], [15.5] * 5 + [None] * (MAX_DROPOUTS - 1) + [15.5] + [None] * (MAX_DROPOUTS - 1))
+    assert not any(estimate.failure for estimate in again)
+
+
+@every_estimator
+def test_the_resistance_of_another_wire_is_a_mismatch_and_ends_the_run_if_it_lasts(name: str) -> None:
+    for ohm in (4.0, 30.0):
+        found = followed(MADE[name], [15.5] * 3 + [ohm] * MAX_DROPOUTS)
+        assert {estimate.reason for estimate in found[3:]} == {Reason.MISMATCH}
+        assert "is not this model's wire" in found[-1].failure
+        assert not any(estimate.failure for estimate in found[:-1])
+    assert not any(estimate.failure for estimate in followed(MADE[name], [15.5, 30.0] * 20))
+
+
+@every_estimator
+def test_a_little_outside_of_the_valid_range_is_said_so(name: str) -> None:
+    found = followed(MADE[name], [15.5] * 3 + [13.5])
+    assert found[-1].reason is Reason.OUT_OF_RANGE
+
+
+@every_estimator
+def test_a_cold_wire_on_its_way_from_a_to_b_is_not_valid_yet(name: str) -> None:
+    found = followed(MADE[name], [17.0, 17.0, 17.0])
+    assert [estimate.reason for estimate in found] == [Reason.COLD] * 3
+
+
+@every_estimator
+def test_all_at_once_is_as_one_by_one(name: str) -> None:
+    resistances: list[float | None] = [17.2, 17.0, 16.0, None, 15.0, 14.2, 30.0, 14.5]
+    samples = [sample(tick, ohm) for tick, ohm in enumerate(resistances)]
+    state, single = MADE[name].start(), []
+    for one in samples:
+        step = MADE[name].step(state, one)
+        state = step.state
+        single.append((step.estimate, step.recorded))
+    assert list(estimates(MADE[name], samples)) == single
+
+
+@every_estimator
+def test_on_a_known_spring_the_friction_belongs_to_the_force(name: str) -> None:
+    spring = KnownSpring(500.0, friction_n=0.2)
+    force = SensingModel(13.5, 17.5, (2.0, -2.0), (2.0, -2.0), 0.05, 0.95, quantity="force")
+    estimator = FACTORIES[name](EstimatorSetup(force, 1.0, PERIOD_S, spring))
+    heating = [16.9 - 0.1 * k for k in range(20)]
+    found = followed(estimator, [*heating, *heating[::-1]])
+    assert found[10].value - found[-11].value == pytest.approx(0.4, abs=0.02)
+
+
+def test_the_papers_estimator_has_a_c_form_and_no_slow_part() -> None:
+    assert MADE["polynomial"].has_c_form
+    assert MADE["polynomial"].slow_part is None

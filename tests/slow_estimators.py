@@ -1,0 +1,66 @@
+"""A small estimator with a slow part, for the tests of what runs slow parts: an offset to the paper's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from musclewire.sensing.estimator import EstimatorSetup
+from musclewire.sensing.polynomial import PolynomialEstimator, PolynomialState
+from musclewire.signals.samples import EstimatorStep, WireSample
+
+
+class DriftingState(NamedTuple):
+    paper: PolynomialState
+    offset: float
+
+
+class MeanPower:
+    """A correction of the quantity by the mean power over a window; ``meanwhile`` is what takes long."""
+
+    window_ticks = 4
+
+    def __init__(
+        self, every_ticks: int = 10, after_ticks: int = 5, meanwhile: Callable[[], object] | None = None
+    ) -> None:
+        self.every_ticks, self.after_ticks = every_ticks, after_ticks
+        self._meanwhile = meanwhile
+
+    def correction(self, window: tuple[WireSample, ...]) -> float:
+        if self._meanwhile is not None:
+            self._meanwhile()
+        return sum(sample.wire_voltage_v * sample.shunt_voltage_v for sample in window) / len(window)
+
+    def corrected(self, state: DriftingState, correction: float) -> DriftingState:
+        return state._replace(offset=1e-4 * correction)
+
+
+class DriftingEstimator:
+    """The paper's estimate, plus an offset that only the slow part changes."""
+
+    columns = ("wire_resistance_ohm", "extra_offset")
+    has_c_form = False
+
+    def __init__(self, paper: PolynomialEstimator, slow_part: MeanPower) -> None:
+        self._paper, self.slow_part, self.quantity = paper, slow_part, paper.quantity
+
+    def start(self) -> DriftingState:
+        return DriftingState(self._paper.start(), 0.0)
+
+    def step(self, state: DriftingState, sample: WireSample) -> EstimatorStep:
+        estimate, paper, recorded = self._paper.step(state.paper, sample)
+        return EstimatorStep(
+            estimate._replace(value=estimate.value + state.offset),
+            DriftingState(paper, state.offset),
+            (*recorded, state.offset),
+        )
+
+
+def drifting(**slow: object) -> Callable[[EstimatorSetup], DriftingEstimator]:
+    """Return a factory of the estimator with a slow part of these numbers."""
+
+    def drifting_estimator(setup: EstimatorSetup) -> DriftingEstimator:
+        paper = PolynomialEstimator(setup.model, setup.shunt_resistance_ohm, setup.load)
+        return DriftingEstimator(paper, MeanPower(**slow))  # type: ignore[arg-type]
+
+    return drifting_estimator
