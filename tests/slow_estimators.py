@@ -7,12 +7,13 @@ from typing import NamedTuple
 
 from musclewire.sensing.estimator import EstimatorSetup
 from musclewire.sensing.polynomial import PolynomialEstimator, PolynomialState
-from musclewire.signals.samples import EstimatorStep, WireSample
+from musclewire.signals.samples import EstimatorStep, Reason, WireSample
 
 
 class DriftingState(NamedTuple):
     paper: PolynomialState
     offset: float
+    value: float
 
 
 class MeanPower:
@@ -32,6 +33,8 @@ class MeanPower:
         return sum(sample.wire_voltage_v * sample.shunt_voltage_v for sample in window) / len(window)
 
     def corrected(self, state: DriftingState, correction: float) -> DriftingState:
+        if not 0.0 <= correction < 100.0:
+            raise ValueError(f"no wire takes {correction} W")
         return state._replace(offset=1e-4 * correction)
 
 
@@ -45,14 +48,14 @@ class DriftingEstimator:
         self._paper, self.slow_part, self.quantity = paper, slow_part, paper.quantity
 
     def start(self) -> DriftingState:
-        return DriftingState(self._paper.start(), 0.0)
+        paper = self._paper.start()
+        return DriftingState(paper, 0.0, paper.value)
 
     def step(self, state: DriftingState, sample: WireSample) -> EstimatorStep:
         estimate, paper, recorded = self._paper.step(state.paper, sample)
+        value = state.value if estimate.reason is Reason.NO_CURRENT else estimate.value + state.offset
         return EstimatorStep(
-            estimate._replace(value=estimate.value + state.offset),
-            DriftingState(paper, state.offset),
-            (*recorded, state.offset),
+            estimate._replace(value=value), DriftingState(paper, state.offset, value), (*recorded, state.offset)
         )
 
 

@@ -69,6 +69,8 @@ _HOMES = {
     "Recording": "musclewire.signals",
     "SensingModel": "musclewire.sensing",
     "FuzzyPidSettings": "musclewire.controllers",
+    "CONTROLLERS": "musclewire.controllers",
+    "ESTIMATORS": "musclewire.sensing",
     "MusclewireError": "musclewire.errors",
 }
 

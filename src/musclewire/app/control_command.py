@@ -14,6 +14,8 @@ import typer
 from musclewire.app.commands import add_command
 from musclewire.app.files import require_recording_file
 from musclewire.app.options import (
+    CONTROLLER,
+    ESTIMATOR,
     KNOWN_STIFFNESS,
     ON_BOARD,
     OUTPUT,
@@ -46,6 +48,8 @@ __all__ = ["add_control_command", "metrics_json"]
 STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
 # A closed loop with a smaller fraction of valid estimates was not closed.
 MIN_VALID_FRACTION = 0.8
+# The paper's controller, whose rule base --rules names.
+FUZZY_PID, DEFAULT_RULES = "fuzzy-pid", "zhao-1993"
 
 
 def add_control_command(app: typer.Typer) -> None:
@@ -55,12 +59,14 @@ def add_control_command(app: typer.Typer) -> None:
 
 @dataclass(frozen=True)
 class Loop:
-    """What is controlled, along which reference, by which rules, and where the loop is closed."""
+    """What is controlled, along which reference, by which estimator and controller, and where the loop is closed."""
 
     quantity: Annotated[str, QUANTITY] = "strain"
     known_stiffness: Annotated[str | None, KNOWN_STIFFNESS] = None
     reference: Annotated[str, REFERENCE] = "staircase"
-    rules: Annotated[str, RULES] = "zhao-1993"
+    estimator: Annotated[str, ESTIMATOR] = "polynomial"
+    controller: Annotated[str, CONTROLLER] = FUZZY_PID
+    rules: Annotated[str, RULES] = DEFAULT_RULES
     recalibrate: Annotated[bool, RECALIBRATE] = False
     on_board: Annotated[bool, ON_BOARD] = False
 
@@ -76,7 +82,6 @@ def control(
     json: Json = False,
 ) -> None:
     """Closed loop: move the wire by its own resistance; MAE of each step."""
-    from musclewire.controllers import FuzzyPidSettings
     from musclewire.experiment.closed_loop import APPROACH_S
     from musclewire.rigs.configuration import open_rig
     from musclewire.sensing import load_model
@@ -84,7 +89,7 @@ def control(
     loaded = load_model(model)
     load = known_spring(loaded, model, loop.quantity, in_si("--known-stiffness", loop.known_stiffness))
     target = read_reference(loop.reference, loop.quantity)
-    settings = FuzzyPidSettings(rule_base=loop.rules)
+    settings = settings_of(loop)
     if output is not None:
         require_recording_file(output, overwrite)
     follow = loop_of(loaded, settings, load, loop)
@@ -125,6 +130,8 @@ def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> d
         **timing_json(run.metadata),
         "known_stiffness_n_per_m": None if load is None else load.stiffness_n_per_m,
         "known_friction_n": None if load is None else load.friction_n,
+        "estimator": run.metadata.get("estimator"),
+        "controller": run.metadata.get("controller"),
         "ended": run.metadata["ended"],
         "samples": len(run),
         "warnings": [*refused, *warn(force_warnings(run))],
@@ -132,7 +139,7 @@ def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> d
 
 
 def loop_of(
-    model: SensingModel, settings: FuzzyPidSettings, load: KnownSpring | None, loop: Loop
+    model: SensingModel, settings: FuzzyPidSettings | None, load: KnownSpring | None, loop: Loop
 ) -> Callable[..., ControlRun]:
     """Return what runs the closed loop: on the host, or on the board that was built for this model and controller.
 
@@ -141,7 +148,11 @@ def loop_of(
     if not loop.on_board:
         from musclewire.experiment.closed_loop import control as control_on_host
 
-        return partial(control_on_host, settings=settings, load=load)
+        return partial(
+            control_on_host, estimator=loop.estimator, controller=loop.controller, settings=settings, load=load
+        )
+    if (loop.estimator, loop.controller) != ("polynomial", FUZZY_PID):
+        raise CallerError("--on-board runs the firmware's own estimator and controller: leave both names out")
     if load is not None or loop.recalibrate:
         raise CallerError(
             "--on-board runs by the firmware's own numbers: leave out --known-stiffness and --recalibrate"
@@ -151,6 +162,25 @@ def loop_of(
     from musclewire.export.c import loop_checksum
 
     return partial(control_on_board, checksum=loop_checksum(model, settings_for(model, settings)))
+
+
+def settings_of(loop: Loop) -> FuzzyPidSettings | None:
+    """Return the settings of the fuzzy-tuned PID, None for another controller, whose own are its defaults.
+
+    Raises CallerError for an unknown estimator or controller, and for rules without the controller they belong to.
+    """
+    from musclewire.controllers import CONTROLLERS, FuzzyPidSettings
+    from musclewire.sensing import ESTIMATORS
+
+    ESTIMATORS.find(loop.estimator)
+    CONTROLLERS.find(loop.controller)
+    if loop.controller == FUZZY_PID:
+        return FuzzyPidSettings(rule_base=loop.rules)
+    if loop.rules != DEFAULT_RULES:
+        raise CallerError(
+            f"--rules belong to the controller {FUZZY_PID}, not to {loop.controller}: leave one of them out"
+        )
+    return None
 
 
 def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:

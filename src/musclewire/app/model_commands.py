@@ -9,7 +9,7 @@ import typer
 
 from musclewire.app.commands import add_command
 from musclewire.app.files import require_figure_file, require_free, require_model_file, save_figure
-from musclewire.app.options import CYCLE, ORDER, OUTPUT, OVERWRITE, PLOT, QUANTITY, Json, mapping
+from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, PLOT, QUANTITY, Json, mapping
 from musclewire.app.output import emit_json, show
 from musclewire.app.recording_options import Reading
 from musclewire.errors import CallerError
@@ -92,6 +92,7 @@ def estimate(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
     recording: RecordingPath,
     reading: Reading,
+    estimator: Annotated[str, ESTIMATOR] = "polynomial",
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
@@ -100,7 +101,7 @@ def estimate(
     from musclewire.identify import estimate as run_estimate
     from musclewire.sensing import load_model
 
-    report = run_estimate(load_model(model), reading.read(recording))
+    report = run_estimate(load_model(model), reading.read(recording), estimator=estimator)
     if output is not None:
         require_free(output, overwrite)
         report.recording.save(output)

@@ -24,7 +24,6 @@ from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import Decision, RunOptions, run_on_rig
-from musclewire.experiment.slow_corrections import CORRECTION_COLUMN, InLine, InThread, SlowCorrections, SlowStatus
 from musclewire.experiment.staircases import staircase_within
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.protocol import Metadata, Rig
@@ -32,6 +31,7 @@ from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.estimator import ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup, wire_sample
 from musclewire.sensing.known_load import KnownSpring, force_model
 from musclewire.sensing.model import SensingModel
+from musclewire.sensing.slow_corrections import CORRECTION_COLUMN, InLine, InThread, SlowCorrections, SlowStatus
 from musclewire.signals.commands import Command, Drive
 from musclewire.signals.recording import MetadataValue
 from musclewire.signals.samples import EstimatorStep, RawSample, WireSample

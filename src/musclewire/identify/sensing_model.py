@@ -16,15 +16,20 @@ from musclewire.identify.recordings import (
     resistance_reading,
     without_loop,
 )
+from musclewire.sensing.estimator import ESTIMATORS, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.resistance import ArrayReading
+from musclewire.sensing.slow_corrections import estimates
 from musclewire.sensing.tracking import AMBIGUOUS_ABOVE, SegmentTracker
 from musclewire.signals.recording import Recording
+from musclewire.signals.samples import WireSample
 
 __all__ = ["EstimateReport", "estimate", "fit"]
 
 PAPER_ORDER = 6
+# The estimator that can read a recording as a whole.
+WHOLE_RECORDING = "polynomial"
 WIRE_NOTES = (
     "wire",
     "wire_diameter_m",
@@ -166,7 +171,9 @@ def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
     )
 
 
-def estimate(model: SensingModel, recording: Recording) -> EstimateReport:
+def estimate(
+    model: SensingModel, recording: Recording, *, estimator: str | EstimatorFactory = WHOLE_RECORDING
+) -> EstimateReport:
     """Estimate strain (or the model's quantity) from a recording's resistance, sample by sample.
 
     Errors count the valid samples only: those with current, a resistance in the model's range, and the wire
@@ -177,7 +184,10 @@ def estimate(model: SensingModel, recording: Recording) -> EstimateReport:
     model
         The model of this wire.
     recording
-        Resistance, or both voltages and the shunt.
+        Resistance, or both voltages and the shunt; drive and both voltages for another estimator than the default.
+    estimator
+        Name or factory of an estimator. The default, the paper's, reads the whole recording at once and can lose and
+        find the wire's segment again; any other is run through it sample by sample, as a closed loop would.
 
     Returns
     -------
@@ -185,28 +195,57 @@ def estimate(model: SensingModel, recording: Recording) -> EstimateReport:
 
     Raises
     ------
+    CallerError
+        If no estimator has this name.
     RecordingError
         If no resistance can be had, or none lies in the model's range.
     """
-    reading = resistance_reading(recording)
-    result = model.estimate(reading.resistance_ohm)
-    valid: NDArray[np.bool_] = reading.valid & result.valid & in_sensing_segment(model, recording, reading)
-    if not valid.any():
-        raise outside_range(model, reading)
+    factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
+    whole = estimator == WHOLE_RECORDING
+    columns = at_once(model, recording) if whole else one_by_one(factory, model, recording)
     suffix = COLUMN_SUFFIX[model.quantity]
-    columns = {
-        "wire_resistance_ohm": reading.resistance_ohm,
-        f"estimated_{suffix}": result.value,
-        "valid": valid.astype(np.float64),
-    }
-    if model.quantity == "strain":
-        columns["estimated_strain_std"] = result.std
+    valid, value = columns["valid"] > 0.0, columns[f"estimated_{suffix}"]
+    if not valid.any():
+        raise outside_range(model, resistance_reading(recording))
     measured = reference_quantity(recording, model.quantity)
     stroke = model.quantity_max - model.quantity_min
-    errors = None if measured is None else (result.value - measured)[valid] / stroke * 100.0
+    errors = None if measured is None else (value - measured)[valid] / stroke * 100.0
     return EstimateReport(
         recording=recording.with_columns(columns),
         valid_share=float(valid.mean()),
         rms_pct=None if errors is None else float(np.sqrt(np.mean(errors**2))),
         max_pct=None if errors is None else float(np.abs(errors).max()),
     )
+
+
+def at_once(model: SensingModel, recording: Recording) -> dict[str, NDArray[np.float64]]:
+    """Return the columns of the paper's estimate of a whole recording."""
+    reading = resistance_reading(recording)
+    result = model.estimate(reading.resistance_ohm)
+    valid = reading.valid & result.valid & in_sensing_segment(model, recording, reading)
+    return estimate_columns(model.quantity, result.value, result.std, valid) | {
+        "wire_resistance_ohm": reading.resistance_ohm
+    }
+
+
+def one_by_one(factory: EstimatorFactory, model: SensingModel, recording: Recording) -> dict[str, NDArray[np.float64]]:
+    """Return the columns of an estimator that follows a recording, its slow part computed in line."""
+    times = recording["time_s"]
+    period_s = float(np.median(np.diff(times))) if times.size > 1 else 0.0
+    made = factory(EstimatorSetup(model, recording.facts.shunt_resistance_ohm, period_s))
+    names = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
+    air = recording.columns.get("ambient_temperature_k")
+    air_k = [None] * times.size if air is None else air.tolist()
+    rows = zip(*(recording[name].tolist() for name in names), air_k, strict=True)
+    found, recorded = zip(*estimates(made, (WireSample(*row) for row in rows)), strict=True)
+    own = dict(zip(made.columns, np.array(recorded, dtype=np.float64).T, strict=True))
+    value, std = (np.array([getattr(one, name) for one in found]) for name in ("value", "std"))
+    return own | estimate_columns(made.quantity, value, std, np.array([one.valid for one in found]))
+
+
+def estimate_columns(
+    quantity: str, value: NDArray[np.float64], std: NDArray[np.float64], valid: NDArray[np.bool_]
+) -> dict[str, NDArray[np.float64]]:
+    """Return an estimate as the columns of a recording; the standard deviation has one for strain only."""
+    columns = {f"estimated_{COLUMN_SUFFIX[quantity]}": value, "valid": valid.astype(np.float64)}
+    return columns | ({"estimated_strain_std": std} if quantity == "strain" else {})

@@ -11,14 +11,14 @@ simulator.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from musclewire.registry import Registry
 from musclewire.sensing.fit_report import FittedCurve
 from musclewire.sensing.known_load import KnownSpring
-from musclewire.signals.samples import EstimatorStep, QuantityEstimate, RawSample, WireSample
+from musclewire.signals.samples import EstimatorStep, RawSample, WireSample
 
 __all__ = [
     "ESTIMATORS",
@@ -28,7 +28,6 @@ __all__ = [
     "EstimatorSetup",
     "SlowPart",
     "dropout_failure",
-    "estimates",
     "wire_sample",
 ]
 
@@ -41,7 +40,7 @@ class SlowPart(Protocol):
 
     Every ``every_ticks`` ticks a correction is requested, and exactly ``after_ticks`` ticks later it takes effect: in
     line in simulation, out of a thread on a rig with a clock, with the same result. One that is late or fails leaves
-    the old correction in place, and the sample says so (``experiment/slow_corrections.py``).
+    the old correction in place, and the sample says so (``sensing/slow_corrections.py``).
     """
 
     @property
@@ -177,28 +176,6 @@ def wire_sample(sample: RawSample) -> WireSample:
         sample.shunt_voltage_v,
         sample.ambient_temperature_k,
     )
-
-
-def estimates(
-    estimator: Estimator, samples: Iterable[WireSample]
-) -> Iterator[tuple[QuantityEstimate, tuple[float, ...]]]:
-    """Estimate samples one after the other, from the estimator's start on.
-
-    Parameters
-    ----------
-    estimator
-        An estimator; its slow part is left out.
-    samples
-        What was measured, in order.
-
-    Returns
-    -------
-    For each sample the estimate, and the numbers the estimator wants recorded.
-    """
-    state = estimator.start()
-    for sample in samples:
-        estimate, state, recorded = estimator.step(state, sample)
-        yield estimate, recorded
 
 
 def dropout_failure(

@@ -15,9 +15,9 @@ from fake_rig import FakeRig, straight_model
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.closed_loop import control
-from musclewire.experiment.slow_corrections import InLine, InThread, SlowCorrections, SlowStatus
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing import PolynomialEstimator
+from musclewire.sensing.slow_corrections import InLine, InThread, SlowCorrections, SlowStatus
 from musclewire.signals.commands import Command
 from musclewire.signals.samples import RawSample, WireSample
 from slow_estimators import DriftingState, MeanPower, drifting
@@ -68,7 +68,7 @@ def in_thread(slow: MeanPower) -> Iterator[SlowCorrections]:
 
 def followed(corrections: SlowCorrections, ticks: int, between: Callable[[int], object] = lambda _: None):
     """Return the status of each tick, and the offset in effect at it."""
-    state = DriftingState(PolynomialEstimator(straight_model(), 1.0).start(), 0.0)
+    state = DriftingState(PolynomialEstimator(straight_model(), 1.0).start(), 0.0, 0.0)
     found = []
     for tick in range(ticks):
         state, status = corrections.before(state)

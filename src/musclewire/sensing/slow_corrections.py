@@ -11,17 +11,17 @@ from __future__ import annotations
 import sys
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from enum import IntEnum
 from queue import SimpleQueue
 from typing import Any, NamedTuple, Protocol
 
 from musclewire.errors import CallerError
-from musclewire.sensing.estimator import SlowPart
+from musclewire.sensing.estimator import Estimator, SlowPart
 from musclewire.signals.recording import MetadataValue
-from musclewire.signals.samples import WireSample
+from musclewire.signals.samples import QuantityEstimate, WireSample
 
-__all__ = ["CORRECTION_COLUMN", "Correction", "InLine", "InThread", "SlowCorrections", "SlowStatus"]
+__all__ = ["CORRECTION_COLUMN", "Correction", "InLine", "InThread", "SlowCorrections", "SlowStatus", "estimates"]
 
 CORRECTION_COLUMN = "slow_correction"
 # While a slow part computes in Python, the tick gets the interpreter back after at most this; Python's default is 5 ms.
@@ -195,3 +195,30 @@ class SlowCorrections:
     def close(self) -> None:
         """Let go of the thread, if there is one."""
         self._executor.close()
+
+
+def estimates(
+    estimator: Estimator, samples: Iterable[WireSample]
+) -> Iterator[tuple[QuantityEstimate, tuple[float, ...]]]:
+    """Estimate samples one after the other, from the estimator's start on, its slow part in line.
+
+    Parameters
+    ----------
+    estimator
+        An estimator.
+    samples
+        What was measured, in order.
+
+    Returns
+    -------
+    For each sample the estimate, and the numbers the estimator wants recorded.
+    """
+    slow = None if estimator.slow_part is None else SlowCorrections(estimator.slow_part, InLine())
+    state = estimator.start()
+    for sample in samples:
+        if slow is not None:
+            state, _ = slow.before(state)
+        estimate, state, recorded = estimator.step(state, sample)
+        if slow is not None:
+            slow.after(sample)
+        yield estimate, recorded

@@ -1,0 +1,120 @@
+"""An estimator and a controller of another package run the loop after one registration, by call or entry point."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import sys
+import types
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import musclewire as mw
+from musclewire.app.main import app
+from musclewire.controllers import CONTROLLERS, ControllerSetup, DriveLimits, staircase
+from musclewire.errors import CallerError
+from musclewire.sensing import ESTIMATORS
+from musclewire.signals.commands import Drive
+from musclewire.signals.samples import ControlStep, QuantityEstimate, Reason
+from slow_estimators import drifting
+
+
+class OnOff:
+    """Two voltages, and which one is recorded."""
+
+    columns = ("extra_on",)
+
+    def __init__(self, limits: DriveLimits) -> None:
+        self.limits = limits
+
+    def start(self, drive_voltage_v: float) -> Drive:
+        return Drive(self.limits.clamp(drive_voltage_v))
+
+    def step(self, state: Drive, target: float, estimate: QuantityEstimate, _dt_s: float) -> ControlStep:
+        if estimate.reason is Reason.NO_CURRENT:
+            return ControlStep(state, state, (0.0,))
+        on = estimate.value < target
+        command = Drive(self.limits.clamp(3.0) if on else self.limits.sense_voltage_v)
+        return ControlStep(command, command, (float(on),))
+
+
+def on_off(setup: ControllerSetup) -> OnOff:
+    return OnOff(setup.limits)
+
+
+@pytest.fixture
+def registered(monkeypatch: pytest.MonkeyPatch) -> None:
+    for registry in (ESTIMATORS, CONTROLLERS):
+        monkeypatch.setattr(registry, "_registered", {})
+    ESTIMATORS.register("drifting", drifting())
+    CONTROLLERS.register("on-off", on_off)
+
+
+@pytest.fixture
+def offered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A package that offers both as entry points and registers nothing."""
+    module = types.ModuleType("another_package")
+    module.on_off, module.drifting = on_off, drifting()  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "another_package", module)
+    points = {
+        "musclewire.controllers": [importlib.metadata.EntryPoint("on-off", "another_package:on_off", "-")],
+        "musclewire.estimators": [importlib.metadata.EntryPoint("drifting", "another_package:drifting", "-")],
+    }
+    monkeypatch.setattr("musclewire.registry.entry_points", lambda group: points.get(group, []))
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("model") / "model.json"
+    with mw.open_rig("simulated", seed=1) as rig:
+        mw.fit(mw.characterize(rig)).save(path)
+    return path
+
+
+@pytest.mark.usefixtures("registered")
+def test_after_one_call_each_they_close_the_loop_on_the_simulated_rig(model: Path) -> None:
+    with mw.open_rig("simulated", seed=1) as rig:
+        run = mw.control(
+            rig,
+            mw.load_model(model),
+            staircase(hold_s=0.5),
+            estimator="drifting",
+            controller="on-off",
+            approach_s=3.0,
+        )
+    assert (run.metadata["estimator"], run.metadata["controller"]) == ("drifting", "on-off")
+    assert set(run["extra_on"]) == {0.0, 1.0}
+    assert run["extra_offset"].max() > 0.0
+    assert "proportional_gain" not in run
+    assert run.metrics.valid_share > 0.5
+
+
+@pytest.mark.usefixtures("offered")
+def test_by_entry_points_the_command_line_knows_them_without_a_call(model: Path, tmp_path: Path) -> None:
+    (tmp_path / "targets.csv").write_text("time_s,target_strain\n0,0.02\n1,0.022\n2,0.02\n")
+    run = tmp_path / "run.h5"
+    arguments = ["--reference", str(tmp_path / "targets.csv"), "--controller", "on-off", "--estimator", "drifting"]
+    done = CliRunner().invoke(app, ["control", "simulated", str(model), *arguments, "-o", str(run), "--json"])
+    answer = json.loads(done.stdout)
+    assert (answer["estimator"], answer["controller"]) == ("drifting", "on-off")
+    done = CliRunner().invoke(app, ["estimate", str(model), str(run), "--estimator", "drifting", "--json"])
+    assert json.loads(done.stdout)["valid_share"] > 0.5
+
+
+def test_a_plain_pid_closes_the_loop_by_its_name(model: Path) -> None:
+    with mw.open_rig("simulated", seed=1) as rig:
+        run = mw.control(rig, mw.load_model(model), staircase(hold_s=2.0), controller="pid", approach_s=8.0)
+    assert run.metadata["controller"] == "pid"
+    assert run.metrics.mae_max_pct is not None
+    assert run.metrics.mae_max_pct < 3.0
+
+
+@pytest.mark.usefixtures("registered")
+def test_a_typo_lists_what_is_known(model: Path) -> None:
+    with mw.open_rig("simulated") as rig:
+        with pytest.raises(CallerError, match="there is no estimator 'polynomal'; did you mean 'polynomial'"):
+            mw.control(rig, mw.load_model(model), estimator="polynomal")
+        with pytest.raises(CallerError, match=r"there is no controller 'x'.*fuzzy-pid.*on-off.*pid"):
+            mw.control(rig, mw.load_model(model), controller="x")
