@@ -10,10 +10,15 @@ __all__ = ["Command", "Drive", "Target", "as_command", "drive_voltage_of"]
 
 
 class Drive(NamedTuple):
-    """A drive voltage [V] that is put out for one sample period.
+    """A drive voltage that is put out for one sample period.
 
-    ``by_protection`` says that the protection chose this voltage instead of the one that was commanded, while readings
-    are missing; only a rig's guard sets it.
+    Parameters
+    ----------
+    voltage_v
+        The voltage across circuit and wire [V].
+    by_protection
+        Whether the protection chose this voltage instead of the one that was commanded, while readings are missing;
+        only a rig's guard sets it.
     """
 
     voltage_v: float

@@ -64,9 +64,22 @@ REFERENCE_COLUMNS = tuple(RawSample._field_defaults)
 
 
 class WireSample(NamedTuple):
-    """All that an estimator may see of a sample: drive, wire and shunt voltage [V], time [s], the air [K] or None.
+    """All that an estimator may see of a sample.
 
     No reference instrument is in it: what senses the wire by itself cannot read one by mistake.
+
+    Parameters
+    ----------
+    time_s
+        When the sample was taken [s], by the rig's clock.
+    drive_voltage_v
+        Voltage that drove circuit and wire before the sample [V].
+    wire_voltage_v
+        Voltage across the wire [V], V_SMA of Eq. 1.
+    shunt_voltage_v
+        Voltage across the shunt [V], V_R of Eq. 1.
+    ambient_temperature_k
+        Temperature of the air [K]; None on a rig that does not measure it.
     """
 
     time_s: float
@@ -95,8 +108,18 @@ class Reason(IntEnum):
 class QuantityEstimate(NamedTuple):
     """What an estimator makes of a sample.
 
-    ``value`` and ``std`` (standard deviation) are finite, in the quantity's SI unit, whether valid or not. ``failure``
-    says in one line why a run must end here, after ``reason`` has lasted too long; "" while it may go on.
+    Parameters
+    ----------
+    value
+        The quantity, in its SI unit; finite, whether valid or not.
+    std
+        Its standard deviation, in the same unit; finite, at least 0.
+    valid
+        Whether the value may be believed; only with ``Reason.OK``.
+    reason
+        Why it is valid or not.
+    failure
+        Why a run must end here, in one line, after ``reason`` has lasted too long; "" while it may go on.
     """
 
     value: float
@@ -107,7 +130,17 @@ class QuantityEstimate(NamedTuple):
 
 
 class EstimatorStep(NamedTuple):
-    """What an estimator returns for a sample: the estimate, its next state, and a number for each of its columns."""
+    """What an estimator returns for a sample.
+
+    Parameters
+    ----------
+    estimate
+        The estimate.
+    state
+        The estimator's next state, immutable.
+    recorded
+        A finite number for each of the estimator's columns.
+    """
 
     estimate: QuantityEstimate
     state: Any
@@ -115,7 +148,17 @@ class EstimatorStep(NamedTuple):
 
 
 class ControlStep(NamedTuple):
-    """What a controller returns for a tick: the command, its next state, and a number for each of its columns."""
+    """What a controller returns for a tick.
+
+    Parameters
+    ----------
+    command
+        What the rig is to do for the next sample period.
+    state
+        The controller's next state, immutable.
+    recorded
+        A finite number for each of the controller's columns.
+    """
 
     command: Command
     state: Any
