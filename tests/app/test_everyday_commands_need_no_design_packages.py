@@ -1,0 +1,43 @@
+"""Commands for a wire run where finite elements and drawings cannot be imported; the figures are in decision 22."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+BLOCKED = """
+import sys
+sys.modules["skfem"] = sys.modules["ezdxf"] = None  # importing either raises ImportError
+from musclewire.app.main import run
+sys.exit(run(sys.argv[1:]))
+"""
+
+
+def without_design_packages(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", BLOCKED, *arguments]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_a_wire_is_characterised_fitted_controlled_and_simulated(tmp_path: Path) -> None:
+    for command in (
+        "characterize simulated --cycles 1 --period 12s -o loop.h5",
+        "fit loop.h5 -o model.json",
+        "control simulated model.json --json",
+        "simulate --wire flexinol-0.10-ht --json",
+    ):
+        done = without_design_packages(tmp_path, *command.split())
+        assert done.returncode == 0, f"{command}\n{done.stderr}"
+
+
+@pytest.mark.slow
+def test_the_demo_runs(tmp_path: Path) -> None:
+    done = without_design_packages(tmp_path, "demo")
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_packages_are_blocked_indeed(tmp_path: Path) -> None:
+    sized = ("design", "pretensioner", "--stiffness", "386.2 N/m")
+    assert "ModuleNotFoundError" in without_design_packages(tmp_path, *sized).stderr
