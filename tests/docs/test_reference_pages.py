@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from typing import get_args
 
 import pytest
 from doc_pages import ROOT, code_words, resolve, tables_of
@@ -13,7 +12,7 @@ from musclewire.controllers import load_rule_base, rule_base_names
 from musclewire.parameters import load_bench, load_wire, names
 from musclewire.parameters.finger_file import finger_names
 from musclewire.rigs.configuration import RigConfiguration, rig_names
-from musclewire.rigs.load_parts import Part
+from musclewire.rigs.load_kinds import load_parts
 from musclewire.rigs.surroundings import Surroundings
 from musclewire.sensing.model_file import ModelFile
 from musclewire.signals.columns import COLUMNS
@@ -66,18 +65,17 @@ def test_every_key_of_every_part_of_a_load_is_listed_with_its_default() -> None:
     listed = {
         (code_words(row["Part"])[0], code_words(row["Part key"])[0]): row["Default"] for row in rows_with("Part key")
     }
-    kinds = get_args(get_args(Part)[0])
     assert listed == {
-        (get_args(kind.model_fields["part"].annotation)[0], key): shown[field.default]
-        for kind in kinds
-        for key, field in kind.model_fields.items()
+        (name, key): shown[field.default]
+        for name in load_parts.names()
+        for key, field in load_parts.find(name).model_fields.items()
         if key != "part"
     }
 
 
 def test_the_units_of_the_parts_are_those_they_are_read_in() -> None:
     """One of the printed unit is one in SI; a key without a unit is a name."""
-    kinds = {get_args(kind.model_fields["part"].annotation)[0]: kind for kind in get_args(get_args(Part)[0])}
+    kinds = {name: load_parts.find(name) for name in load_parts.names()}
     for row in rows_with("Part key"):
         key, kind = code_words(row["Part key"])[0], kinds[code_words(row["Part"])[0]]
         given = {name: 1.0 for name, field in kind.model_fields.items() if field.is_required()}

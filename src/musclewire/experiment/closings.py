@@ -15,7 +15,7 @@ from musclewire.experiment.open_loop import Waveform, WaveformPolicy
 from musclewire.experiment.run import OnSample, run_on_rig
 from musclewire.identify.contact import KnownGrip, fit_free_closing, fit_grip_curve
 from musclewire.rigs.configuration import RigConfiguration, open_rig, simulated_configuration
-from musclewire.rigs.load_parts import Contact, Finger, SecondFinger
+from musclewire.rigs.load_part import Obstacle, Pull
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.contact import FreeClosing
 from musclewire.sensing.grip_force import GripCurve
@@ -192,27 +192,27 @@ def with_object(rig: str | Path | RigConfiguration, block: Object | None) -> Rig
     Raises CallerError for a rig without a part "contact".
     """
     configuration, _ = simulated_configuration(rig)
-    object_of(rig)
-    stiffness, clearance = (None, AWAY_M) if block is None else (block.stiffness_n_per_m, block.clearance_m)
-    changed = {"clearance": clearance} | ({} if stiffness is None else {"stiffness": stiffness})
-    load = [part.model_copy(update=changed) if isinstance(part, Contact) else part for part in configuration.load]
+    there = object_of(rig)
+    wanted = block or Object(there.stiffness_n_per_m, AWAY_M)
+    obstacle = Obstacle(wanted.stiffness_n_per_m, wanted.clearance_m)
+    load = [part.with_obstacle(obstacle) for part in configuration.load]
     return configuration.model_copy(update={"load": load})
 
 
 def object_of(rig: str | Path | RigConfiguration) -> Object:
     """Return the block between a rig's fingers. Raises CallerError for a rig without finger or part "contact"."""
     configuration, where = simulated_configuration(rig)
-    blocks = [part for part in configuration.load if isinstance(part, Contact)]
-    if not blocks or not any(isinstance(part, Finger) for part in configuration.load):
+    block = next((part.obstacle for part in configuration.load if part.obstacle is not None), None)
+    if block is None or not any(part.finger_name is not None for part in configuration.load):
         raise CallerError(
             f"{where} has nothing to grip: it needs the parts 'finger' and 'contact', as the rig 'gripper' has"
         )
-    return Object(blocks[0].stiffness, blocks[0].clearance)
+    return Object(*block)
 
 
 def fingers_of(configuration: RigConfiguration) -> int:
     """Return how many fingers touch the object."""
-    return 2 if any(isinstance(part, SecondFinger) for part in configuration.load) else 1
+    return 2 if any(part.second_wire and part.second_wire.pull is Pull.APART for part in configuration.load) else 1
 
 
 def gripper_of(rig: Rig) -> Gripper:

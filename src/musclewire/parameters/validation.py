@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters.tagged_tables import TaggedTable
 
 __all__ = ["first_problem", "validated"]
 
@@ -158,8 +159,11 @@ def place_of(model: type[BaseModel], place: Iterable[Any]) -> Place:
         if get_origin(annotation) in (dict, list):
             annotation = get_args(annotation)[-1]
             next(parts, None)  # the key of the dictionary, which may be any, or the place in the list
+        kinds = next((item for item in get_args(annotation)[1:] if isinstance(item, TaggedTable)), None)
         if get_origin(annotation) is Annotated:
             annotation = get_args(annotation)[0]
+        if kinds is not None:
+            annotation = kinds.model_of(str(next(parts, "")))
         if get_origin(annotation) in (Union, UnionType):
             annotation = tagged(get_args(annotation), str(next(parts, "")))
         if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):

@@ -1,4 +1,4 @@
-"""What a rig file may put at a wire's connector: parts that combine, each a small table of its own.
+"""The parts of a load that come with musclewire: each is one class that says what it adds.
 
 [[load]]
 part = "pretensioner"
@@ -11,12 +11,28 @@ finger = "lan-fan-2010"
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, get_args
+from collections.abc import Sequence
+from pathlib import Path
+from typing import ClassVar, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+import numpy as np
+from pydantic import model_validator
 
+from musclewire.parameters.finger_file import FingerFile, load_finger
 from musclewire.parameters.pretensioner_file import read_pretensioner
-from musclewire.rigs.quantities import measured_in
+from musclewire.rigs.load_part import (
+    FloatArray,
+    Force,
+    Length,
+    LoadPart,
+    Obstacle,
+    Pull,
+    SecondWire,
+    Stiffness,
+    Supply,
+    Voltage,
+)
+from musclewire.rigs.protocol import Metadata
 
 __all__ = [
     "Antagonist",
@@ -24,7 +40,6 @@ __all__ = [
     "Contact",
     "Finger",
     "ParallelWire",
-    "Part",
     "Pretensioner",
     "SecondFinger",
     "Spring",
@@ -32,24 +47,28 @@ __all__ = [
 ]
 
 
-Stiffness = Annotated[float, measured_in("N/m"), Field(gt=0.0, allow_inf_nan=False)]
-Length = Annotated[float, measured_in("m"), Field(ge=0.0, allow_inf_nan=False)]
-Force = Annotated[float, measured_in("N"), Field(gt=0.0, allow_inf_nan=False)]
-Voltage = Annotated[float, measured_in("V"), Field(ge=0.0, allow_inf_nan=False)]
-
-
-class LoadPart(BaseModel):
-    """What all parts share: an unknown key is an error."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
 class Spring(LoadPart):
     """A spring at the connector; with ``slack`` it begins to pull only after that much contraction."""
+
+    is_straight: ClassVar[bool] = True
 
     part: Literal["spring"]
     stiffness: Stiffness
     slack: Length = 0.0
+
+    @property
+    def carries_pretension(self) -> bool:
+        """A spring carries the pretension unless it hangs through."""
+        return self.slack == 0.0
+
+    @property
+    def stiffness_n_per_m(self) -> float:
+        """Its stiffness [N/m]; one that hangs through begins later."""
+        return self.stiffness if self.slack == 0.0 else 0.0
+
+    def force_n(self, displacement_m: FloatArray) -> FloatArray | None:
+        """Return its force [N] if it hangs through first."""
+        return None if self.slack == 0.0 else self.stiffness * np.maximum(displacement_m - self.slack, 0.0)
 
 
 class Pretensioner(LoadPart):
@@ -57,6 +76,8 @@ class Pretensioner(LoadPart):
 
     Either its stiffness, or the ``file`` that ``musclewire design pretensioner`` writes.
     """
+
+    is_straight: ClassVar[bool] = True
 
     part: Literal["pretensioner"]
     stiffness: Stiffness | None = None
@@ -67,6 +88,11 @@ class Pretensioner(LoadPart):
         if (self.stiffness is None) == (self.file is None):
             raise ValueError("a pretensioner has either a stiffness or a file")
         return self
+
+    @property
+    def carries_pretension(self) -> bool:
+        """A pretensioner is there for that."""
+        return True
 
     @property
     def stiffness_n_per_m(self) -> float:
@@ -81,16 +107,46 @@ class Pretensioner(LoadPart):
 class Finger(LoadPart):
     """A tendon-driven finger, by name or file; ``slack`` is what the tendon hangs through before it pulls."""
 
+    once: ClassVar[bool] = True
+
     part: Literal["finger"]
     finger: str
     slack: Length = 0.0
+
+    @property
+    def finger_name(self) -> str:
+        """Name or file of the finger."""
+        return self.finger
+
+    @property
+    def tendon_slack_m(self) -> float:
+        """Displacement before the tendon pulls [m]."""
+        return self.slack
+
+    def finger_file(self) -> FingerFile:
+        """Return the finger. Raises CallerError for a file that cannot be used."""
+        return load_finger(self.finger)
+
+    def facts(self) -> Metadata:
+        """Return the finger's name and stiffness."""
+        return {
+            "finger": Path(self.finger).stem,
+            "finger_stiffness_n_per_m": self.finger_file().curve.stiffness_n_per_m,
+        }
 
 
 class Weight(LoadPart):
     """A hanging weight: the same force at any height."""
 
+    is_straight: ClassVar[bool] = True
+
     part: Literal["weight"]
     force: Force
+
+    @property
+    def hanging_force_n(self) -> float:
+        """The weight [N]."""
+        return self.force
 
 
 class Blocked(LoadPart):
@@ -99,66 +155,92 @@ class Blocked(LoadPart):
     part: Literal["blocked"]
     mount_stiffness: Stiffness = 1e6
 
+    @property
+    def carries_pretension(self) -> bool:
+        """The mount holds what the stage pulls."""
+        return True
+
+    @property
+    def stiffness_n_per_m(self) -> float:
+        """Stiffness of the mount [N/m]."""
+        return self.mount_stiffness
+
 
 class Contact(LoadPart):
     """An object in the way: a foam block before the finger's endpoint, or before the connector without a finger."""
+
+    once: ClassVar[bool] = True
 
     part: Literal["contact"]
     stiffness: Stiffness
     clearance: Length
 
+    @property
+    def obstacle(self) -> Obstacle:
+        """The object."""
+        return Obstacle(self.stiffness, self.clearance)
+
+    def with_obstacle(self, obstacle: Obstacle) -> Self:
+        """Return a contact with another object."""
+        return self.model_copy(update={"stiffness": obstacle.stiffness_n_per_m, "clearance": obstacle.clearance_m})
+
+    def misfit(self, beside: Sequence[LoadPart]) -> str | None:
+        """Two wires on one connector meet no object: that is not simulated."""
+        if any(part.second_wire is not None and part.second_wire.pull is not Pull.APART for part in beside):
+            return "a contact beside a second wire on one connector is not simulated: leave one out"
+        return None
+
 
 class Antagonist(LoadPart):
     """A second wire of the same make and length that pulls against the first, from a supply of its own."""
+
+    once: ClassVar[bool] = True
 
     part: Literal["antagonist"]
     wire: str | None = None
     voltage: Voltage = 0.0
 
+    @property
+    def carries_pretension(self) -> bool:
+        """The stage pulls one wire against the other."""
+        return True
+
+    @property
+    def second_wire(self) -> SecondWire:
+        """The wire that pulls against the first."""
+        return SecondWire(self.wire, Pull.AGAINST, Supply.OWN, self.voltage)
+
 
 class ParallelWire(LoadPart):
     """A second wire beside the first, on the same connector and the same two terminals."""
 
+    once: ClassVar[bool] = True
+
     part: Literal["parallel wire"]
     wire: str | None = None
+
+    @property
+    def second_wire(self) -> SecondWire:
+        """The wire beside the first."""
+        return SecondWire(self.wire, Pull.ALONG, Supply.PARALLEL)
 
 
 class SecondFinger(LoadPart):
     """A finger like the first, opposite to it, on a wire of its own in the same current; needs a contact between."""
 
+    once: ClassVar[bool] = True
+
     part: Literal["second finger"]
     wire: str | None = None
 
+    @property
+    def second_wire(self) -> SecondWire:
+        """The wire of the other finger."""
+        return SecondWire(self.wire, Pull.APART, Supply.SERIES)
 
-Part = Annotated[
-    Spring | Pretensioner | Finger | Weight | Blocked | Contact | Antagonist | ParallelWire | SecondFinger,
-    Field(discriminator="part"),
-]
-ONCE = (Finger, Contact, Antagonist, ParallelWire, SecondFinger)
-SECOND_WIRES = (Antagonist, ParallelWire, SecondFinger)
-
-
-class Parts(BaseModel):
-    """A list of parts that fit together."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    load: list[Part]
-
-    @model_validator(mode="after")
-    def _parts_fit_together(self) -> Parts:
-        for kind in ONCE:
-            if self.count(kind) > 1:
-                name = get_args(kind.model_fields["part"].annotation)[0]
-                raise ValueError(f"there are {self.count(kind)} parts '{name}', 1 fits")
-        if sum(self.count(kind) for kind in SECOND_WIRES) > 1:
-            raise ValueError("a rig has room for one second wire: antagonist, parallel wire or second finger")
-        if self.count(SecondFinger) and not (self.count(Finger) and self.count(Contact)):
-            raise ValueError("a second finger needs a part 'finger', which it mirrors, and a 'contact' between them")
-        if self.count(Contact) and self.count(Antagonist) + self.count(ParallelWire):
-            raise ValueError("a contact beside a second wire on one connector is not simulated: leave one out")
-        return self
-
-    def count(self, kind: type[LoadPart]) -> int:
-        """Return how many parts of a kind there are."""
-        return sum(isinstance(item, kind) for item in self.load)
+    def misfit(self, beside: Sequence[LoadPart]) -> str | None:
+        """A second finger mirrors the first, and both meet one object."""
+        finger = any(part.finger_name is not None for part in beside)
+        if finger and any(part.obstacle is not None for part in beside):
+            return None
+        return "a second finger needs a part 'finger', which it mirrors, and a 'contact' between them"

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from musclewire.errors import CallerError
-from musclewire.parameters.finger_file import FingerCurve, load_finger
-from musclewire.rigs.load_parts import Antagonist, Blocked, Contact, Finger, Part, Pretensioner, Spring, Weight
+from musclewire.parameters.finger_file import FingerCurve
+from musclewire.rigs.load_part import LoadPart, Obstacle
 from musclewire.wire.loads import Load, spring_load, with_table
 
 __all__ = ["Mechanism", "Tendon", "mechanism_of"]
 
 FloatArray = NDArray[np.float64]
-Kind = TypeVar("Kind")
 # A wire contracts by at most about 8 %; tables reach a little further.
-LARGEST_CONTRACTION = 0.10
+MAX_CONTRACTION = 0.10
 TABLE_POINTS = 2001
 SOLVE_POINTS = 20001
 
@@ -35,7 +33,7 @@ class Tendon:
     curve: FingerCurve
     slack_m: float
     start_m: float
-    contact: Contact | None
+    obstacle: Obstacle | None
 
     def column(self, name: str, displacement_m: ArrayLike) -> FloatArray:
         """Return a column of the curve at the connector's displacement; it goes on straight beyond its end."""
@@ -50,11 +48,11 @@ class Tendon:
 
     def endpoint_force_n(self, displacement_m: ArrayLike, squeeze_m: float = 0.0) -> FloatArray:
         """Return the force of an object in the endpoint's way [N]."""
-        if self.contact is None:
+        if self.obstacle is None:
             return np.zeros_like(np.asarray(displacement_m, dtype=np.float64))
-        inside = np.maximum(self.free_endpoint_m(displacement_m) + squeeze_m - self.contact.clearance, 0.0)
+        inside = np.maximum(self.free_endpoint_m(displacement_m) + squeeze_m - self.obstacle.clearance_m, 0.0)
         soft = self.column("endpoint_compliance_m_per_n", displacement_m)
-        return np.asarray(self.contact.stiffness * inside / (1.0 + self.contact.stiffness * soft))
+        return np.asarray(self.obstacle.stiffness_n_per_m * inside / (1.0 + self.obstacle.stiffness_n_per_m * soft))
 
     def endpoint_m(self, displacement_m: ArrayLike, endpoint_force_n: FloatArray | float) -> FloatArray:
         """Return where the endpoint is [m] while a force holds it back."""
@@ -81,13 +79,8 @@ class Mechanism:
     tendon: Tendon | None
 
 
-def of_kind(parts: Sequence[Part], kind: type[Kind]) -> list[Kind]:
-    """Return the parts of one kind."""
-    return [part for part in parts if isinstance(part, kind)]
-
-
 def mechanism_of(
-    parts: Sequence[Part],
+    parts: Sequence[LoadPart],
     *,
     pretension_n: float,
     leg_length_m: float,
@@ -96,54 +89,82 @@ def mechanism_of(
 ) -> Mechanism:
     """Return what the parts at a connector are together, at a setting of the stage.
 
-    A pretensioner, spring, mount or antagonist carries the stage's pretension; with none of them the finger must, and
-    is bent before anything is heated. ``object_between`` leaves the contact to the pair of fingers that share it.
-    ``tendon_slack_m`` takes the place of the finger's own; below 0 the finger's stage pulls the tendon taut by as much.
-    Raises CallerError where the finger cannot carry the pretension.
+    Where no part carries the stage's pretension the finger must, and is bent before anything is heated.
+    ``object_between`` leaves the obstacle to the pair of fingers that share it. ``tendon_slack_m`` takes the place of
+    the finger's own; below 0 the finger's stage pulls the tendon taut by as much. Raises CallerError if the finger
+    cannot carry the pretension.
     """
-    carrying = [part.stiffness_n_per_m for part in of_kind(parts, Pretensioner)]
-    carrying += [part.stiffness for part in of_kind(parts, Spring) if part.slack == 0.0]
-    carrying += [part.mount_stiffness for part in of_kind(parts, Blocked)]
-    stiffness = sum(carrying, start=0.0)
-    against = of_kind(parts, Antagonist)
-    added_n = weight_n = sum((part.force for part in of_kind(parts, Weight)), start=0.0)
-    contact = None if object_between else next(iter(of_kind(parts, Contact)), None)
-    finger = next(iter(of_kind(parts, Finger)), None)
+    stiffness = sum((part.stiffness_n_per_m for part in parts), start=0.0)
+    carried = any(part.carries_pretension for part in parts)
+    added_n = weight_n = sum((part.hanging_force_n for part in parts), start=0.0)
+    obstacle = None if object_between else next((part.obstacle for part in parts if part.obstacle), None)
     tendon = None
+    finger = next((part for part in parts if part.finger_name is not None), None)
     if finger is not None:
-        curve = load_finger(finger.finger).curve
-        slack_m = finger.slack if tendon_slack_m is None else tendon_slack_m
-        tendon = Tendon(curve, max(slack_m, 0.0), max(-slack_m, 0.0), contact)
+        tendon = tendon_of(finger, obstacle, tendon_slack_m)
         added_n += float(tendon.force_n(0.0, float(tendon.endpoint_force_n(0.0))))
-        if not (carrying or against):
-            tendon = Tendon(curve, 0.0, travel_at_force(tendon, pretension_n, finger.finger), contact)
-    stage = bool(carrying or against) or finger is not None or not weight_n
-    late = [part for part in of_kind(parts, Spring) if part.slack > 0.0]
-    if tendon is None and not late and contact is None:
-        return Mechanism(spring_load(stiffness), added_n, stage, None)
-    load = with_table(
-        stiffness,
-        lambda x: beyond_spring_n(x, late, tendon, contact),
-        lambda x: np.zeros_like(x) if tendon is None else tendon_friction_n(tendon, x),
-        reach_m=LARGEST_CONTRACTION * leg_length_m,
-        points=TABLE_POINTS,
-    )
+        if not carried:
+            start_m = travel_at_force(tendon, pretension_n, str(finger.finger_name))
+            tendon = Tendon(tendon.curve, 0.0, start_m, obstacle)
+    stage = carried or finger is not None or not weight_n
+    load = load_of(parts, stiffness, tendon, obstacle, MAX_CONTRACTION * leg_length_m)
     return Mechanism(load, added_n, stage, tendon)
 
 
+def tendon_of(part: LoadPart, obstacle: Obstacle | None, slack_m: float | None) -> Tendon:
+    """Return the tendon of a part's finger; a slack that is given takes the place of the part's own."""
+    finger = part.finger_file()
+    assert finger is not None  # it has a name
+    hanging_m = part.tendon_slack_m if slack_m is None else slack_m
+    return Tendon(finger.curve, max(hanging_m, 0.0), max(-hanging_m, 0.0), obstacle)
+
+
+def load_of(
+    parts: Sequence[LoadPart],
+    stiffness_n_per_m: float,
+    tendon: Tendon | None,
+    obstacle: Obstacle | None,
+    reach_m: float,
+) -> Load:
+    """Return a spring for parts that are no more than that, otherwise one with tables of what they add beside it."""
+    nowhere = np.zeros(1)
+    bent = any(part.force_n(nowhere) is not None or part.friction_n(nowhere) is not None for part in parts)
+    if tendon is None and obstacle is None and not bent:
+        return spring_load(stiffness_n_per_m)
+    return with_table(
+        stiffness_n_per_m,
+        lambda x: beyond_spring_n(x, parts, tendon, obstacle),
+        lambda x: friction_beside_n(x, parts, tendon),
+        reach_m=reach_m,
+        points=TABLE_POINTS,
+    )
+
+
 def beyond_spring_n(
-    displacement_m: FloatArray, late: Sequence[Spring], tendon: Tendon | None, contact: Contact | None
+    displacement_m: FloatArray, parts: Sequence[LoadPart], tendon: Tendon | None, obstacle: Obstacle | None
 ) -> FloatArray:
     """Return the force of everything that is not a plain spring, over displacement, (n_points,); 0 at the start."""
     force = np.zeros_like(displacement_m)
-    for part in late:
-        force += part.stiffness * np.maximum(displacement_m - part.slack, 0.0)
+    for part in parts:
+        own = part.force_n(displacement_m)
+        if own is not None:
+            force += own
     if tendon is not None:
         pulled = tendon.force_n(displacement_m, tendon.endpoint_force_n(displacement_m))
         force += pulled - tendon.force_n(0.0, tendon.endpoint_force_n(0.0))
-    elif contact is not None:
-        force += contact.stiffness * np.maximum(displacement_m - contact.clearance, 0.0)
+    elif obstacle is not None:
+        force += obstacle.stiffness_n_per_m * np.maximum(displacement_m - obstacle.clearance_m, 0.0)
     return force
+
+
+def friction_beside_n(displacement_m: FloatArray, parts: Sequence[LoadPart], tendon: Tendon | None) -> FloatArray:
+    """Return the largest friction of everything beside the guide, over displacement, (n_points,)."""
+    friction = np.zeros_like(displacement_m) if tendon is None else tendon_friction_n(tendon, displacement_m)
+    for part in parts:
+        own = part.friction_n(displacement_m)
+        if own is not None:
+            friction = friction + own
+    return friction
 
 
 def tendon_friction_n(tendon: Tendon, displacement_m: FloatArray) -> FloatArray:

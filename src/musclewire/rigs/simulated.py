@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.physics.circuit import series_resistance_ohm
 from musclewire.physics.heat import convection_range_note
@@ -16,7 +14,7 @@ from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Missing
 from musclewire.rigs.device import Fault as DeviceFault
 from musclewire.rigs.faults import Fault, Faults
 from musclewire.rigs.instruments import Instruments
-from musclewire.rigs.load_parts import Contact, Finger, Part, Pretensioner, SecondFinger, Spring, Weight
+from musclewire.rigs.load_part import LoadPart, Pull
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.pacing import Pacer
 from musclewire.rigs.protocol import Metadata
@@ -45,7 +43,7 @@ class SimulatedDevice:
         wire: Wire,
         bench: Bench,
         *,
-        parts: Sequence[Part] = (),
+        parts: Sequence[LoadPart] = (),
         surroundings: Surroundings | None = None,
         seed: int = 1,
         new_wire: bool = False,
@@ -96,7 +94,7 @@ class SimulatedDevice:
             self._parts,
             pretension_n=pretension_n,
             leg_length_m=self._leg_length_m,
-            object_between=any(isinstance(part, SecondFinger) for part in self._parts),
+            object_between=any(part.second_wire and part.second_wire.pull is Pull.APART for part in self._parts),
             tendon_slack_m=tendon_slack_m,
         )
 
@@ -138,7 +136,7 @@ class SimulatedDevice:
         """Return the names of the reference instruments this bench has."""
         if self._mechanism.tendon is None:
             return ("displacement_m", "force_n")
-        touches = any(isinstance(part, Contact) for part in self._parts)
+        touches = any(part.obstacle is not None for part in self._parts)
         endpoint = ("endpoint_displacement_m", "endpoint_force_n") if touches else ("endpoint_displacement_m",)
         return ("displacement_m", "force_n", *endpoint)
 
@@ -185,12 +183,10 @@ class SimulatedDevice:
         stiffness = self._mechanism.load.stiffness_n_per_m
         if not self._parts:
             return {"spring_stiffness_n_per_m": stiffness}
-        plain = all(isinstance(part, (Spring, Pretensioner, Weight)) for part in self._parts)
+        plain = all(part.is_straight for part in self._parts)
         named: Metadata = {"load": ", ".join(part.part for part in self._parts)}
         for part in self._parts:
-            if isinstance(part, Finger):
-                named["finger"] = Path(part.finger).stem
-                named["finger_stiffness_n_per_m"] = load_finger(part.finger).curve.stiffness_n_per_m
+            named |= part.facts()
         if self.partner_state is not None:
             named["wires"] = 2
         return {**named, "spring_stiffness_n_per_m": stiffness} if plain else named
@@ -298,7 +294,7 @@ class SimulatedDevice:
         if self._mechanism.tendon is None:
             return sample
         endpoint_m, endpoint_force_n = self._instruments.endpoint(*self._endpoint(means))
-        touches = any(isinstance(part, Contact) for part in self._parts)
+        touches = any(part.obstacle is not None for part in self._parts)
         return sample._replace(
             endpoint_displacement_m=endpoint_m, endpoint_force_n=endpoint_force_n if touches else None
         )

@@ -12,8 +12,8 @@ from musclewire.errors import CallerError
 from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.rigs.limits import Circuit, limits_of
-from musclewire.rigs.load_parts import Antagonist, Contact, ParallelWire, Part, SecondFinger
-from musclewire.rigs.mechanism import LARGEST_CONTRACTION, TABLE_POINTS, Mechanism, Tendon
+from musclewire.rigs.load_part import LoadPart, Obstacle, Pull, SecondWire, Supply
+from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, Mechanism, Tendon
 from musclewire.rigs.simulated_wires import OneWire, SimulatedWires, TwoWires
 from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
 from musclewire.wire.building import constants_from
@@ -26,9 +26,13 @@ __all__ = ["force_limit_n", "simulated_limits", "wires_of"]
 # less than a tenth of all cases, and eight times in a row once in a hundred million.
 LEAST_SPREAD_STEPS = 3.0
 
+# How the kernel of two wires calls pulls and supplies.
+DIRECTIONS = {Pull.ALONG: 1.0, Pull.AGAINST: -1.0, Pull.APART: APART}
+FEEDS = {Supply.OWN: OWN_SUPPLY, Supply.PARALLEL: PARALLEL, Supply.SERIES: SERIES}
+
 
 def wires_of(
-    alloy: Alloy, wire: Wire, bench: Bench, parts: Sequence[Part], mechanism: Mechanism, *, new_wire: bool
+    alloy: Alloy, wire: Wire, bench: Bench, parts: Sequence[LoadPart], mechanism: Mechanism, *, new_wire: bool
 ) -> SimulatedWires:
     """Return the wires of a rig, cold and at rest under the stage's pretension and whatever hangs on the connector.
 
@@ -38,47 +42,56 @@ def wires_of(
     first = Spool(wire, alloy, bench, new_wire)
     stage_n = bench.pretension_n.value if mechanism.stage else 0.0
     cold_n = stage_n + mechanism.added_n
-    partner = next((part for part in parts if isinstance(part, (Antagonist, ParallelWire, SecondFinger))), None)
-    if partner is None:
+    second = second_wire_of(parts)
+    if second is None:
         return OneWire(first.pulling(mechanism.load, cold_n))
-    other = wire if partner.wire is None else load_wire(partner.wire)
-    second = Spool(other, alloy if partner.wire is None else load_alloy(other.alloy), bench, new_wire)
-    if isinstance(partner, SecondFinger):
-        one, two = (spool.pulling(mechanism.load, cold_n) for spool in (first, second))
-        return TwoWires((one, two), Pair(APART, SERIES, 0.0, 1.0), grip_between(parts, mechanism.tendon, one))
-    if isinstance(partner, Antagonist):
-        require_voltage(partner, other)
-        one, two = first.pulling(mechanism.load, cold_n), second.pulling(None, stage_n)
-        return TwoWires((one, two), Pair(-1.0, OWN_SUPPLY, partner.voltage, one.series_resistance_ohm), no_grip())
-    sections = [spool.diameter_m.value**2 for spool in (wire, other)]
-    own = sections[0] / sum(sections)
-    one, two = first.pulling(mechanism.load, own * cold_n), second.pulling(None, (1.0 - own) * cold_n)
-    return TwoWires((one, two), Pair(1.0, PARALLEL, 0.0, 1.0), no_grip())
+    other = wire if second.wire is None else load_wire(second.wire)
+    require_voltage(second, other)
+    spool = Spool(other, alloy if second.wire is None else load_alloy(other.alloy), bench, new_wire)
+    if second.pull is Pull.APART:
+        one, two = (item.pulling(mechanism.load, cold_n) for item in (first, spool))
+        grip = grip_between(parts, mechanism.tendon, one)
+    elif second.pull is Pull.AGAINST:
+        one, two, grip = first.pulling(mechanism.load, cold_n), spool.pulling(None, stage_n), no_grip()
+    else:
+        sections = [item.diameter_m.value**2 for item in (wire, other)]
+        own = sections[0] / sum(sections)
+        one, two = first.pulling(mechanism.load, own * cold_n), spool.pulling(None, (1.0 - own) * cold_n)
+        grip = no_grip()
+    series_ohm = one.series_resistance_ohm if second.supply is Supply.OWN else 1.0
+    return TwoWires((one, two), Pair(DIRECTIONS[second.pull], FEEDS[second.supply], second.voltage_v, series_ohm), grip)
 
 
-def force_limit_n(wire: Wire, parts: Sequence[Part]) -> float:
+def second_wire_of(parts: Sequence[LoadPart]) -> SecondWire | None:
+    """Return the second wire that the parts bring along, if one does."""
+    return next((part.second_wire for part in parts if part.second_wire is not None), None)
+
+
+def force_limit_n(wire: Wire, parts: Sequence[LoadPart]) -> float:
     """Return the largest reading of the load cell that every wire of a rig may pull with.
 
     Wires side by side are read together and share the force by their cross sections, as they do cold. Of others each
     pulls about what is read: an antagonist on the same connector, or a second finger's wire against the same object.
     """
-    partner = next((part for part in parts if isinstance(part, (Antagonist, ParallelWire, SecondFinger))), None)
+    second = second_wire_of(parts)
     own_n = wire.maximum_force_n.value
-    if partner is None:
+    if second is None:
         return own_n
-    other = wire if partner.wire is None else load_wire(partner.wire)
+    other = wire if second.wire is None else load_wire(second.wire)
     other_n = other.maximum_force_n.value
-    if not isinstance(partner, ParallelWire):
+    if second.pull is not Pull.ALONG:
         return min(own_n, other_n)
     sections = [spool.diameter_m.value**2 for spool in (wire, other)]
     return min(own_n / sections[0], other_n / sections[1]) * sum(sections)
 
 
 def simulated_limits(
-    alloy: Alloy, wire: Wire, bench: Mapping[str, float], parts: Sequence[Part], changed: Mapping[str, float] | None
+    alloy: Alloy, wire: Wire, bench: Mapping[str, float], parts: Sequence[LoadPart], changed: Mapping[str, float] | None
 ) -> ProtectionLimits:
     """Return the limits of a simulated rig's protection. Raises CallerError for numbers that cannot belong together."""
     maximum_v = wire.maximum_voltage_v.value
+    second = second_wire_of(parts)
+    supply = None if second is None else second.supply
     if bench["sense_voltage_v"] >= maximum_v:
         raise CallerError(f"sense_voltage_v {bench['sense_voltage_v']} V must be below maximum_voltage_v {maximum_v} V")
     step_v = 2.0 * bench["acquisition_range_v"] / 2.0 ** bench["acquisition_bits"]
@@ -93,8 +106,8 @@ def simulated_limits(
         shunt_range_v=bench["acquisition_range_v"],
         readings_noisy=bench["acquisition_noise_v"] / step_v * bench["acquisition_readings"] ** 0.5
         >= LEAST_SPREAD_STEPS,
-        in_series=2 if any(isinstance(part, SecondFinger) for part in parts) else 1,
-        in_parallel=2 if any(isinstance(part, ParallelWire) for part in parts) else 1,
+        in_series=2 if supply is Supply.SERIES else 1,
+        in_parallel=2 if supply is Supply.PARALLEL else 1,
     )
     return limits_of(wire, alloy, circuit, changed)
 
@@ -127,24 +140,26 @@ class Spool(NamedTuple):
         return constants_from(self.alloy, self.wire, around, load=load or spring_load(0.0), new_wire=self.new_wire)
 
 
-def require_voltage(partner: Antagonist, wire: Wire) -> None:
-    """Raise CallerError for an antagonist's voltage above what its wire allows."""
-    if partner.voltage > wire.maximum_voltage_v.value:
+def require_voltage(second: SecondWire, wire: Wire) -> None:
+    """Raise CallerError for a voltage of an own supply above what its wire allows."""
+    if second.voltage_v > wire.maximum_voltage_v.value:
         raise CallerError(
-            f"the antagonist's voltage of {partner.voltage:g} V is above the {wire.maximum_voltage_v.value:g} V "
+            f"the antagonist's voltage of {second.voltage_v:g} V is above the {wire.maximum_voltage_v.value:g} V "
             f"that wire {wire.name} allows"
         )
 
 
-def grip_between(parts: Sequence[Part], tendon: Tendon | None, constants: WireConstants) -> Grip:
+def grip_between(parts: Sequence[LoadPart], tendon: Tendon | None, constants: WireConstants) -> Grip:
     """Return the object between two like fingers, with the tables by which both meet it."""
-    contact = next(part for part in parts if isinstance(part, Contact))
+    between: Obstacle | None = next((part.obstacle for part in parts if part.obstacle is not None), None)
+    if between is None:
+        raise CallerError("a second finger needs a part 'contact' between it and the first")
     if tendon is None:
         raise CallerError("a second finger needs a part 'finger', which it mirrors")
-    displacement = np.linspace(0.0, LARGEST_CONTRACTION * constants.leg_length_m, TABLE_POINTS)
+    displacement = np.linspace(0.0, MAX_CONTRACTION * constants.leg_length_m, TABLE_POINTS)
     return Grip(
-        contact.stiffness,
-        contact.clearance,
+        between.stiffness_n_per_m,
+        between.clearance_m,
         float(displacement[1]),
         np.ascontiguousarray(tendon.free_endpoint_m(displacement)),
         np.ascontiguousarray(tendon.column("endpoint_compliance_m_per_n", displacement)),

@@ -14,7 +14,7 @@ from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import is_wire_file
 from musclewire.rigs.faults import Fault
 from musclewire.rigs.kinds import DeviceConfiguration
-from musclewire.rigs.load_parts import Part, Parts
+from musclewire.rigs.load_kinds import Part, Parts
 from musclewire.rigs.mounted import LimitsTable
 from musclewire.rigs.surroundings import Surroundings
 from musclewire.rigs.wire_keys import WireKeys

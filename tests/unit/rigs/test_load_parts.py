@@ -34,10 +34,10 @@ def refusal(*parts: Any, ask: Callable[..., Any] = configuration, **keys: Any) -
 def test_a_number_is_in_si_or_carries_its_unit() -> None:
     text = configuration({"part": "spring", "stiffness": "0.5886 N/mm", "slack": "300 um"}).load[0]
     numbers = configuration({"part": "spring", "stiffness": 588.6, "slack": 3e-4}).load[0]
-    assert text.stiffness == pytest.approx(numbers.stiffness)  # type: ignore[union-attr]
-    assert text.slack == pytest.approx(numbers.slack)  # type: ignore[union-attr]
-    assert configuration({"part": "weight", "force": "50 gf"}).load[0].force == pytest.approx(0.4903325)  # type: ignore[union-attr]
-    assert configuration({"part": "antagonist", "voltage": "900 mV"}).load[0].voltage == pytest.approx(0.9)  # type: ignore[union-attr]
+    assert text.stiffness == pytest.approx(numbers.stiffness)  # type: ignore[attr-defined]
+    assert text.slack == pytest.approx(numbers.slack)  # type: ignore[attr-defined]
+    assert configuration({"part": "weight", "force": "50 gf"}).load[0].force == pytest.approx(0.4903325)  # type: ignore[attr-defined]
+    assert configuration({"part": "antagonist", "voltage": "900 mV"}).load[0].voltage == pytest.approx(0.9)  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(

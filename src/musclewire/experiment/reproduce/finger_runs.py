@@ -16,7 +16,6 @@ from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_wire, read_published
 from musclewire.rigs.configuration import open_rig, simulated_configuration
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.load_parts import Pretensioner
 from musclewire.sensing.model import SensingModel
 
 __all__ = ["COMMON_WIRE", "FINGER_RIG", "FINGER_WIRE", "FingerRuns", "pretension_n", "staircase_of_fig18"]
@@ -99,7 +98,7 @@ class FingerRuns:
 
     def _cold_endpoint_m(self, with_pretensioner: bool) -> float:
         configuration, _ = simulated_configuration(FINGER_RIG)
-        parts = [part for part in configuration.load if with_pretensioner or not isinstance(part, Pretensioner)]
+        parts = [part for part in configuration.load if with_pretensioner or part.part != "pretensioner"]
         changed = configuration.model_copy(update={"load": parts, "seed": self._seed})
         read = []
         for force in (0.0, pretension_n()):

@@ -14,10 +14,8 @@ from musclewire.experiment.reproduce.measures import falling_steps, lowest_place
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.experiment.reproduce.sized import designed_pretensioner, schemes_of_fig13
 from musclewire.identify.recordings import required_quantity
-from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.library import read_published
 from musclewire.rigs.configuration import simulated_configuration
-from musclewire.rigs.load_parts import Finger, Pretensioner
 
 __all__ = ["SWEEP_N", "checks", "gaps_over_pretension"]
 
@@ -53,7 +51,7 @@ def checks() -> list[Check]:
 def shipped_finger() -> Any:
     """Return the finger that the rig "finger" names."""
     configuration, _ = simulated_configuration("finger")
-    return load_finger(next(part.finger for part in configuration.load if isinstance(part, Finger)))
+    return next(finger for part in configuration.load if (finger := part.finger_file()) is not None)
 
 
 def geometry_mm(_runs: Runs, *, name: str) -> float:
@@ -143,7 +141,7 @@ def eq8_error_n(runs: Runs) -> float:
     loop = runs.finger.loop(pretension_n())
     configuration, _ = simulated_configuration("finger")
     curve = shipped_finger().curve
-    stiffness = sum(part.stiffness_n_per_m for part in configuration.load if isinstance(part, Pretensioner))
+    stiffness = sum(part.stiffness_n_per_m for part in configuration.load)
     x = np.linspace(*EQUATION_8_SPAN, 200) * loop.recording["displacement_m"].max()
     measured = np.zeros_like(x)
     for half in loop.halves():

@@ -1,0 +1,79 @@
+"""A table of a file that says by one of its keys which of the registered kinds it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel, GetCoreSchemaHandler, ValidationError
+from pydantic_core import CoreSchema, InitErrorDetails, PydanticKnownError, core_schema
+
+from musclewire.errors import CallerError
+from musclewire.registry import Registry
+
+__all__ = ["TaggedTable"]
+
+
+@dataclass(frozen=True)
+class TaggedTable:
+    """What an annotated field takes: a table that names its kind by a key, checked by that kind's own schema.
+
+    Unlike a union of schemas it knows kinds that were registered later, by a call or by another package.
+
+    Parameters
+    ----------
+    registry
+        Schemas by name; each has the key as a literal of that name.
+    key
+        The key that names the kind.
+    """
+
+    registry: Registry[Any]
+    key: str
+
+    def __get_pydantic_core_schema__(self, _source: Any, _handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Have pydantic check a table here."""
+        return core_schema.no_info_plain_validator_function(self.checked)
+
+    def model_of(self, tag: str) -> type[BaseModel] | None:
+        """Return the schema of a kind, or None if there is none of that name."""
+        try:
+            found: type[BaseModel] = self.registry.find(tag)
+        except CallerError:
+            return None
+        return found
+
+    def checked(self, given: Any) -> BaseModel:
+        """Return a table as its kind; errors carry the name of the kind in their place, as those of a union do."""
+        if isinstance(given, BaseModel):
+            return given
+        if not isinstance(given, dict):
+            raise PydanticKnownError("model_attributes_type")
+        if self.key not in given:
+            raise PydanticKnownError("union_tag_not_found", {"discriminator": f"'{self.key}'"})
+        tag = given[self.key]
+        model = self.model_of(tag) if isinstance(tag, str) else None
+        if model is None:
+            names = ", ".join(f"'{name}'" for name in self.registry.names())
+            raise PydanticKnownError(
+                "union_tag_invalid", {"discriminator": f"'{self.key}'", "tag": str(tag), "expected_tags": names}
+            )
+        try:
+            return model.model_validate(given)
+        except ValidationError as error:
+            raise ValidationError.from_exception_data(
+                error.title, [placed(tag, item) for item in errors_of(error)]
+            ) from None
+
+
+def errors_of(error: ValidationError) -> list[Any]:
+    """Return the single errors of a validation."""
+    return error.errors(include_url=False)
+
+
+def placed(tag: str, problem: Any) -> InitErrorDetails:
+    """Return an error with the kind's name before its place."""
+    kind: Any = problem["type"]
+    return InitErrorDetails(
+        type=kind, loc=(tag, *problem["loc"]), input=problem["input"], ctx=dict(problem.get("ctx", {}))
+    )

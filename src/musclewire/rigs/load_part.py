@@ -1,0 +1,188 @@
+"""What a part at a wire's connector may add: the one class that every part of a load is made from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import Enum
+from typing import Annotated, ClassVar, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from musclewire.parameters.finger_file import FingerFile
+from musclewire.rigs.protocol import Metadata
+from musclewire.rigs.quantities import measured_in
+
+__all__ = [
+    "FloatArray",
+    "Force",
+    "Length",
+    "LoadPart",
+    "Obstacle",
+    "Pull",
+    "SecondWire",
+    "Stiffness",
+    "Supply",
+    "Voltage",
+]
+
+FloatArray = NDArray[np.float64]
+Stiffness = Annotated[float, measured_in("N/m"), Field(gt=0.0, allow_inf_nan=False)]
+Length = Annotated[float, measured_in("m"), Field(ge=0.0, allow_inf_nan=False)]
+Force = Annotated[float, measured_in("N"), Field(gt=0.0, allow_inf_nan=False)]
+Voltage = Annotated[float, measured_in("V"), Field(ge=0.0, allow_inf_nan=False)]
+
+
+class Obstacle(NamedTuple):
+    """An object in the way of the finger's endpoint, or of the connector if there is no finger."""
+
+    stiffness_n_per_m: float
+    clearance_m: float
+
+
+class Pull(Enum):
+    """Which way a second wire pulls: along with the first, against it, or on a finger of its own."""
+
+    ALONG = "along"
+    AGAINST = "against"
+    APART = "apart"
+
+
+class Supply(Enum):
+    """How a second wire is fed: from a supply of its own, across the same terminals, or in the same current."""
+
+    OWN = "own"
+    PARALLEL = "parallel"
+    SERIES = "series"
+
+
+class SecondWire(NamedTuple):
+    """A second wire: its name (None for one like the first), its pull, its supply and an own supply's voltage."""
+
+    wire: str | None
+    pull: Pull
+    supply: Supply
+    voltage_v: float = 0.0
+
+
+class LoadPart(BaseModel):
+    """A part at the connector of a simulated wire, as a table ``[[load]]`` of a rig file.
+
+    A part of one's own is a subclass with ``part: Literal["its name"]``, its keys as fields, and those of the methods
+    below that are about what it adds; ``load_parts.register("its name", Class)`` or an entry point of the group
+    ``musclewire.load_parts`` makes it known to rig files.
+
+    Attributes
+    ----------
+    once
+        Whether a rig has room for one part of the kind only.
+    is_straight
+        Whether a recording's stiffness says all there is to say of the part.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    once: ClassVar[bool] = False
+    is_straight: ClassVar[bool] = False
+
+    part: str
+
+    @property
+    def carries_pretension(self) -> bool:
+        """Whether the linear stage pulls against this part, so that a finger need not carry the pretension."""
+        return False
+
+    @property
+    def stiffness_n_per_m(self) -> float:
+        """Stiffness that it adds at the connector over the whole stroke [N/m]."""
+        return 0.0
+
+    @property
+    def hanging_force_n(self) -> float:
+        """Force that it adds to the pretension at any displacement [N]."""
+        return 0.0
+
+    def force_n(self, displacement_m: FloatArray) -> FloatArray | None:  # noqa: ARG002  parts use it
+        """Return the force that it adds beyond pretension and stiffness [N], 0 in the beginning; None if it adds none.
+
+        Parameters
+        ----------
+        displacement_m
+            Displacement of the connector [m], (n,), rising from 0.
+
+        Returns
+        -------
+        The force [N], (n,).
+        """
+        return None
+
+    def friction_n(self, displacement_m: FloatArray) -> FloatArray | None:  # noqa: ARG002  parts use it
+        """Return the largest friction that it adds to the guide's [N]; None if it adds none.
+
+        Parameters
+        ----------
+        displacement_m
+            Displacement of the connector [m], (n,), rising from 0.
+
+        Returns
+        -------
+        The friction [N], (n,), not below 0.
+        """
+        return None
+
+    @property
+    def finger_name(self) -> str | None:
+        """Name or file of the tendon-driven finger that it puts at the connector."""
+        return None
+
+    @property
+    def tendon_slack_m(self) -> float:
+        """Displacement before the tendon of its finger pulls [m]."""
+        return 0.0
+
+    def finger_file(self) -> FingerFile | None:
+        """Return its finger, read from its file; None if it has none. Raises CallerError for an unusable file."""
+        return None
+
+    @property
+    def obstacle(self) -> Obstacle | None:
+        """Object that it puts in the way."""
+        return None
+
+    def with_obstacle(self, obstacle: Obstacle) -> Self:  # noqa: ARG002  parts use it
+        """Return the part with another object in the way; a part without one as it is.
+
+        Parameters
+        ----------
+        obstacle
+            The object.
+
+        Returns
+        -------
+        The changed part.
+        """
+        return self
+
+    @property
+    def second_wire(self) -> SecondWire | None:
+        """Second wire that it brings along."""
+        return None
+
+    def misfit(self, beside: Sequence[LoadPart]) -> str | None:  # noqa: ARG002  parts use it
+        """Return why it does not fit together with the parts of a load; None if it does.
+
+        Parameters
+        ----------
+        beside
+            All parts of the load, this one included.
+
+        Returns
+        -------
+        What to change, for a message.
+        """
+        return None
+
+    def facts(self) -> Metadata:
+        """Return what a recording should say of it, beside its name."""
+        return {}

@@ -1,0 +1,120 @@
+"""A part of a load that another package brings: one class, one registration, and rig files know it as one of ours."""
+
+from __future__ import annotations
+
+import sys
+from importlib.metadata import EntryPoint, EntryPoints
+from pathlib import Path
+from types import SimpleNamespace
+from typing import ClassVar, Literal
+
+import numpy as np
+import pytest
+
+from musclewire import registry
+from musclewire.errors import CallerError
+from musclewire.rigs.configuration import open_rig, read_rig_file
+from musclewire.rigs.load_kinds import load_parts
+from musclewire.rigs.load_part import FloatArray, Length, LoadPart, Stiffness
+from musclewire.rigs.protocol import Metadata
+from musclewire.signals.commands import Drive
+
+HEAD = '[[load]]\npart = "pretensioner"\nstiffness = "386.2 N/m"\n'
+RUBBER = HEAD + '[[load]]\npart = "rubber band"\nstiffness = "800 N/m"\nreach = "3 mm"\n'
+
+
+class RubberBand(LoadPart):
+    """A band that grows stiffer as it is drawn, and rubs."""
+
+    once: ClassVar[bool] = True
+
+    part: Literal["rubber band"]
+    stiffness: Stiffness
+    reach: Length = 2e-3
+
+    def force_n(self, displacement_m: FloatArray) -> FloatArray:
+        return self.stiffness * displacement_m * (1.0 + displacement_m / self.reach)
+
+    def friction_n(self, displacement_m: FloatArray) -> FloatArray:
+        return 10.0 * displacement_m
+
+    def facts(self) -> Metadata:
+        return {"rubber_reach_m": self.reach}
+
+
+@pytest.fixture
+def _registered(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(load_parts, "_registered", {})
+    load_parts.register("rubber band", RubberBand)
+
+
+@pytest.fixture
+def _offered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As an installed package offers it in its metadata."""
+    monkeypatch.setitem(sys.modules, "rubber_bands", SimpleNamespace(Band=RubberBand))  # type: ignore[arg-type]
+    point = EntryPoint("rubber band", "rubber_bands:Band", "musclewire.load_parts")
+    monkeypatch.setattr(
+        registry, "entry_points", lambda group: EntryPoints([point] if group == "musclewire.load_parts" else [])
+    )
+
+
+def rig_file(folder: Path, text: str) -> Path:
+    path = folder / "rig.toml"
+    path.write_text(text, "utf-8")
+    return path
+
+
+@pytest.mark.parametrize("known_by", ["_registered", "_offered"])
+def test_a_rig_file_has_it_and_the_wire_pulls_it(known_by: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    request.getfixturevalue(known_by)
+
+    def pulled(text: str) -> tuple[float, float, Metadata]:
+        with open_rig(rig_file(tmp_path, text), acquisition_noise_v=0.0) as rig:
+            for _ in range(60):
+                sample = rig.exchange(Drive(2.4))
+            return float(sample.displacement_m or 0.0), float(sample.force_n or 0.0), rig.metadata()
+
+    (free_m, _, _), (drawn_m, drawn_n, facts) = pulled(HEAD), pulled(RUBBER)
+    assert free_m > drawn_m > 3e-4
+    bare_n = float(facts["pretension_n"] or 0.0) + (386.2 + 800.0 * (1.0 + drawn_m / 3e-3)) * drawn_m
+    # What the wire feels is the band's own law, up to the friction of band and guide and the instruments' noise.
+    assert drawn_n == pytest.approx(bare_n, abs=10.0 * drawn_m + 0.1)
+    assert facts["load"] == "pretensioner, rubber band"
+    assert facts["rubber_reach_m"] == 3e-3
+    assert "spring_stiffness_n_per_m" not in facts
+
+
+@pytest.mark.usefixtures("_registered")
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        (RUBBER.replace("reach", "raech"), "unknown key 'load.1.rubber band.raech'; did you mean 'reach'?"),
+        (RUBBER.replace('"800 N/m"', '"800 mm"'), "mm is a length; a stiffness is needed"),
+        (RUBBER.replace('"800 N/m"', "0.0"), "load.1.rubber band.stiffness: must be above 0 N/m, not 0"),
+        (RUBBER.replace("rubber band", "ruber band"), "there is no part 'ruber band'; did you mean 'rubber band'?"),
+        (RUBBER + RUBBER.removeprefix(HEAD), "there are 2 parts 'rubber band', 1 fits"),
+    ],
+)
+def test_a_mistake_in_it_is_answered_as_in_one_of_ours(text: str, hint: str, tmp_path: Path) -> None:
+    with pytest.raises(CallerError) as caught:
+        read_rig_file(rig_file(tmp_path, text))
+    assert hint in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_without_registration_it_is_unknown_and_our_names_cannot_be_taken(tmp_path: Path) -> None:
+    with pytest.raises(CallerError, match="there is no part 'rubber band'"):
+        read_rig_file(rig_file(tmp_path, RUBBER))
+    with pytest.raises(CallerError, match="already a part of a load named 'spring'"):
+        load_parts.register("spring", RubberBand)
+
+
+@pytest.mark.parametrize("name", load_parts.names())
+def test_every_part_of_ours_says_what_it_adds_in_one_class(name: str) -> None:
+    kind = load_parts.find(name)
+    assert issubclass(kind, LoadPart)
+    given = {"part": name, "stiffness": 100.0, "finger": "lan-fan-2010", "force": 0.1, "clearance": 1e-3}
+    part = kind.model_validate({key: value for key, value in given.items() if key in kind.model_fields})
+    force = part.force_n(np.linspace(0.0, 1e-3, 5))
+    said = (part.stiffness_n_per_m, part.hanging_force_n, part.finger_name, part.obstacle, part.second_wire, force)
+    assert any(item is not None and item is not False and item != 0.0 for item in said)
