@@ -107,17 +107,17 @@ static void send_sample(mw_application *application)
     memset(sums, 0, sizeof *sums);
 }
 
-/* Puts out what may be out now; tells the host and the retained memory where the state has changed. */
+/* Puts out what may be out now; a change of the state is sent to the host and kept in the retained memory. */
 static void settle(mw_application *application)
 {
     const uint8_t state = mw_loop_state(&application->loop);
     const uint8_t event = mw_loop_event(&application->loop);
     board_set_drive(mw_loop_output(&application->loop));
-    if (state == application->told_state && event == application->told_event) {
+    if (state == application->reported_state && event == application->reported_event) {
         return;
     }
-    application->told_state = state;
-    application->told_event = event;
+    application->reported_state = state;
+    application->reported_event = event;
     retain(state, event);
     mw_message message;
     message.type = MW_EVENT;
@@ -326,8 +326,8 @@ void mw_application_start(mw_application *application)
     mw_standalone_start(&application->standalone, application->reset_cause);
     board_set_drive(0.0f);
     retain(MW_STATE_OFF, application->event_at_reset);
-    application->told_state = MW_STATE_OFF;
-    application->told_event = mw_loop_event(&application->loop);
+    application->reported_state = MW_STATE_OFF;
+    application->reported_event = mw_loop_event(&application->loop);
     /* Unasked: a host in the middle of a run learns by this that the board has started anew. */
     send_identity(application);
 }

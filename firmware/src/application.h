@@ -34,7 +34,7 @@ typedef struct {
     uint16_t command_sequence;             /* of the last accepted command */
     uint16_t stream_every, stream_left;
     uint8_t event_at_reset, reset_cause;
-    uint8_t told_state, told_event; /* what the host and the retained memory have last been told */
+    uint8_t reported_state, reported_event; /* the last that host and retained memory got */
 #ifdef MW_FAULT_INJECTION
     uint8_t injected;
     mw_board_reading kept;

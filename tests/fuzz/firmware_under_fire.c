@@ -27,7 +27,7 @@ static mw_decoder listener;
 static float output_v, highest_v;
 static unsigned long frames_in, frames_out, ticks, runs, trips, silences, refusals;
 static unsigned ticks_since_command, missed;
-static uint8_t last_state;
+static uint8_t last_state, last_event;
 static uint32_t chance_state;
 
 static uint32_t chance(uint32_t below)
@@ -118,8 +118,8 @@ float board_knob(void)
 
 static void judge(void)
 {
-    const uint8_t state = mw_loop_state(&application.loop);
-    if (state >= MW_STATES || mw_loop_event(&application.loop) >= MW_EVENTS) {
+    const uint8_t state = mw_loop_state(&application.loop), event = mw_loop_event(&application.loop);
+    if (state >= MW_STATES || event >= MW_EVENTS) {
         fail("a state or event that is not in the table");
     }
     if ((state == MW_STATE_OFF || state == MW_STATE_TRIPPED) && output_v != 0.0f) {
@@ -128,12 +128,19 @@ static void judge(void)
     if ((state == MW_STATE_ARMED || state == MW_STATE_DEGRADED) && output_v != (float)MW_SENSE_VOLTAGE_V) {
         fail("another voltage than the sense voltage while sensing");
     }
+    if (!mw_state_drives(last_state) && state != last_state && state != MW_STATE_ARMED) {
+        fail("off or tripped was left by something else than arming");
+    }
+    if (state == MW_STATE_TRIPPED && last_state == MW_STATE_TRIPPED && event != last_event) {
+        fail("the first cause of a trip has not stayed");
+    }
     if (ticks_since_command > EXPIRED_TICKS && output_v != 0.0f) {
         fail("the heater has not expired");
     }
     runs += state == MW_STATE_RUN && last_state != MW_STATE_RUN;
     trips += state == MW_STATE_TRIPPED && last_state != MW_STATE_TRIPPED;
     last_state = state;
+    last_event = event;
 }
 
 static float nonsense(void)

@@ -22,7 +22,7 @@ class ProtectionLimits(NamedTuple):
         maximum_power_w: above this is over-power.
         resistance_low_ohm: least resistance this wire can have, whatever its state.
         resistance_high_ohm: most resistance it can have.
-        jump_share: change of resistance from one reading to the next, as a share of it, that no heating explains.
+        jump_share: change of resistance from one reading to the next, as a fraction of it, that no heating explains.
         wire_range_v: end of the range of the channel at the wire.
         shunt_range_v: end of the range of the channel at the shunt.
         readings_noisy: whether noise moves every reading, so that equal numbers in a row mean a frozen channel; 1 or 0.
