@@ -64,7 +64,7 @@ SOURCE = re.compile(r"doi|Eqs?\. |NASA|TOR-|Reuss|Source|References")
 STILL_INCOMPLETE: tuple[str, ...] = tuple(
     f"musclewire.{room}"
     for room in ("controllers", "experiment", "export", "identify", "parameters",
-                 "rigs", "sensing", "simulate")
+                 "sensing", "simulate")
 )  # fmt: skip
 # Rooms whose every function is a published equation.
 EQUATIONS = "musclewire.physics"

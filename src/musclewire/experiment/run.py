@@ -60,11 +60,33 @@ class Policy(Protocol):
         ...
 
     def first_command(self) -> Command:
-        """Return the command for the first sample period."""
+        """Return the command for the first sample period.
+
+        Returns
+        -------
+        A drive voltage, or a target for a device with a closed loop of its own.
+        """
         ...
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
-        """Return the decision after a sample that ended ``elapsed_s`` into the run."""
+        """Return the decision after a sample.
+
+        Parameters
+        ----------
+        sample
+            What the rig has just handed back.
+        elapsed_s
+            End of the sample, counted from the beginning of the run [s].
+
+        Returns
+        -------
+        The next command, and what is recorded next to the sample.
+
+        Raises
+        ------
+        RigError
+            If the run cannot go on; the rig then goes to its sense voltage.
+        """
         ...
 
 
@@ -99,9 +121,36 @@ def run_on_rig(
 ) -> Recording:
     """Drive a rig by a policy for a time and return the recording.
 
-    ``on_sample`` sees every recorded row; it may raise to stop the run. Any exception leaves the rig at its
-    sense voltage and carries the partial recording as ``.recording``. How punctual the run was stands in the metadata.
-    Raises CallerError for a duration under one sample.
+    Any exception leaves the rig at its sense voltage and carries the partial recording as ``.recording``. How punctual
+    the run was is in the metadata.
+
+    Parameters
+    ----------
+    rig
+        The rig, open.
+    policy
+        Chooses each command; it may raise to stop the run.
+    duration_s
+        Length of the run [s], rounded to whole samples.
+    metadata
+        What the recording is to say besides what the rig says.
+    path
+        File that is written while the run goes on; by default the recording is only returned.
+    overwrite
+        Whether a file that exists is replaced.
+    on_sample
+        Gets every recorded row; it may raise to stop the run.
+
+    Returns
+    -------
+    The recording, with the columns of rig and policy.
+
+    Raises
+    ------
+    CallerError
+        For a duration under one sample, and a file that cannot be written, before anything is heated.
+    RigError
+        For whatever ends the run on the rig's side.
     """
     samples = round(duration_s / rig.sample_period_s)
     if samples < 1:

@@ -58,11 +58,17 @@ class DeviceFacts:
 
 
 class Missing(NamedTuple):
-    """Something has been missing for ``missing_s`` seconds: the guard holds the drive, senses, or switches off.
+    """Something has been missing for a time: the guard holds the drive, senses, or switches off.
 
-    With a ``sample`` it came after all, and is judged as any other. Without one the device still waits: the guard asks
-    it again, with the command that may be out by now. ``missing_s`` counts from the beginning of the wait, so it grows
-    from one answer to the next.
+    Parameters
+    ----------
+    event
+        What is missing, ``Event.SAMPLE_LATE`` for example; the protection table says how long it may be.
+    missing_s
+        For how long [s], from the beginning of the wait: it grows from one answer to the next.
+    sample
+        The sample, if it came after all; it is judged as any other. None while the device still waits: the guard calls
+        ``exchange`` again, with the command that may be out by now.
     """
 
     event: Event
@@ -71,7 +77,15 @@ class Missing(NamedTuple):
 
 
 class Fault(NamedTuple):
-    """Something that ends the run: the guard switches off, with the table's words for the event and these details."""
+    """Something that ends the run: the guard switches off, with the table's words for the event.
+
+    Parameters
+    ----------
+    event
+        Which row of the protection table it is.
+    details
+        What was seen, for the message: a few words without a period.
+    """
 
     event: Event
     details: str

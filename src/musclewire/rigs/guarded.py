@@ -56,6 +56,11 @@ class GuardedRig:
     One thread exchanges. ``close`` may be called from another one while a sample is awaited: the drive goes off, and
     the exchange ends with a RigError.
 
+    Parameters
+    ----------
+    device
+        An open device with 0 V out. It is switched off if its limits are refused.
+
     Attributes
     ----------
     device
@@ -64,21 +69,15 @@ class GuardedRig:
     drive_at_ns, sample_at_ns
         When the last drive was handed to the output and when its sample was there (``time.perf_counter_ns``): between
         a sample and the next drive lies all that the host computes, the protection too.
+
+    Raises
+    ------
+    CallerError
+        For limits that cannot belong to a wire.
     """
 
     def __init__(self, device: Device) -> None:
-        """Arm the protection with the limits of the device's wire and circuit.
-
-        Parameters
-        ----------
-        device
-            An open device with 0 V out. It is switched off here if its limits are refused.
-
-        Raises
-        ------
-        CallerError
-            For limits that cannot belong to a wire.
-        """
+        """Arm the protection. Raises CallerError for limits that cannot belong to a wire."""
         self.device = device
         self._facts = device.facts
         try:

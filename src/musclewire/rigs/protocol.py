@@ -22,7 +22,7 @@ class Rig(Protocol):
 
     @property
     def sample_period_s(self) -> float:
-        """Time between samples."""
+        """Time between samples [s]."""
         ...
 
     @property
@@ -32,32 +32,32 @@ class Rig(Protocol):
 
     @property
     def sense_voltage_v(self) -> float:
-        """Drive voltage that heats the wire by little and still lets its resistance be measured."""
+        """Drive voltage [V] that heats the wire by little and still lets its resistance be measured."""
         ...
 
     @property
     def maximum_voltage_v(self) -> float:
-        """Highest drive voltage this rig allows."""
+        """Highest drive voltage [V] this rig allows."""
         ...
 
     @property
     def drive_amplitude_v(self) -> float:
-        """Amplitude at which this rig's wire completes its transformation in a slow sine."""
+        """Amplitude [V] at which this rig's wire completes its transformation in a slow sine."""
         ...
 
     @property
     def shunt_resistance_ohm(self) -> float:
-        """R of Eq. 1."""
+        """R of Eq. 1 [ohm]."""
         ...
 
     @property
     def leg_length_m(self) -> float:
-        """Length whose relative shortening is the strain: one leg of the V."""
+        """Length whose relative shortening is the strain [m]: one leg of the V."""
         ...
 
     @property
     def drive_voltage_v(self) -> float:
-        """Drive voltage that is out now."""
+        """Drive voltage [V] that is out now."""
         ...
 
     @property
@@ -66,14 +66,28 @@ class Rig(Protocol):
         ...
 
     def metadata(self) -> Metadata:
-        """Return what a recording should say about this rig."""
+        """Return what a recording is to say about this rig."""
         ...
 
     def exchange(self, command: Command | float) -> RawSample:
-        """Follow a command for one sample period and return the sample at its end; a number is a drive voltage [V].
+        """Follow a command for one sample period and return the sample at its end.
 
-        Raises RigError, after the drive has been switched off, for a voltage outside 0 to the maximum; CallerError for
-        a target where no device follows one.
+        Parameters
+        ----------
+        command
+            A drive voltage [V], as a :class:`~musclewire.signals.commands.Drive` or a bare number, or a
+            :class:`~musclewire.signals.commands.Target` for a device with a closed loop of its own.
+
+        Returns
+        -------
+        The sample. Its ``drive_voltage_v`` is what was out.
+
+        Raises
+        ------
+        RigError
+            With the drive switched off, for a voltage outside 0 to the maximum, and for whatever ends the run.
+        CallerError
+            For a target if the device follows none.
         """
         ...
 

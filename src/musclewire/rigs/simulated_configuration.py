@@ -30,8 +30,47 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
 
     The keys of wire and circuit are those of real hardware; ``settings`` change all other numbers of wire and bench.
 
-    Where no bench is named, the paper's is taken with what the wire file knows of its own. ``load`` lists what the wire
-    pulls, without any the bench's spring; ``surroundings`` tells how the air moves, without any not at all.
+    Parameters
+    ----------
+    kind
+        "simulated".
+    wire_length
+        Overall length between the terminals [m]; this and the other keys of wire and circuit are by default those of
+        wire and bench.
+    legs
+        Parts of the wire that share the force.
+    shunt
+        R of Eq. 1 [ohm].
+    sense_voltage
+        Drive voltage [V] that heats by little and still gives a reading.
+    maximum_voltage
+        Highest drive voltage [V] that may ever be out.
+    drive_amplitude
+        Amplitude of the slow sine [V].
+    pretension
+        Force of the cold wire [N].
+    ambient_temperature
+        Temperature of the air [K].
+    sample_period
+        Time between samples [s].
+    settings
+        Other numbers of wire and bench by name, in SI or as text with a unit.
+    wire
+        Name of a wire (``musclewire simulate --list``), or a wire file next to the rig file.
+    bench
+        Name of a bench. If none is named, the paper's is taken with what the wire file knows of its own bench.
+    new_wire
+        Whether the wire starts before its first cycles (shakedown).
+    seed
+        Seed of the instruments' noise.
+    load
+        What the wire pulls, part by part; without any, the bench's spring.
+    surroundings
+        How the air moves; by default it does not.
+    limits
+        Limits of the protection that differ from what follows from wire and circuit.
+    fault
+        What goes wrong, and when.
     """
 
     kind: Literal["simulated"] = "simulated"
@@ -52,7 +91,17 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
         return self
 
     def beside(self, folder: Path) -> Self:
-        """Return a rig file's content with the files it names found beside it, wherever the command was started."""
+        """Return a rig file's content with the files it names found next to it, wherever the command was started.
+
+        Parameters
+        ----------
+        folder
+            Folder of the rig file.
+
+        Returns
+        -------
+        A configuration whose paths are valid from anywhere.
+        """
 
         def found(name: str | None) -> str | None:
             return str(folder / name) if name is not None and is_wire_file(name) else name

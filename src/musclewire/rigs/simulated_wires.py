@@ -35,15 +35,43 @@ class SimulatedWires(Protocol):
         ...
 
     def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> Means:
-        """Go on by some steps at one drive voltage."""
+        """Go on by some steps at one drive voltage.
+
+        Parameters
+        ----------
+        drive_voltage_v
+            Drive voltage [V] during all of the steps.
+        dt_s
+            Length of a step [s].
+        steps
+            How many steps: those of one sample period.
+
+        Returns
+        -------
+        Means over the steps, as averaging instruments see them.
+        """
         ...
 
     def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
-        """Change the air from here on."""
+        """Change the air from here on.
+
+        Parameters
+        ----------
+        ambient_temperature_k
+            Temperature of the air [K].
+        convection_ratio
+            Loss to the air as a multiple of that in still air.
+        """
         ...
 
     def age_like(self, before: SimulatedWires) -> None:
-        """Take over clock and cycles from the wires of the setting before."""
+        """Take over clock and cycles from the wires of the setting before.
+
+        Parameters
+        ----------
+        before
+            Wires of the same kind, one or two, at another setting of the stages.
+        """
         ...
 
 

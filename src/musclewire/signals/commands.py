@@ -26,10 +26,14 @@ class Drive(NamedTuple):
 
 
 class Target(NamedTuple):
-    """A target that the device follows with its own controller, in the unit of ``quantity``.
+    """A target that the device follows with its own controller; only one with a closed loop of its own accepts it.
 
-    ``value`` is a strain (dimensionless), a displacement [m] or a force [N]; only a device with a closed loop of its
-    own accepts one.
+    Parameters
+    ----------
+    value
+        The target in SI: a strain (dimensionless), a displacement [m] or a force [N].
+    quantity
+        What it is a target of: that of the model on the device.
     """
 
     value: float
