@@ -32,7 +32,7 @@ def pretension_table(loops: tuple[LoopTruth, ...]) -> str:
         ("half way: temperature on cooling", lambda loop: f"{half_way_degc(loop, 'cooling'):.0f} °C"),
         ("half way: more resistance on heating, as it is hotter", lambda loop: half_way_mohm(loop, "hotter")),
         ("half way: more (or less), as one branch has more R-phase", lambda loop: half_way_mohm(loop, "r_phase")),
-        ("half way: shape and share of martensite", lambda loop: half_way_mohm(loop, "rest")),
+        ("half way: shape and martensite fraction", lambda loop: half_way_mohm(loop, "rest")),
         ("half way: all together", lambda loop: half_way_mohm(loop, "whole")),
     ]
     header = ["pretension", *(f"{loop.pretension_n:.2f} N" for loop in loops)]
@@ -68,11 +68,11 @@ def reading(lowest: LoopTruth, highest: LoopTruth) -> str:
     if low[1] * low[0] >= 0.0:
         return (
             f"{says} So here R-phase stands on the hotter branch and **adds** to the effect of temperature at low "
-            "pretension: these parameters meet the paper's gaps in another way than the one told above."
+            "pretension: these parameters meet the paper's gaps in another way than the one described above."
         )
     if abs(high[1]) > 0.5 * abs(low[1]):
-        return f"{says} The two oppose each other as told above, but load takes **less than half** of the second away."
-    return f"{says} The two oppose each other at low pretension, and load takes most of the second away, as told above."
+        return f"{says} The two oppose each other as described above, but load takes **less than half** of the second away."
+    return f"{says} The two oppose each other at low pretension, and load takes most of the second away, as described above."
 
 
 def mean_mohm(loop: LoopTruth) -> tuple[float, float]:
