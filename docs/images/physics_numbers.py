@@ -68,11 +68,13 @@ def reading(lowest: LoopTruth, highest: LoopTruth) -> str:
     if low[1] * low[0] >= 0.0:
         return (
             f"{says} So here R-phase stands on the hotter branch and **adds** to the effect of temperature at low "
-            "pretension: these parameters meet the paper's gaps in another way than the one described above."
+            "pretension: these parameters meet the paper's gaps in another way than the one shown above."
         )
     if abs(high[1]) > 0.5 * abs(low[1]):
-        return f"{says} The two oppose each other as described above, but load takes **less than half** of the second away."
-    return f"{says} The two oppose each other at low pretension, and load takes most of the second away, as described above."
+        return f"{says} The two oppose each other as shown above, but load takes **less than half** of the second away."
+    return (
+        f"{says} The two oppose each other at low pretension, and load takes most of the second away, as shown above."
+    )
 
 
 def mean_mohm(loop: LoopTruth) -> tuple[float, float]:
