@@ -124,12 +124,9 @@ def row_document(row: Row) -> dict[str, Any]:
 
 def write_document(document: dict[str, Any], path: Path) -> None:
     """Write the answer next to the page, whole or not at all."""
-    from musclewire.signals.whole_files import write_whole
+    from musclewire.signals.whole_files import write_text_whole
 
-    def write(part: Path) -> None:
-        part.write_text(json_text.dumps(document, indent=2, allow_nan=False) + "\n", "utf-8")
-
-    write_whole(path, write)
+    write_text_whole(path, json_text.dumps(document, indent=2, allow_nan=False) + "\n")
 
 
 def print_table(result: Reproduction) -> None:

@@ -20,7 +20,7 @@ from musclewire.rigs.protocol import Rig
 from musclewire.sensing.contact import FreeClosing
 from musclewire.sensing.grip_force import GripCurve
 from musclewire.signals.recording import MetadataValue, Recording
-from musclewire.signals.whole_files import write_whole
+from musclewire.signals.whole_files import write_text_whole
 
 __all__ = [
     "CLOSING_S",
@@ -126,12 +126,7 @@ class GripperKnowledge:
     def save(self, path: Path) -> None:
         """Write it as JSON, whole or not at all; CallerError when the folder cannot be written."""
         document = {"format": FORMAT, "version": VERSION, **asdict(self)}
-        text = TypeAdapter(dict[str, Any]).dump_json(document, indent=1)
-
-        def write(part: Path) -> None:
-            part.write_bytes(text + b"\n")
-
-        write_whole(path, write)
+        write_text_whole(path, TypeAdapter(dict[str, Any]).dump_json(document, indent=1).decode() + "\n")
 
 
 def load_knowledge(path: Path) -> GripperKnowledge:

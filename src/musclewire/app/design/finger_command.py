@@ -171,13 +171,12 @@ class Files:
 
     def write(self, answer: FingerStudyResult) -> None:
         """Write what was requested, each file whole or not at all."""
-        from musclewire.signals.whole_files import write_whole
+        from musclewire.signals.whole_files import write_text_whole, write_whole
 
         if self.output is not None:
             from musclewire.design.finger.finger_file_text import finger_study_file_text
 
-            text = finger_study_file_text(self.output.stem, answer)
-            write_whole(self.output, lambda part: write_text(part, text))
+            write_text_whole(self.output, finger_study_file_text(self.output.stem, answer))
         for drawing in self.drawing or []:
             from musclewire.design.finger.drawing import write_finger_drawing
 
@@ -333,8 +332,3 @@ def geometry_from_file(name: str) -> FingerGeometry:
     from musclewire.parameters.finger_file import load_finger
 
     return geometry_of_file(load_finger(name))
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file."""
-    path.write_text(text, "utf-8")

@@ -257,11 +257,10 @@ def write_files(
     from musclewire.design.serpentine.figures import draw_pretensioner
     from musclewire.design.serpentine.outline import serpentine_drawing
     from musclewire.design.serpentine.pretensioner_file_text import pretensioner_text
-    from musclewire.signals.whole_files import write_whole
+    from musclewire.signals.whole_files import write_text_whole
 
     if output is not None:
-        text = pretensioner_text(made, material)
-        write_whole(output, lambda part: (part.write_text(text, encoding="utf-8"), None)[1])
+        write_text_whole(output, pretensioner_text(made, material))
     if drawing:
         note = (
             f"{1e3 * made.geometry.depth_m:g} mm deep, {made.material.name}, {made.process}: "

@@ -157,16 +157,12 @@ def differs(path: Path, text: str) -> bool:
 
 def _write(folder: Path, texts: dict[str, str]) -> None:
     """Write each file whole or not at all; CallerError where that cannot be."""
-    from musclewire.signals.whole_files import write_whole
+    from musclewire.signals.whole_files import write_text_whole
 
     try:
         for name, text in texts.items():
             path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
-
-            def write(part: Path, text: str = text) -> None:
-                part.write_text(text, encoding="utf-8")
-
-            write_whole(path, write)
+            write_text_whole(path, text)
     except OSError as error:
         raise CallerError(f"cannot write the library into {folder}: {error.strerror or error}") from error
