@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.controllers.rules import (
     SET_NAMES,
     ConstantRules,
@@ -60,9 +61,9 @@ class RatioSurface(NamedTuple):
         Of the derivative gain, alike.
     """
 
-    kp: NDArray[np.float64]
-    ki: NDArray[np.float64]
-    kd: NDArray[np.float64]
+    kp: FloatArray
+    ki: FloatArray
+    kd: FloatArray
 
 
 def infer_ratios(rule_base: RuleBase, error_ratio: float, change_ratio: float) -> FuzzyRatios:
@@ -170,7 +171,7 @@ def packed_rules(rule_base: RuleBase) -> NDArray[np.void]:
     return packed
 
 
-def _tables(rules: ZhaoRules | MamdaniRules | ConstantRules) -> list[NDArray[np.float64]]:
+def _tables(rules: ZhaoRules | MamdaniRules | ConstantRules) -> list[FloatArray]:
     if isinstance(rules, ConstantRules):
         return [np.full((7, 7), ratio) for ratio in (rules.kp, rules.ki, rules.kd)]
     if isinstance(rules, MamdaniRules):
@@ -181,7 +182,7 @@ def _tables(rules: ZhaoRules | MamdaniRules | ConstantRules) -> list[NDArray[np.
     return [kp, np.clip(integral, 0.0, 1.0), kd]
 
 
-def _set_indices(table: tuple[tuple[SetName, ...], ...]) -> NDArray[np.float64]:
+def _set_indices(table: tuple[tuple[SetName, ...], ...]) -> FloatArray:
     return np.array([[float(SET_NAMES.index(cell)) for cell in row] for row in table])
 
 
@@ -193,7 +194,7 @@ def _set_values(fuzzy_set: MembershipSet) -> tuple[int, float, float, float]:
     return shape, first, second, third
 
 
-def _sampled_output_sets(rules: MamdaniRules) -> NDArray[np.float64]:
+def _sampled_output_sets(rules: MamdaniRules) -> FloatArray:
     from musclewire.controllers import kernels
 
     universe = np.linspace(-kernels.UNIVERSE_END, kernels.UNIVERSE_END, kernels.UNIVERSE_POINTS)

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 
-Floats = NDArray[np.float64]
 # A structured array of length 1, or its only row; mypy knows no fields of either.
 Rows = NDArray[np.void]
 Row = Any
@@ -73,7 +73,7 @@ def membership(shape: int, first: float, second: float, third: float, x: float) 
 
 
 @compiled
-def grade_inputs(rule: Row, ratio: float, grades: Floats) -> None:
+def grade_inputs(rule: Row, ratio: float, grades: FloatArray) -> None:
     """Write the grades of an input in [-1, 1] (clipped) in the seven input sets into ``grades``."""
     clipped = min(max(ratio, -1.0), 1.0)
     x = clipped * UNIVERSE_END
@@ -83,7 +83,7 @@ def grade_inputs(rule: Row, ratio: float, grades: Floats) -> None:
 
 
 @compiled
-def product_weighted_sum(rule: Row, error_grades: Floats, change_grades: Floats) -> tuple[float, float, float]:
+def product_weighted_sum(rule: Row, error_grades: FloatArray, change_grades: FloatArray) -> tuple[float, float, float]:
     """Return (kp, ki, kd) ratios after Zhao, Tomizuka, Isaka 1993, doi 10.1109/21.260670.
 
     A rule fires with mu, the product of its two grades. Inverting mu_S = -ln(x)/4 and mu_B = -ln(1-x)/4
@@ -107,7 +107,7 @@ def product_weighted_sum(rule: Row, error_grades: Floats, change_grades: Floats)
 
 
 @compiled
-def fire_labels(table: Floats, error_grades: Floats, change_grades: Floats, fired: Floats) -> None:
+def fire_labels(table: FloatArray, error_grades: FloatArray, change_grades: FloatArray, fired: FloatArray) -> None:
     """Write how strongly each output set of one table fires into ``fired``: min for and, max for or."""
     for label in range(7):
         fired[label] = 0.0
@@ -121,7 +121,7 @@ def fire_labels(table: Floats, error_grades: Floats, change_grades: Floats, fire
 
 
 @compiled
-def centroid_ratio(output_sets: Floats, fired: Floats, joined: Floats) -> float:
+def centroid_ratio(output_sets: FloatArray, fired: FloatArray, joined: FloatArray) -> float:
     """Return (1 + x)/2 for the centroid x (in units of the universe) of the output sets cut at ``fired``.
 
     The joined set is piecewise linear between the 101 points, and its area and moment are exact: the two end
@@ -176,7 +176,7 @@ def infer(rules: Rows, error_ratio: float, change_ratio: float) -> tuple[float, 
 
 
 @compiled
-def infer_many(rules: Rows, error_ratios: Floats, change_ratios: Floats, ratios: Floats) -> None:
+def infer_many(rules: Rows, error_ratios: FloatArray, change_ratios: FloatArray, ratios: FloatArray) -> None:
     """Write the three ratios for each pair of inputs into ``ratios``, shape (3, n)."""
     for index in range(error_ratios.shape[0]):
         kp, ki, kd = infer(rules, error_ratios[index], change_ratios[index])

@@ -13,8 +13,9 @@ from functools import cached_property
 from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
 __all__ = [
@@ -52,7 +53,7 @@ class Reference(Protocol):
         The target: strain as a fraction, displacement [m] or force [N].
         """
 
-    def targets_at(self, time_s: ArrayLike) -> NDArray[np.float64]:
+    def targets_at(self, time_s: ArrayLike) -> FloatArray:
         """Return the targets at many times.
 
         Parameters
@@ -162,7 +163,7 @@ class Staircase:
         index = bisect_right(self._starts_s, _checked_time(time_s) + CLOCK_TOLERANCE_S) - 1
         return self.levels[max(index, 0)]
 
-    def targets_at(self, time_s: ArrayLike) -> NDArray[np.float64]:
+    def targets_at(self, time_s: ArrayLike) -> FloatArray:
         """Return the levels at many times.
 
         Parameters
@@ -196,8 +197,8 @@ class SampledReference:
         The target from each on, shape (n,): strain as a fraction, displacement [m] or force [N].
     """
 
-    time_s: NDArray[np.float64]
-    target: NDArray[np.float64]
+    time_s: FloatArray
+    target: FloatArray
 
     @property
     def duration_s(self) -> float:
@@ -224,7 +225,7 @@ class SampledReference:
         index = bisect_right(self.time_s, _checked_time(time_s) + CLOCK_TOLERANCE_S) - 1
         return float(self.target[max(index, 0)])
 
-    def targets_at(self, time_s: ArrayLike) -> NDArray[np.float64]:
+    def targets_at(self, time_s: ArrayLike) -> FloatArray:
         """Return the targets at many times.
 
         Parameters
@@ -335,12 +336,10 @@ def _checked_time(time_s: float) -> float:
     return time_s
 
 
-def _zero_order_hold(
-    starts_s: NDArray[np.float64], levels: NDArray[np.float64], time_s: ArrayLike
-) -> NDArray[np.float64]:
+def _zero_order_hold(starts_s: FloatArray, levels: FloatArray, time_s: ArrayLike) -> FloatArray:
     times = np.asarray(time_s, dtype=np.float64)
     if not np.isfinite(times).all():
         raise CallerError("asked for the target at a time that is not finite; give finite times")
     indices = np.searchsorted(starts_s, times + CLOCK_TOLERANCE_S, side="right") - 1
-    held: NDArray[np.float64] = levels[np.maximum(indices, 0)]
+    held: FloatArray = levels[np.maximum(indices, 0)]
     return held

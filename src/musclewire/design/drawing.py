@@ -14,8 +14,8 @@ from typing import NamedTuple
 from xml.sax.saxutils import escape
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.signals.whole_files import write_whole
 
@@ -98,7 +98,7 @@ def rounded(
     return [Vertex(*begin, turn * math.tan(math.pi / 8.0)), Vertex(*end)]
 
 
-def polyline_m(ring: Sequence[Vertex], turn_rad: float = 0.1) -> NDArray[np.float64]:
+def polyline_m(ring: Sequence[Vertex], turn_rad: float = 0.1) -> FloatArray:
     """Return a ring as a closed polyline (n, 2) [m] for pictures, its arcs cut into chords of at most ``turn_rad``."""
     points: list[tuple[float, float]] = []
     for start, end in zip(ring, [*ring[1:], ring[0]], strict=True):

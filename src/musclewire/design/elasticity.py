@@ -13,17 +13,15 @@ from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 from scipy.sparse.linalg import splu
 
+from musclewire.arrays import FloatArray, IntArray
 from musclewire.design.plane_body import PlaneBody
 from musclewire.errors import CallerError, NumericsError
 
 __all__ = ["Equilibrium", "ExternalPotential", "Load", "PotentialChange", "load_path", "solve_large", "solve_linear"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 # Forces are in balance when what is left is this share of the largest force in the body, or when the last correction
 # moved nothing by more than this share of the body's size: under tiny loads rounding is all that is left.
 BALANCE, STILL = 1e-8, 1e-10

@@ -9,15 +9,13 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
 __all__ = ["chain_stiffness_n_per_m"]
-
-FloatArray = NDArray[np.float64]
 
 
 def chain_stiffness_n_per_m(

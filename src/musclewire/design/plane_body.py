@@ -12,15 +12,13 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from musclewire.arrays import FloatArray, IntArray
 from musclewire.errors import CallerError
 
 __all__ = ["InnerForces", "PlaneBody"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 # Gauss rules that integrate the stiffness of undistorted quadratic elements exactly.
 QUADRATURE_ORDER = 4
 

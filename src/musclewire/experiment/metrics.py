@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.controllers.references import Reference, Staircase, Step
 from musclewire.errors import RecordingError
 from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity
@@ -100,12 +100,12 @@ def determined(error_pct: float | None, what: str) -> float:
     return error_pct
 
 
-def mean_absolute_error(values: NDArray[np.float64], wanted: NDArray[np.float64] | float, per: float) -> float:
+def mean_absolute_error(values: FloatArray, wanted: FloatArray | float, per: float) -> float:
     """Return the mean of |value - wanted| over ``per``, in percent (Lan and Fan 2010, Eq. 7)."""
     return float(100.0 * np.mean(np.abs(values - wanted)) / abs(per))
 
 
-def root_mean_square(errors: NDArray[np.float64], per: float) -> float:
+def root_mean_square(errors: FloatArray, per: float) -> float:
     """Return the root mean square of errors over ``per``, in percent."""
     return float(100.0 * np.sqrt(np.mean(errors**2)) / per)
 
@@ -135,7 +135,7 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
     )
 
 
-def elapsed(recording: Recording) -> NDArray[np.float64]:
+def elapsed(recording: Recording) -> FloatArray:
     """Return the time since the reference began, negative during the approach, (n_times,)."""
     time_s = recording["time_s"]
     return np.asarray(time_s - time_s[0] + recording.facts.sample_period_s - recording.facts.approach_s)
@@ -143,9 +143,9 @@ def elapsed(recording: Recording) -> NDArray[np.float64]:
 
 def step_metrics(
     step: Step,
-    elapsed_s: NDArray[np.float64],
-    estimated: NDArray[np.float64],
-    measured: NDArray[np.float64] | None,
+    elapsed_s: FloatArray,
+    estimated: FloatArray,
+    measured: FloatArray | None,
 ) -> StepMetrics:
     """Return the errors of one step, from one second after its start to its end."""
     part = (elapsed_s > step.start_s + SETTLE_S + 1e-9) & (elapsed_s <= step.stop_s + 1e-9)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.experiment.drive import drive_wire
 from musclewire.experiment.run import OnSample
@@ -37,7 +38,6 @@ from musclewire.signals.recording import Recording
 
 __all__ = ["BENCH", "SupplySizing", "DriveNumbers", "SupplyRequest", "size_supply", "drive_numbers", "plan_supply"]
 
-FloatArray = NDArray[np.float64]
 
 BENCH = "dead-weight"
 DEFAULT_LENGTH_M = 0.14

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.rigs.real_time import scheduling
 from musclewire.signals.recording import MetadataValue
 
@@ -69,7 +69,7 @@ class LoopTiming:
         return found | percentiles("jitter", np.abs(intervals - self._period_us)) | percentiles("latency", latencies)
 
 
-def percentiles(name: str, values_us: NDArray[np.float64]) -> dict[str, MetadataValue]:
+def percentiles(name: str, values_us: FloatArray) -> dict[str, MetadataValue]:
     """Return the percentiles of some times [us] under the names of metadata; none of no times."""
     if not values_us.size:
         return {}

@@ -8,15 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.rigs.abilities import tendon_stage_of
 from musclewire.rigs.protocol import Rig
 
 __all__ = ["TendonZero", "zero_tendon"]
 
-FloatArray = NDArray[np.float64]
 FARTHEST_SLACK_M, FARTHEST_PULL_M = 100e-6, 100e-6
 POSITIONS = 21
 SAMPLES_EACH = 10

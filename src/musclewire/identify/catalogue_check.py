@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import NumericsError
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.simulate.paths import DrivenPath, drive_path, isobaric_path
@@ -21,7 +21,6 @@ from musclewire.wire.state import WireConstants, WireState
 
 __all__ = ["PULL_STRESS_PA", "UNCOUNTED_STRAIN", "CatalogueRun", "dead_weight_bench", "run_catalogue_test"]
 
-FloatArray = NDArray[np.float64]
 
 PULL_STRESS_PA = 172e6
 HEATING_S = 1.0

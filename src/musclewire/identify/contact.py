@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify.recordings import resistance_reading
 from musclewire.parameters.library import load_alloy
@@ -19,7 +19,6 @@ from musclewire.signals.recording import Recording
 
 __all__ = ["KnownGrip", "fit_free_closing", "fit_grip_curve", "thermal_time_s"]
 
-FloatArray = NDArray[np.float64]
 
 # Between these normalised resistances resistance falls steeply enough to tell where a closing is.
 NORMALISED_RANGE = (0.08, 0.95)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.signals.recording import Recording
 
 __all__ = ["guide_friction_n"]
@@ -40,16 +40,14 @@ def guide_friction_n(recording: Recording) -> float | None:
 
 
 def between(
-    displacement_m: NDArray[np.float64], force_n: NDArray[np.float64], low_m: float, high_m: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    displacement_m: FloatArray, force_n: FloatArray, low_m: float, high_m: float
+) -> tuple[FloatArray, FloatArray]:
     """Return the samples of a branch between two displacements."""
     inside = (displacement_m >= low_m) & (displacement_m <= high_m)
     return displacement_m[inside], force_n[inside]
 
 
-def line_through(
-    displacement_m: NDArray[np.float64], force_n: NDArray[np.float64], places_m: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def line_through(displacement_m: FloatArray, force_n: FloatArray, places_m: FloatArray) -> FloatArray:
     """Return force over displacement as a parabola through noisy samples: a load may bend a little."""
     centre, half = places_m.mean(), 0.5 * float(np.ptp(places_m))
     fitted = np.polyfit((displacement_m - centre) / half, force_n, 2)

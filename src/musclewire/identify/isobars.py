@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.simulate.paths import isobaric_path
@@ -15,7 +15,6 @@ from musclewire.wire.building import constants_from
 
 __all__ = ["Isobar", "IsobarSummary", "half_transformation_slope_pa_per_k", "simulated_isobar", "summarize_isobar"]
 
-FloatArray = NDArray[np.float64]
 COLDEST_K, HOTTEST_K = 303.15, 413.15
 SHARES = (0.1, 0.5, 0.9)
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.sensing.resistance import ArrayReading, wire_resistance, wire_resistance_from_current
 from musclewire.signals.electrical import ElectricalSource, require_electrical
@@ -19,7 +19,6 @@ __all__ = [
     "without_loop",
 ]
 
-FloatArray = NDArray[np.float64]
 QUANTITIES = ("strain", "displacement", "force")
 # How columns of each quantity end: target_strain, estimated_displacement_m, target_force_n.
 COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}

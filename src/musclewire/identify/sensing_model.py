@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify.guide_friction import guide_friction_n
 from musclewire.identify.recordings import (
@@ -218,7 +219,7 @@ def estimate(
     )
 
 
-def at_once(model: SensingModel, recording: Recording) -> dict[str, NDArray[np.float64]]:
+def at_once(model: SensingModel, recording: Recording) -> dict[str, FloatArray]:
     """Return the columns of the paper's estimate of a whole recording."""
     reading = resistance_reading(recording)
     result = model.estimate(reading.resistance_ohm)
@@ -228,7 +229,7 @@ def at_once(model: SensingModel, recording: Recording) -> dict[str, NDArray[np.f
     }
 
 
-def one_by_one(factory: EstimatorFactory, model: SensingModel, recording: Recording) -> dict[str, NDArray[np.float64]]:
+def one_by_one(factory: EstimatorFactory, model: SensingModel, recording: Recording) -> dict[str, FloatArray]:
     """Return the columns of an estimator that follows a recording, its slow part computed in line."""
     times = recording["time_s"]
     period_s = float(np.median(np.diff(times))) if times.size > 1 else 0.0
@@ -244,8 +245,8 @@ def one_by_one(factory: EstimatorFactory, model: SensingModel, recording: Record
 
 
 def estimate_columns(
-    quantity: str, value: NDArray[np.float64], std: NDArray[np.float64], valid: NDArray[np.bool_]
-) -> dict[str, NDArray[np.float64]]:
+    quantity: str, value: FloatArray, std: FloatArray, valid: NDArray[np.bool_]
+) -> dict[str, FloatArray]:
     """Return an estimate as the columns of a recording; the standard deviation has one for strain only."""
     columns = {f"estimated_{COLUMN_SUFFIX[quantity]}": value, "valid": valid.astype(np.float64)}
     return columns | ({"estimated_strain_std": std} if quantity == "strain" else {})

@@ -9,7 +9,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from musclewire.errors import NumericsError
 from musclewire.parameters.schema import Alloy, Bench, Wire
@@ -30,7 +29,6 @@ __all__ = [
     "suggested_shunt",
 ]
 
-FloatArray = NDArray[np.float64]
 
 # A working limit, assumed: the vendor warns of overheating and no number of his could be checked. 150 C is above the
 # end of the transformation of 90 C wire under 172 MPa, and far below what anneals NiTi.

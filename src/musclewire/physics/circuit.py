@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-import numpy as np
-import numpy.typing as npt
+from musclewire.arrays import FloatArray
 
 __all__ = ["series_resistance_ohm"]
 
-Voltage = TypeVar("Voltage", float, npt.NDArray[np.float64])
+Voltage = TypeVar("Voltage", float, FloatArray)
 
 
 def series_resistance_ohm(wire_voltage_v: Voltage, shunt_voltage_v: Voltage, shunt_resistance_ohm: float) -> Voltage:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
+
+from musclewire.arrays import FloatArray
 
 __all__ = ["Instruments"]
 
@@ -22,7 +23,7 @@ class Instruments:
     def voltages_v(self, *voltages_v: float) -> tuple[float, ...]:
         """Return what a converter with noise, steps and a range makes of voltages, averaged over its readings."""
         readings = int(self._bench["acquisition_readings"])
-        noise: NDArray[np.float64] = self._random.standard_normal((len(voltages_v), readings))
+        noise: FloatArray = self._random.standard_normal((len(voltages_v), readings))
         noisy = np.asarray(voltages_v)[:, None] + self._bench["acquisition_noise_v"] * noise
         stepped = np.round(noisy / self._voltage_step_v) * self._voltage_step_v
         limit = self._bench["acquisition_range_v"]

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import Annotated, ClassVar, NamedTuple, Self
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
+from musclewire.arrays import FloatArray
 from musclewire.parameters.finger_file import FingerFile
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.quantities import measured_in
@@ -27,7 +26,6 @@ __all__ = [
     "Voltage",
 ]
 
-FloatArray = NDArray[np.float64]
 Stiffness = Annotated[float, measured_in("N/m"), Field(gt=0.0, allow_inf_nan=False)]
 Length = Annotated[float, measured_in("m"), Field(ge=0.0, allow_inf_nan=False)]
 Force = Annotated[float, measured_in("N"), Field(gt=0.0, allow_inf_nan=False)]

@@ -18,10 +18,10 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
+from musclewire.arrays import FloatArray
 from musclewire.parameters.finger_file import FingerFile, load_finger
 from musclewire.parameters.pretensioner_file import read_pretensioner
 from musclewire.rigs.load_part import (
-    FloatArray,
     Force,
     Length,
     LoadPart,

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve
 from musclewire.rigs.load_part import LoadPart, Obstacle
@@ -15,7 +16,6 @@ from musclewire.wire.loads import Load, spring_load, with_table
 
 __all__ = ["Mechanism", "Tendon", "mechanism_of"]
 
-FloatArray = NDArray[np.float64]
 # A wire contracts by at most about 8 %; tables reach a little further.
 MAX_CONTRACTION = 0.10
 TABLE_POINTS = 2001

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.sensing.smoothing import noise_level, smooth, smoothing_window
 
 __all__ = ["Branch", "checked_branch", "single_valued"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Longest smoothing window as a share of the branch, so that a bend of the loop is never ironed out.
 LONGEST_WINDOW_SHARE = 0.03

@@ -30,14 +30,13 @@ from math import exp, isfinite
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.sensing.curve import check_resistance_range, evaluate
 
 __all__ = ["THRESHOLD", "AirMoves", "ContactDetector", "ContactState", "FreeClosing"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # In standard deviations. Of a Gaussian score 4.5 is passed by chance once in 300,000; a closing has some 40 samples.
 THRESHOLD = 4.5

@@ -14,6 +14,7 @@ from typing import NamedTuple, TypeVar, cast, overload
 import numpy as np
 import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, nearest_hint
 
 __all__ = [
@@ -28,9 +29,8 @@ __all__ = [
     "normalised_resistance",
 ]
 
-FloatArray = npt.NDArray[np.float64]
 Pairs = tuple[tuple[float, float], ...]
-Number = TypeVar("Number", float, npt.NDArray[np.float64])
+Number = TypeVar("Number", float, FloatArray)
 
 QUANTITY_UNITS = {"strain": "1", "displacement": "m", "force": "N"}
 # How each quantity is shown to people: factor from SI, and unit.

@@ -10,6 +10,7 @@ from math import sqrt
 import numpy as np
 import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, FitRejectedError, RecordingError, nearest_hint
 from musclewire.sensing.branches import Branch, checked_branch, single_valued
 from musclewire.sensing.curve import (
@@ -34,7 +35,6 @@ from musclewire.sensing.segments import LoopSegments, find_segments
 
 __all__ = ["fit_branches", "fit_loop", "fit_segments"]
 
-FloatArray = npt.NDArray[np.float64]
 AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
 
 # g_a must fall over at least this share of the range of the data to be of use as a sensor.

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.sensing.branches import Branch, single_valued
 
 __all__ = ["hysteresis_gap", "shared_resistances", "signed_hysteresis_gap"]
 
-FloatArray = npt.NDArray[np.float64]
 AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
 
 

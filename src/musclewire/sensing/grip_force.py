@@ -18,15 +18,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.sensing.contact import ContactState
 from musclewire.sensing.curve import evaluate
 
 __all__ = ["GripCurve", "fall_by_cooling"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # An object is taken for rigid from this stiffness, and never softer than this.
 STIFFEST_N_PER_M, SOFTEST_N_PER_M = 1e6, 1.0

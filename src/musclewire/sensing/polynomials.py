@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
-import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.sensing.branches import Branch
 from musclewire.sensing.curve import normalised_resistance
@@ -22,7 +22,6 @@ __all__ = [
     "fit_polynomial",
 ]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Beyond this order power coefficients lose their digits.
 LARGEST_ORDER = 15

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.sensing.branches import LONGEST_WINDOW_SHARE
 from musclewire.sensing.curve import check_resistance_range
@@ -16,7 +17,6 @@ from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, sm
 
 __all__ = ["ResistanceExtremes", "find_resistance_extremes", "recalibrated"]
 
-FloatArray = npt.NDArray[np.float64]
 
 LEAST_SAMPLES = 20
 # A fall smaller than this share of the resistance is drift; the transformation takes about a tenth.

@@ -8,12 +8,11 @@ from typing import NamedTuple, cast, overload
 import numpy as np
 import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.physics.circuit import series_resistance_ohm
 
 __all__ = ["ArrayReading", "ResistanceReading", "wire_resistance", "wire_resistance_from_current"]
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class ResistanceReading(NamedTuple):

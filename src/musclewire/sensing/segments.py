@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.sensing.branches import Branch
 from musclewire.sensing.curve import SHOWN_AS
@@ -23,7 +24,6 @@ from musclewire.sensing.turning import (
 
 __all__ = ["LoopSegments", "find_loops", "find_segments"]
 
-FloatArray = npt.NDArray[np.float64]
 
 LEAST_SAMPLES = 20
 LEAST_BRANCH_SAMPLES = 8

@@ -5,11 +5,11 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-import numpy.typing as npt
+
+from musclewire.arrays import FloatArray
 
 __all__ = ["noise_level", "smooth", "smoothed_noise", "smoothing_window"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Smoothing stops when the noise left over is this share of the span of the curve.
 NOISE_GOAL = 1e-3

@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
+
 __all__ = ["AMBIGUOUS_ABOVE", "SegmentState", "SegmentTracker"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Nearer to R_min than this, as normalised resistance, a wire cannot be in segment A-B: from A to B resistance rises
 # by a few percent, from B to C it falls by more than ten (Lan and Fan 2010, Fig. 3b).

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.sensing.branches import LONGEST_WINDOW_SHARE
 from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
 __all__ = ["Run", "Smoothed", "branch_runs", "smoothed", "turning_points"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # A swing of less than this share of the whole stroke is a wobble of a branch and not a cycle of its own.
 LEAST_SWING = 0.2

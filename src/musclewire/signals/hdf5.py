@@ -12,8 +12,8 @@ from types import TracebackType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.signals.columns import COLUMNS, known_column, needs_no_clock
 from musclewire.signals.metadata import RESERVED, MetadataValue, checked_metadata
@@ -172,7 +172,7 @@ class RecordingWriter:
         self._rows, self._buffer = stop, []
 
 
-def fill_hdf5(columns: Mapping[str, NDArray[np.float64]], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+def fill_hdf5(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
     """Write columns to ``path`` directly; ``write_columns`` sees to it that the file is whole."""
     rows = len(next(iter(columns.values())))
     with _create_file(path, tuple(columns), metadata, overwrite=False) as file:
@@ -182,7 +182,7 @@ def fill_hdf5(columns: Mapping[str, NDArray[np.float64]], metadata: Mapping[str,
         file.attrs.modify("rows", np.int64(rows))
 
 
-def read_hdf5_columns(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, MetadataValue]]:
+def read_hdf5_columns(path: Path) -> tuple[dict[str, FloatArray], dict[str, MetadataValue]]:
     """Return columns and metadata; of a file cut off while running its complete rows, and ``ended`` "cut off".
 
     RecordingError when the file is missing, damaged, still being written, not HDF5 or not ours.
@@ -304,10 +304,10 @@ def _check_format(file: Any, path: Path) -> None:
         )
 
 
-def _values(file: Any, name: str, path: Path) -> NDArray[np.float64]:
+def _values(file: Any, name: str, path: Path) -> FloatArray:
     if name not in file:
         raise RecordingError(f"{path}: the column '{name}' is announced and missing; use another copy")
-    values: NDArray[np.float64] = np.asarray(file[name][()], dtype=np.float64)
+    values: FloatArray = np.asarray(file[name][()], dtype=np.float64)
     if values.ndim != 1:
         raise RecordingError(f"{path}: column '{name}' has shape {values.shape}; it must have one value per row")
     return values

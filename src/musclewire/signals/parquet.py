@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import MissingExtraError, RecordingError
 from musclewire.signals.columns import COLUMNS
 from musclewire.signals.metadata import MetadataValue
@@ -48,7 +48,7 @@ class ParquetTable:
         """Say where row ``row`` (from 0) is found."""
         return f"row {row + 1}"
 
-    def numbers(self, index: int) -> NDArray[np.float64]:
+    def numbers(self, index: int) -> FloatArray:
         """Return the column ``index``, shape (n_times,); RecordingError for a blank or no number."""
         import pyarrow as pa
 
@@ -80,7 +80,7 @@ def read_parquet_table(path: Path) -> ParquetTable:
     return ParquetTable(str(path), arrow, _metadata(arrow.schema.metadata or {}, path))
 
 
-def fill_parquet(columns: Mapping[str, NDArray[np.float64]], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+def fill_parquet(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
     """Write columns to ``path`` with our names, units as field metadata, and the metadata as JSON."""
     pa, parquet = _pyarrow()
     fields = [pa.field(name, pa.float64(), nullable=False, metadata={"unit": COLUMNS[name].unit}) for name in columns]

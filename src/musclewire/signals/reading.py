@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, needs_no_clock
 from musclewire.signals.headers import Ignored, Taken, numbered_headers, understand_headers
@@ -206,7 +206,7 @@ class _RecordingTable:
     def row_count(self) -> int:
         return len(self.recording)
 
-    def numbers(self, index: int) -> NDArray[np.float64]:
+    def numbers(self, index: int) -> FloatArray:
         return self.recording[self.headers[index]]
 
     def place(self, row: int) -> str:
@@ -250,7 +250,7 @@ def _check_has_clock(taken: tuple[Taken, ...], table: Table, path: Path) -> None
     )
 
 
-def _values(item: Taken, table: Table, path: Path) -> NDArray[np.float64]:
+def _values(item: Taken, table: Table, path: Path) -> FloatArray:
     written = table.numbers(item.index)
     where = f"column '{item.header}'"
     bad = np.isinf(written) if item.column in _MAY_BE_NAN else ~np.isfinite(written)
@@ -262,7 +262,7 @@ def _values(item: Taken, table: Table, path: Path) -> NDArray[np.float64]:
     return item.conversion.apply(written)
 
 
-def _check_strain_is_a_fraction(item: Taken, written: NDArray[np.float64], table: Table, path: Path) -> None:
+def _check_strain_is_a_fraction(item: Taken, written: FloatArray, table: Table, path: Path) -> None:
     too_large = np.abs(written) > 1.0
     if item.column not in _STRAINS or item.unit_given or not too_large.any():
         return
@@ -273,7 +273,7 @@ def _check_strain_is_a_fraction(item: Taken, written: NDArray[np.float64], table
     )
 
 
-def _check_clock_rises(time_s: NDArray[np.float64], table: Table, path: Path) -> None:
+def _check_clock_rises(time_s: FloatArray, table: Table, path: Path) -> None:
     stuck = np.diff(time_s) <= 0.0
     if not stuck.any():
         return
@@ -285,9 +285,7 @@ def _check_clock_rises(time_s: NDArray[np.float64], table: Table, path: Path) ->
     )
 
 
-def _recording(
-    values: Mapping[str, NDArray[np.float64]], metadata: Mapping[str, MetadataValue], path: Path
-) -> Recording:
+def _recording(values: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> Recording:
     try:
         return Recording(values, metadata)
     except (CallerError, RecordingError) as problem:

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from musclewire.arrays import FloatArray
 from musclewire.signals.metadata import MetadataValue
 
 __all__ = ["Table"]
@@ -32,7 +30,7 @@ class Table(Protocol):
     def row_count(self) -> int:
         """The number of rows, n_times."""
 
-    def numbers(self, index: int) -> NDArray[np.float64]:
+    def numbers(self, index: int) -> FloatArray:
         """Return a column as written, in its own unit.
 
         Parameters

@@ -11,8 +11,8 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.signals.headers import numbered_headers
 from musclewire.signals.metadata import MetadataValue, entry_from_text, value_to_text
@@ -56,7 +56,7 @@ class TextTable:
         """Say where row ``row`` (from 0) is found."""
         return f"line {self.line_numbers[row]}"
 
-    def numbers(self, index: int) -> NDArray[np.float64]:
+    def numbers(self, index: int) -> FloatArray:
         """Return the column ``index``, shape (n_times,); RecordingError for a blank or no number."""
         cells = [row[index] if index < len(row) else "" for row in self.rows]
         if self.has_decimal_comma:
@@ -92,7 +92,7 @@ def read_text_table(path: Path) -> TextTable:
     return TextTable(str(path), separator, headers, rows, line_numbers, _metadata(comments))
 
 
-def fill_csv(columns: Mapping[str, NDArray[np.float64]], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+def fill_csv(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
     """Write columns to ``path``: metadata as comments, our names, every number to the last bit."""
     with path.open("w", encoding="utf-8", newline="\n") as file:
         for key, value in metadata.items():

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.signals.columns import COLUMNS
 
@@ -30,7 +31,7 @@ class Conversion:
     factor: float
     offset: float = 0.0
 
-    def apply(self, values: ArrayLike) -> NDArray[np.float64]:
+    def apply(self, values: ArrayLike) -> FloatArray:
         """Convert values of any shape to SI."""
         converted = np.asarray(values, dtype=np.float64) * self.factor
         return converted + self.offset if self.offset else converted
@@ -40,7 +41,7 @@ class _UnitError(ValueError):
     """The text is no unit, or a unit of something else. Becomes the caller's or the recording's error."""
 
 
-def to_si(values: ArrayLike, unit_text: str, column: str, where: str) -> NDArray[np.float64]:
+def to_si(values: ArrayLike, unit_text: str, column: str, where: str) -> FloatArray:
     """Convert ``values`` given in ``unit_text`` to the SI unit of ``column``.
 
     Parameters

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.whole_files import write_whole
 
 __all__ = ["write_columns"]
 
-Columns = Mapping[str, NDArray[np.float64]]
+Columns = Mapping[str, FloatArray]
 Metadata = Mapping[str, MetadataValue]
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.wire.state import FloatArray, Rows, WireConstants, WireState
+from musclewire.wire.state import Rows, WireConstants, WireState
 from musclewire.wire.step import resistance_ahead_ohm, running, step
 
 __all__ = ["WireMeans", "advance", "advance_rows"]

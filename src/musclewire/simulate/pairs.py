@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.wire.balances import compliance_per_pa, contraction_at_stress, load_beyond_spring
-from musclewire.wire.state import FloatArray, Rows, RunningWire, WireConstants, WireState
+from musclewire.wire.state import Rows, RunningWire, WireConstants, WireState
 from musclewire.wire.step import find_equilibrium, heat, resistance_ahead_ohm, running, settle_at
 
 __all__ = ["APART", "OWN_SUPPLY", "PARALLEL", "SERIES", "Grip", "Pair", "PairMeans", "advance_pair", "no_grip"]

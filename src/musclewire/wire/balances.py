@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.physics.mechanics import (
     maximum_transformation_strain,
@@ -11,7 +12,7 @@ from musclewire.physics.mechanics import (
     reuss_modulus_pa,
 )
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K, phase_resistivity_ohm_m, wire_resistance_ohm
-from musclewire.wire.state import FloatArray, RunningWire, WireConstants
+from musclewire.wire.state import RunningWire, WireConstants
 
 __all__ = [
     "compliance_per_pa",

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtri
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.wire.state import FloatArray
 
 __all__ = ["GrainSpread", "signed_power", "spread_grains"]
 

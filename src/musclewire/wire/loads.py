@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.wire.state import FloatArray
 
 __all__ = ["Load", "spring_load", "with_table"]
 

@@ -12,11 +12,11 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = ["GRAINS", "GRAIN_EDGES", "FloatArray", "Row", "Rows", "field"]
+__all__ = ["GRAINS", "GRAIN_EDGES", "Row", "Rows", "field"]
 
-FloatArray = NDArray[np.float64]
 # Records as compiled code takes them, (n_wires,); what comes out by index has the attributes of its Row.
 Rows = Any
 

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from musclewire.wire.rows import GRAIN_EDGES, GRAINS, FloatArray, Row, Rows, field
+from musclewire.arrays import FloatArray
+from musclewire.wire.rows import GRAIN_EDGES, GRAINS, Row, Rows, field
 
 __all__ = [
     "CONVECTION_POINTS",

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.physics.mechanics import friction_force_n
 from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
@@ -19,7 +20,7 @@ from musclewire.wire.balances import (
     friction_limit_n,
     resistance_of,
 )
-from musclewire.wire.state import FloatArray, RunningWire, Shakedown, WireConstants, WireState
+from musclewire.wire.state import RunningWire, Shakedown, WireConstants, WireState
 from musclewire.wire.switching import follow
 
 __all__ = ["find_equilibrium", "heat", "resistance_ahead_ohm", "running", "settle_at", "shakedown_of", "step"]

@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.physics.transformation import advantage_k, cooled_grain, heated_grain
-from musclewire.wire.state import FloatArray, Rows, WireConstants, WireState
+from musclewire.wire.state import Rows, WireConstants, WireState
 
 __all__ = [
     "DrivingForces",

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER
 from musclewire.app.report.paper_drawing import SHADES, SIZE, one_panel, printed_line, ramp
+from musclewire.arrays import FloatArray
 from musclewire.experiment.metrics import determined, elapsed
 from musclewire.experiment.reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n
 from musclewire.experiment.reproduce.section4 import SWEEP_N, gaps_over_pretension
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["FINGER_FIGURES"]
 
-FloatArray = NDArray[np.float64]
 
 # Settings of the sweep whose loops are drawn; the others would lie on top of them.
 SHOWN_N = (0.15, 0.37, 0.71, 1.15, 1.7)

@@ -12,13 +12,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.design.finger.geometry import FingerGeometry
 
-__all__ = ["Chain", "FloatArray", "Placed", "cantilever_chain", "finger_chain", "place"]
+__all__ = ["Chain", "Placed", "cantilever_chain", "finger_chain", "place"]
 
-FloatArray = NDArray[np.float64]
 
 ELEMENTS_PER_SEGMENT = 8
 FOOT_THICKNESSES = 16.67 / (12.0 * math.pi)

@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.design.finger.chain import FloatArray, finger_chain
+from musclewire.arrays import FloatArray
+from musclewire.design.finger.chain import finger_chain
 from musclewire.design.finger.curve import beam_stress_pa
 from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.statics import Equilibrium, equilibrium

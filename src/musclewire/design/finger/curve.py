@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.design.finger.chain import Chain, FloatArray, finger_chain
+from musclewire.arrays import FloatArray
+from musclewire.design.finger.chain import Chain, finger_chain
 from musclewire.design.finger.friction import ASSUMED_FRICTION, friction_at
 from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.statics import Equilibrium, Foam, equilibria, equilibrium, sensitivity

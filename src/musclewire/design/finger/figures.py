@@ -11,7 +11,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
-from musclewire.design.finger.chain import FloatArray, finger_chain
+from musclewire.arrays import FloatArray
+from musclewire.design.finger.chain import finger_chain
 from musclewire.design.finger.comparison import Scheme
 from musclewire.design.finger.curve import beam_stress_pa
 from musclewire.design.finger.finger_study import FingerStudyResult

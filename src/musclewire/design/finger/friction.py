@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.design.finger.chain import Chain, FloatArray, Placed
+from musclewire.arrays import FloatArray
+from musclewire.design.finger.chain import Chain, Placed
 from musclewire.design.finger.statics import Equilibrium, equilibrium
 from musclewire.errors import CallerError, NumericsError
 

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import csr_array
 
+from musclewire.arrays import FloatArray
 from musclewire.design.elasticity import Equilibrium, Load, PotentialChange, load_path
-from musclewire.design.finger.chain import FloatArray
 from musclewire.design.finger.geometry import HOLE_RADIUS_M, FingerGeometry
 from musclewire.design.plane_body import PlaneBody
 

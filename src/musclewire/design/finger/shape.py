@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from musclewire.design.finger.chain import GAUSS, FloatArray
+from musclewire.arrays import FloatArray
+from musclewire.design.finger.chain import GAUSS
 from musclewire.design.finger.geometry import HOLE_RADIUS_M, FingerGeometry
 
 __all__ = ["FingerShape", "beside", "finger_shape"]

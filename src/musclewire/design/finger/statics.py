@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.design.finger.chain import Chain, FloatArray, Placed, place
+from musclewire.arrays import FloatArray
+from musclewire.design.finger.chain import Chain, Placed, place
 from musclewire.errors import CallerError, NumericsError
 
 __all__ = ["Equilibrium", "Foam", "Sensitivity", "equilibria", "equilibrium", "loaded_cantilever", "sensitivity"]

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.design.finger.chain import FloatArray
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
 from musclewire.parameters.finger_file import FingerCurve
 from musclewire.parameters.library import load_alloy, load_bench, load_wire

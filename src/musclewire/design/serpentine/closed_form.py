@@ -17,8 +17,8 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.design.serpentine.geometry import Arc, SerpentineGeometry, Straight
 
 __all__ = [
@@ -30,7 +30,6 @@ __all__ = [
     "width_parameter",
 ]
 
-FloatArray = NDArray[np.float64]
 # Six Gauss points integrate the products along a straight piece exactly, and along a quarter of a circle to 1e-10.
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(6)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.design.drawing import Circle, polyline_m
 from musclewire.design.serpentine.analysis import Pretensioner
 from musclewire.design.serpentine.outline import serpentine_drawing
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_pretensioner"]
 
-FloatArray = NDArray[np.float64]
 SIZE_INCHES, DPI = (10.4, 5.6), 120
 MM, MPA = 1e3, 1e-6
 # Stress is drawn on a mesh coarser than the one that is judged: the eye sees no more.

@@ -26,14 +26,10 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from musclewire.errors import CallerError
 
 __all__ = ["Arc", "Envelope", "Fittings", "SerpentineGeometry", "Straight"]
 
-FloatArray = NDArray[np.float64]
 # A strip shorter than this many thicknesses is no beam: closed forms and intuition end there.
 SHORTEST_HALF_BEAM = 2.0
 # Inner radius of a corner over the thickness.

@@ -11,8 +11,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray, IntArray
 from musclewire.design.elasticity import Equilibrium, Load, load_path, solve_large, solve_linear
 from musclewire.design.plane_body import PlaneBody
 from musclewire.design.serpentine.closed_form import places_on
@@ -31,7 +31,6 @@ __all__ = [
     "strip_body",
 ]
 
-FloatArray = NDArray[np.float64]
 # Elements across the strip: the meshes whose answers are compared.
 MESHES = (1, 2, 3, 4)
 FINEST = MESHES[-1]
@@ -127,8 +126,8 @@ def strip_body(geometry: SerpentineGeometry, material: Material, across: int = F
 class Ends(NamedTuple):
     """A strip's ends: nodes held at the pad, nodes at the connector, and the share of a pull on each of these."""
 
-    held: NDArray[np.int64]
-    pulled: NDArray[np.int64]
+    held: IntArray
+    pulled: IntArray
     shares: FloatArray
 
     @classmethod

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
+from musclewire.arrays import FloatArray
 from musclewire.experiment.doctor.evidence import Evidence, Line, noise_v
 from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
-from musclewire.experiment.doctor.probing import FloatArray, Level
+from musclewire.experiment.doctor.probing import Level
 
 __all__ = ["finite_check", "hum_check", "moving_checks", "offset_checks", "quiet_checks", "range_check"]
 

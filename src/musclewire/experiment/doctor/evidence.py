@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.experiment.doctor.probing import FloatArray, Level
+from musclewire.arrays import FloatArray
+from musclewire.experiment.doctor.probing import Level
 
 __all__ = ["Evidence", "Line", "evidence_of", "noise_v"]
 

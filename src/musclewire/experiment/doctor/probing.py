@@ -10,15 +10,14 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RigError
 from musclewire.rigs.protocol import Rig
 from musclewire.signals.samples import RawSample
 
 __all__ = ["LOW_SHARES", "Level", "OnProbe", "Probe", "samples_of"]
 
-FloatArray = NDArray[np.float64]
 Clock = Callable[[], float]
 OnProbe = Callable[[RawSample], None]
 

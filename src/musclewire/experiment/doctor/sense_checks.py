@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from musclewire.arrays import FloatArray
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.experiment.doctor.evidence import Evidence
 from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
-from musclewire.experiment.doctor.probing import FloatArray, Level
+from musclewire.experiment.doctor.probing import Level
 from musclewire.identify.sizing import settled_temperature_k
 from musclewire.parameters.schema import Wire
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.experiment.metrics import determined
 from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.run import OnSample
@@ -21,7 +21,6 @@ from musclewire.signals.recording import Recording
 
 __all__ = ["CYCLES", "Loop", "loop_on"]
 
-FloatArray = NDArray[np.float64]
 CYCLES = 2
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.experiment.reproduce.loops import Loop
 from musclewire.sensing.branches import Branch
@@ -23,7 +24,6 @@ __all__ = [
     "plain_gap_pct",
 ]
 
-FloatArray = NDArray[np.float64]
 POINTS = 400
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.export.c.constants import Constants, numbers_of
 from musclewire.export.c.numbers import check_single
@@ -101,7 +102,7 @@ def single_error_share(model: SensingModel, constants: Constants) -> float:
     return float(error / (model.quantity_max - model.quantity_min)) if np.isfinite(error) else math.inf
 
 
-def single_estimates(constants: Constants, resistance_ohm: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
+def single_estimates(constants: Constants, resistance_ohm: FloatArray) -> npt.NDArray[np.float32]:
     """Return the estimates as the library computes them in single precision, operation by operation."""
 
     def number(name: str) -> np.float32:

@@ -15,8 +15,8 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError
 from musclewire.identify.isobars import Isobar
 from musclewire.identify.physical.calibration import Calibration
@@ -33,7 +33,6 @@ from musclewire.wire.building import constants_of
 
 __all__ = ["Advice", "Experiment", "next_experiments", "how_to_identify", "proposed"]
 
-FloatArray = NDArray[np.float64]
 
 MAX_ADVICE = 3
 # Step of a derivative, in prior standard deviations: the edges of grain classes must not pass for information.

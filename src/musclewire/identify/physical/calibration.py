@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.identify.physical.candidates import WireValues
 from musclewire.identify.physical.observations import Comparison, compare
 from musclewire.identify.physical.posterior import PosteriorProblem
@@ -23,7 +23,6 @@ from musclewire.parameters.schema import Alloy, Bench, Wire
 
 __all__ = ["Calibration", "CalibrationInputs"]
 
-FloatArray = NDArray[np.float64]
 
 CORRELATED = 0.9
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.parameters.priors import Prior, PriorSet
 from musclewire.parameters.schema import Alloy, Bench, Wire
 
 __all__ = ["Candidates", "WireValues"]
-
-FloatArray = NDArray[np.float64]
 
 
 class WireValues(NamedTuple):

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify.physical.observations import Channel, binned, with_model_error
 from musclewire.identify.recordings import required_quantity
@@ -25,7 +26,6 @@ __all__ = [
     "require_rows",
 ]
 
-FloatArray = NDArray[np.float64]
 
 MAX_BINS = 400
 # What a model of this kind is not expected to get right, whatever the noise: fraction of the leg in displacement,

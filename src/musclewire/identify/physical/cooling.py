@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify.physical.bench import bench_of
 from musclewire.identify.physical.candidates import WireValues
@@ -31,7 +31,6 @@ from musclewire.wire.building import constants_of
 
 __all__ = ["CoolingObservation", "observe_cooling"]
 
-FloatArray = NDArray[np.float64]
 
 # Nothing holds a cooling wire back, so it is fast: larger steps let it warm for a moment as it transforms.
 REFINED_STEP_S = 0.001

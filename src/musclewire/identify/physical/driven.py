@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify.physical.bench import bench_of
 from musclewire.identify.physical.candidates import WireValues
@@ -30,8 +30,6 @@ from musclewire.simulate.paths import DrivenPath, drive_path
 from musclewire.wire.building import constants_of
 
 __all__ = ["DrivenObservation", "observe_drive"]
-
-FloatArray = NDArray[np.float64]
 
 
 # The last descent and the derivative at the end are simulated with the step that a rig uses.

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.driven import DrivenObservation
 from musclewire.identify.physical.isobaric import IsobaricObservation
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["channel_axes", "isobar_figure", "loop_figure", "observation_figure"]
 
-FloatArray = NDArray[np.float64]
 ZERO_CELSIUS_K = 273.15
 MEASURED, FITTED = TARGET, HEATING
 # Isobars from the lightest load to the heaviest.

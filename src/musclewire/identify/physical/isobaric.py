@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify.isobars import Isobar
 from musclewire.identify.physical.candidates import WireValues
@@ -19,7 +19,6 @@ from musclewire.wire.building import constants_of
 
 __all__ = ["IsobaricObservation", "counts_contraction", "in_elongation", "isobars_in", "observe_isobars"]
 
-FloatArray = NDArray[np.float64]
 
 # What a model of this kind is not expected to get right in the strain of an isobar.
 ISOBAR_ERROR = 2e-4

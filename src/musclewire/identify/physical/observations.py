@@ -13,13 +13,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.identify.physical.candidates import WireValues
 
 __all__ = ["Channel", "Comparison", "Observation", "binned", "compare", "residuals_of", "with_model_error"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

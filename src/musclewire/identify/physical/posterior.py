@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.identify.physical.candidates import Candidates
 from musclewire.identify.physical.observations import Observation, residuals_of
 
 __all__ = ["PosteriorProblem"]
-
-FloatArray = NDArray[np.float64]
 
 
 class PosteriorProblem:

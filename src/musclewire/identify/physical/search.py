@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError, nearest_hint
 from musclewire.identify.physical.journal import Journal
 
@@ -37,7 +37,6 @@ __all__ = [
     "threads",
 ]
 
-FloatArray = NDArray[np.float64]
 OnProgress = Callable[[str, int, int, float], None]
 OnStep = Callable[[], None]
 

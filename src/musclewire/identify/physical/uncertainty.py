@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.identify.physical.candidates import Candidates
 
 __all__ = ["Estimate", "covariance", "estimates", "excess_variance"]
 
-FloatArray = NDArray[np.float64]
 
 # An interval at most half its prior's is knowledge from the data; a wider one is mostly the prior's.
 IDENTIFIABLE_FRACTION = 0.5

@@ -8,8 +8,8 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import MissingExtraError
 from musclewire.rigs.nidaq.faults import LATE_WRITE, DaqFaultError, explained
 
@@ -165,7 +165,7 @@ class InputStream:
         with self._card.explaining():
             return int(self._task.in_stream.avail_samp_per_chan)
 
-    def fetch(self, count: int) -> NDArray[np.float64]:
+    def fetch(self, count: int) -> FloatArray:
         """Return the next readings [V], shaped (inputs, count), waiting until they are there."""
         values = np.empty((self._width, count))
         with self._card.explaining():
