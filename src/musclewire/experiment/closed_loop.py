@@ -28,13 +28,13 @@ from musclewire.experiment.staircases import staircase_within
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.protocol import Metadata, Rig
 from musclewire.sensing.curve import SHOWN_AS
-from musclewire.sensing.estimator import ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup, wire_sample
+from musclewire.sensing.estimator import ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.known_load import KnownSpring, force_model
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.slow_corrections import CORRECTION_COLUMN, InLine, InThread, SlowCorrections, SlowStatus
 from musclewire.signals.commands import Command, Drive
 from musclewire.signals.recording import MetadataValue
-from musclewire.signals.samples import EstimatorStep, RawSample, WireSample
+from musclewire.signals.samples import EstimatorStep, RawSample, WireSample, wire_sample
 
 __all__ = ["SelfSensingPolicy", "check_made_for", "control", "controller_for", "settings_for"]
 

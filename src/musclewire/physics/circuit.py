@@ -1,14 +1,62 @@
-"""The measuring circuit: a wire in series with a shunt (Lan and Fan 2010, Fig. 2)."""
+"""The measuring circuit, a wire in series with a shunt (Lan and Fan 2010, Fig. 2): resistance from two voltages, Eq. 1.
+
+For one sample and for whole recordings alike. Not compiled: a call from Python into compiled code takes longer than the
+two operations.
+"""
 
 from __future__ import annotations
 
-from typing import TypeVar
+from math import inf
+from typing import NamedTuple, TypeVar, cast, overload
+
+import numpy as np
+import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError
 
-__all__ = ["series_resistance_ohm"]
+__all__ = [
+    "ArrayReading",
+    "ResistanceReading",
+    "series_resistance_ohm",
+    "wire_resistance",
+    "wire_resistance_from_current",
+]
 
 Voltage = TypeVar("Voltage", float, FloatArray)
+
+
+class ResistanceReading(NamedTuple):
+    """One resistance.
+
+    Parameters
+    ----------
+    resistance_ohm
+        Resistance [ohm]; 0.0 if it is not valid.
+    valid
+        Whether a usable current flowed.
+    """
+
+    resistance_ohm: float
+    valid: bool
+
+
+class ArrayReading(NamedTuple):
+    """Many resistances.
+
+    Parameters
+    ----------
+    resistance_ohm
+        Resistances [ohm], shape (n_times,) or (n_times, n_wires); 0.0 where not valid.
+    valid
+        Where a usable current flowed, of the same shape.
+    """
+
+    resistance_ohm: FloatArray
+    valid: npt.NDArray[np.bool_]
+
+
+NO_READING = ResistanceReading(0.0, False)
 
 
 def series_resistance_ohm(wire_voltage_v: Voltage, shunt_voltage_v: Voltage, shunt_resistance_ohm: float) -> Voltage:
@@ -41,3 +89,127 @@ def series_resistance_ohm(wire_voltage_v: Voltage, shunt_voltage_v: Voltage, shu
     16.0
     """
     return wire_voltage_v / shunt_voltage_v * shunt_resistance_ohm
+
+
+@overload
+def wire_resistance(
+    wire_voltage_v: float,
+    shunt_voltage_v: float,
+    shunt_resistance_ohm: float,
+    minimum_current_a: float = ...,
+) -> ResistanceReading: ...
+@overload
+def wire_resistance(
+    wire_voltage_v: FloatArray,
+    shunt_voltage_v: FloatArray,
+    shunt_resistance_ohm: float,
+    minimum_current_a: float = ...,
+) -> ArrayReading: ...
+def wire_resistance(
+    wire_voltage_v: float | FloatArray,
+    shunt_voltage_v: float | FloatArray,
+    shunt_resistance_ohm: float,
+    minimum_current_a: float = 1e-3,
+) -> ResistanceReading | ArrayReading:
+    """Return the resistance of a wire in series with a shunt (Eq. 1), if there is a current.
+
+    No current, so no resistance: where the current is below ``minimum_current_a``, or a voltage is not
+    finite, or the two voltages have opposite signs (swapped leads), the reading is 0.0 ohm with valid False.
+
+    Parameters
+    ----------
+    wire_voltage_v
+        V_SMA, voltage across the wire [V]: a number, or an array of shape (n_times,) or (n_times, n_wires).
+    shunt_voltage_v
+        V_R, voltage across the shunt [V], of the same shape.
+    shunt_resistance_ohm
+        R, resistance of the shunt [ohm].
+    minimum_current_a
+        Least current [A] that counts.
+
+    Returns
+    -------
+    One reading, or one of arrays in the shape of the voltages.
+
+    Raises
+    ------
+    CallerError
+        If shunt resistance or least current is not positive, or the shapes differ.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 1: R_SMA = (V_SMA / V_R) R.
+    """
+    if not (0.0 < shunt_resistance_ohm < inf and 0.0 < minimum_current_a < inf):
+        raise CallerError(_bad_constants(shunt_resistance_ohm, minimum_current_a))
+    if isinstance(wire_voltage_v, float) and isinstance(shunt_voltage_v, float):
+        if not abs(shunt_voltage_v) >= minimum_current_a * shunt_resistance_ohm:
+            return NO_READING
+        resistance = series_resistance_ohm(wire_voltage_v, shunt_voltage_v, shunt_resistance_ohm)
+        return ResistanceReading(resistance, True) if 0.0 < resistance < inf else NO_READING
+    least_voltage = minimum_current_a * shunt_resistance_ohm
+    return _reading(wire_voltage_v, shunt_voltage_v, least_voltage, shunt_resistance_ohm)
+
+
+@overload
+def wire_resistance_from_current(
+    wire_voltage_v: float, wire_current_a: float, minimum_current_a: float = ...
+) -> ResistanceReading: ...
+@overload
+def wire_resistance_from_current(
+    wire_voltage_v: FloatArray, wire_current_a: FloatArray, minimum_current_a: float = ...
+) -> ArrayReading: ...
+def wire_resistance_from_current(
+    wire_voltage_v: float | FloatArray, wire_current_a: float | FloatArray, minimum_current_a: float = 1e-3
+) -> ResistanceReading | ArrayReading:
+    """Return the resistance from the wire's voltage and its measured current (Eq. 1 with V_R / R already divided).
+
+    Parameters
+    ----------
+    wire_voltage_v
+        Voltage across the wire [V], a number or an array as in :func:`wire_resistance`.
+    wire_current_a
+        Current through it [A], of the same shape.
+    minimum_current_a
+        Least current [A] that counts.
+
+    Returns
+    -------
+    One reading, or one of arrays in the shape of the voltages.
+
+    Raises
+    ------
+    CallerError
+        If the least current is not positive, or the shapes differ.
+    """
+    # A shunt of one ohm carries one volt per ampere.
+    return wire_resistance(wire_voltage_v, wire_current_a, 1.0, minimum_current_a)  # type: ignore[arg-type]
+
+
+def _reading(
+    wire_voltage_v: npt.ArrayLike, shunt_voltage_v: npt.ArrayLike, least_voltage: float, shunt_ohm: float
+) -> ResistanceReading | ArrayReading:
+    """Array path of Eq. 1; plain integers and 0-d arrays come back as one reading."""
+    wire = np.asarray(wire_voltage_v, dtype=np.float64)
+    shunt = np.asarray(shunt_voltage_v, dtype=np.float64)
+    if wire.shape != shunt.shape and wire.ndim and shunt.ndim:
+        raise CallerError(
+            f"wire voltages have shape {wire.shape} and shunt voltages or currents {shunt.shape}: "
+            "give both the same shape, time first"
+        )
+    carries = np.abs(shunt) >= least_voltage
+    # Dividing by 1 where no current flows keeps the division silent; np.where drops the result again.
+    with np.errstate(over="ignore", invalid="ignore"):
+        ratio = series_resistance_ohm(wire, np.where(carries, shunt, 1.0), shunt_ohm)
+    valid = carries & (ratio > 0.0) & np.isfinite(ratio)
+    resistance = np.where(valid, ratio, 0.0)
+    if resistance.ndim == 0:
+        return ResistanceReading(float(resistance), bool(valid))
+    return ArrayReading(cast(FloatArray, resistance), valid)
+
+
+def _bad_constants(shunt_resistance_ohm: float, minimum_current_a: float) -> str:
+    return (
+        f"shunt resistance {shunt_resistance_ohm} ohm and least current {minimum_current_a} A: "
+        "both must be positive and finite"
+    )

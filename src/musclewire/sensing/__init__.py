@@ -7,6 +7,12 @@ clock, a rig or the simulator.
 
 from __future__ import annotations
 
+from musclewire.physics.circuit import (
+    ArrayReading,
+    ResistanceReading,
+    wire_resistance,
+    wire_resistance_from_current,
+)
 from musclewire.sensing.branches import Branch, single_valued
 from musclewire.sensing.curve import ArrayEstimate, Estimate, ResistanceCurve, evaluate, normalised_resistance
 from musclewire.sensing.estimator import ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup, SlowPart
@@ -14,16 +20,9 @@ from musclewire.sensing.fitting import fit_branches, fit_loop, fit_segments
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 from musclewire.sensing.known_load import KnownSpring
 from musclewire.sensing.model import SensingModel, load_model
-from musclewire.sensing.polynomial import PolynomialEstimator
+from musclewire.sensing.polynomial import PolynomialEstimator, SegmentState, SegmentTracker
 from musclewire.sensing.recalibration import ResistanceExtremes, find_resistance_extremes, recalibrated
-from musclewire.sensing.resistance import (
-    ArrayReading,
-    ResistanceReading,
-    wire_resistance,
-    wire_resistance_from_current,
-)
 from musclewire.sensing.segments import LoopSegments, find_loops, find_segments
-from musclewire.sensing.tracking import SegmentState, SegmentTracker
 
 __all__ = [
     "ESTIMATORS",

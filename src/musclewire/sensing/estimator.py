@@ -28,7 +28,6 @@ __all__ = [
     "EstimatorSetup",
     "SlowPart",
     "dropout_failure",
-    "wire_sample",
 ]
 
 # A sample without current is bridged by holding the drive; this many in a row are a broken wire or circuit.
@@ -165,17 +164,6 @@ ESTIMATORS: Registry[EstimatorFactory] = Registry(
     "musclewire.estimators",
     {"polynomial": "musclewire.sensing.polynomial:polynomial_estimator"},
 )
-
-
-def wire_sample(sample: RawSample) -> WireSample:
-    """Return of a rig's sample what an estimator may see."""
-    return WireSample(
-        sample.time_s,
-        sample.drive_voltage_v,
-        sample.wire_voltage_v,
-        sample.shunt_voltage_v,
-        sample.ambient_temperature_k,
-    )
 
 
 def dropout_failure(

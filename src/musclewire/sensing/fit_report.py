@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 from musclewire.sensing.curve import Pairs, ResistanceCurve, require_in_range
 
@@ -60,3 +60,8 @@ class FittedCurve(ResistanceCurve):
     def strain_gap(self) -> float:
         """The hysteresis gap of Eq. 2 (or Eq. 9 for displacement), a fraction."""
         return self.hysteresis_gap
+
+    def curve(self) -> ResistanceCurve:
+        """Return the curve alone: the few numbers that an estimator runs by."""
+        names = (one.name for one in fields(ResistanceCurve) if one.init)
+        return ResistanceCurve(**{name: getattr(self, name) for name in names})

@@ -16,6 +16,7 @@ __all__ = [
     "RawSample",
     "Reason",
     "WireSample",
+    "wire_sample",
 ]
 
 
@@ -87,6 +88,17 @@ class WireSample(NamedTuple):
     wire_voltage_v: float
     shunt_voltage_v: float
     ambient_temperature_k: float | None = None
+
+
+def wire_sample(sample: RawSample) -> WireSample:
+    """Return of a rig's sample what an estimator may see."""
+    return WireSample(
+        sample.time_s,
+        sample.drive_voltage_v,
+        sample.wire_voltage_v,
+        sample.shunt_voltage_v,
+        sample.ambient_temperature_k,
+    )
 
 
 class Reason(IntEnum):

@@ -36,7 +36,7 @@ def test_the_examples_give_what_they_print(name: str) -> None:
 
 
 def test_the_examples_are_found_at_all() -> None:
-    assert len(MODULES) >= 4
+    assert len(MODULES) >= 5
     examples = [e for name in MODULES for test in examples_of(importlib.import_module(name)) for e in test.examples]
     assert len(examples) >= 5
     behind_dispatchers = examples_of(importlib.import_module("musclewire.physics.heat"))

@@ -19,9 +19,9 @@ from musclewire.controllers.protection import Event, ProtectionLimits, protectio
 from musclewire.controllers.protection import protect as protection_rules
 from musclewire.controllers.protection.table import Drive
 from musclewire.errors import CallerError
+from musclewire.physics.circuit import wire_resistance
 from musclewire.sensing.curve import MARGIN
 from musclewire.sensing.model import SensingModel
-from musclewire.sensing.resistance import wire_resistance
 
 __all__ = ["ACTIONS", "CONTROL_HEADINGS", "Constant", "Constants", "collect", "control_numbers"]
 
