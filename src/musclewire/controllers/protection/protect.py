@@ -301,21 +301,16 @@ def conditions(
     dt_s: float,
 ) -> tuple[Conditions[bool], ProtectionState]:
     """Return which conditions hold for a reading (``HEALTHY`` if none does), and the state with what it has shown."""
-    current_a = shunt_voltage_v / limits.shunt_resistance_ohm
-    minimum_v = limits.minimum_current_a * limits.shunt_resistance_ohm
-    measured = drive_voltage_v >= DRIVEN_FRACTION * limits.sense_voltage_v and abs(shunt_voltage_v) >= minimum_v
-    # A reading without current has no resistance: any in the window stands for "not wrong".
-    resistance = limits.resistance_low_ohm
-    if measured:
-        resistance = series_resistance_ohm(wire_voltage_v, shunt_voltage_v, limits.shunt_resistance_ohm)
-    settled = state.settled_ohm
+    measured, resistance = measured_resistance(limits, drive_voltage_v, wire_voltage_v, shunt_voltage_v)
     outside = not limits.resistance_low_ohm <= resistance <= limits.resistance_high_ohm
+    settled = state.settled_ohm
     jumped = measured and not outside and settled > 0.0 and abs(resistance - settled) > limits.jump_share * settled
     if measured and not (outside or jumped):
         settled = resistance
     state = with_reading(state, limits, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_s, settled)
     saturated = is_saturated(limits, wire_voltage_v, shunt_voltage_v)
     reversed_ = measured and swapped(limits, wire_voltage_v, shunt_voltage_v, resistance)
+    current_a = shunt_voltage_v / limits.shunt_resistance_ohm
     short = resistance < SHORT_FRACTION * limits.resistance_low_ohm
     current = abs(current_a) > limits.maximum_current_a
     power = wire_voltage_v * current_a > limits.maximum_power_w
@@ -338,6 +333,19 @@ def conditions(
         over_temperature=hot,
     )
     return seen, state
+
+
+def measured_resistance(
+    limits: ProtectionLimits, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float
+) -> tuple[bool, float]:
+    """Return whether a reading has a resistance, and the resistance [ohm].
+
+    A reading without current has none: one inside the window stands for "not wrong".
+    """
+    minimum_v = limits.minimum_current_a * limits.shunt_resistance_ohm
+    if not (drive_voltage_v >= DRIVEN_FRACTION * limits.sense_voltage_v and abs(shunt_voltage_v) >= minimum_v):
+        return False, limits.resistance_low_ohm
+    return True, series_resistance_ohm(wire_voltage_v, shunt_voltage_v, limits.shunt_resistance_ohm)
 
 
 def with_reading(
