@@ -19,7 +19,7 @@ from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.pacing import Pacer
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_building import force_limit_n, simulated_limits, wires_of
-from musclewire.rigs.simulated_wires import Means, TwoWires
+from musclewire.rigs.simulated_wires import Means
 from musclewire.rigs.surroundings import Surroundings, Weather
 from musclewire.signals.commands import Command, drive_voltage_of
 from musclewire.signals.samples import RawSample
@@ -130,7 +130,7 @@ class SimulatedDevice:
     @property
     def partner_state(self) -> WireState | None:
         """The same of a second wire; None where there is none."""
-        return self._wires.partner_state if isinstance(self._wires, TwoWires) else None
+        return self._wires.partner_state
 
     def _instruments_there(self) -> tuple[str, ...]:
         """Return the names of the reference instruments this bench has."""

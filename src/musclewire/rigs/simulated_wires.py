@@ -34,6 +34,11 @@ class SimulatedWires(Protocol):
         """State of the wire whose voltages are measured, the first of two."""
         ...
 
+    @property
+    def partner_state(self) -> WireState | None:
+        """State of the second wire; None if there is one wire."""
+        ...
+
     def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> Means:
         """Go on by some steps at one drive voltage.
 
@@ -86,6 +91,8 @@ def aged(constants: WireConstants, before: WireState) -> tuple[WireConstants, Wi
 
 class OneWire:
     """A wire on its load."""
+
+    partner_state: WireState | None = None
 
     def __init__(self, constants: WireConstants) -> None:
         """Cool the wire under its pretension."""
@@ -153,7 +160,8 @@ class TwoWires:
 
     def age_like(self, before: SimulatedWires) -> None:
         """Take over clock and cycles from the wires of the setting before."""
-        assert isinstance(before, TwoWires)  # another setting of one rig: its parts are the same
+        partner = before.partner_state
+        assert partner is not None  # another setting of one rig: its parts are the same
         first, state = aged(self._both[0], before.state)
-        second, other = aged(self._both[1], before.partner_state)
+        second, other = aged(self._both[1], partner)
         self._both, self._states = (first, second), (state, other)

@@ -86,7 +86,8 @@ class Row:
     @cache
     def layout(cls, grains: int) -> np.dtype[np.void]:
         """Return the layout in memory of a wire of so many grains; the same object for the same number."""
-        return np.dtype([(item.name, np.float64, item.shape(grains)) for item in cls.fields])
+        # As np.record its records have attributes without compilation, too.
+        return np.dtype((np.record, [(item.name, np.float64, item.shape(grains)) for item in cls.fields]))
 
     @classmethod
     def zeros(cls, grains: int) -> Self:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import subprocess
 import sys
@@ -131,3 +132,31 @@ def test_signals_during_a_call_harm_neither_process_nor_state_and_another_proces
     ran = subprocess.run([sys.executable, "-c", RUN_UNDER_SIGNALS], capture_output=True, text=True, timeout=120)
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout.strip() == "0", "the other process compiled again"
+
+
+WITHOUT_COMPILATION = """
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.simulate.circuit import advance
+from musclewire.wire.building import constants_from, resting_state
+
+wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
+state, means = advance(resting_state(wire), wire, 3.0, 0.05, 30)
+print(state.temperature_k, state.martensite_fraction, means.displacement_m)
+"""
+
+
+def test_the_same_functions_step_a_row_without_compilation() -> None:
+    """A debugger sees them as they are written; records must then have their fields as attributes, too."""
+    shown = [
+        subprocess.run(
+            [sys.executable, "-c", WITHOUT_COMPILATION],
+            env={**os.environ, "NUMBA_DISABLE_JIT": off},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.split()
+        for off in ("1", "0")
+    ]
+    plain, compiled = ([float(item) for item in line] for line in shown)
+    assert compiled[1] < 0.9, "the wire must have moved to say anything"
+    assert plain == pytest.approx(compiled, rel=1e-9)
