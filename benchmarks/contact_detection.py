@@ -22,8 +22,8 @@ from musclewire.experiment.closings import GripperKnowledge, Object, close_finge
 from musclewire.experiment.grip import grip
 from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
 from musclewire.rigs.surroundings import Surroundings
+from musclewire.sensing.branch_equations import evaluate
 from musclewire.sensing.contact import THRESHOLD, ContactDetector
-from musclewire.sensing.curve import evaluate
 from musclewire.signals.recording import Recording
 
 BAR_N, BAR_FREE = 0.15, 20

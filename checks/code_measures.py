@@ -29,7 +29,6 @@ STILL_LONG: frozenset[str] = frozenset()
 STILL_MANY_PARAMETERS = frozenset({
     "rigs __init__", "export write_library",
 })  # fmt: skip
-STILL_P95_LINES = 23
 
 NO_CODE = frozenset({
     tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER,
@@ -142,7 +141,7 @@ def problems_of(
     measures: Measures,
     still_long: Collection[str] = STILL_LONG,
     still_many: Collection[str] = STILL_MANY_PARAMETERS,
-    max_p95_lines: int = max(MAX_P95_LINES, STILL_P95_LINES),
+    max_p95_lines: int = MAX_P95_LINES,
 ) -> list[str]:
     """Return in words what is over its limit and not on the lists of what is still being shortened."""
     found = [

@@ -145,3 +145,7 @@ def test_methods_of_public_classes_and_of_protocols_are_public() -> None:
     names = public_objects()
     assert {"musclewire.signals.recording.Recording.save", "musclewire.rigs.protocol.Rig.exchange"} <= set(names)
     assert "musclewire.physics.heat.nusselt_churchill_chu" in names
+
+
+def test_every_public_docstring_is_complete() -> None:
+    assert {name: found for name, one in public_objects().items() if (found := problems_of(one))} == {}

@@ -68,24 +68,38 @@ Positive: TypeAlias = Annotated[float, Field(gt=0.0)]
 class FuzzyPidSettings(StrictModel):
     """The numbers of the controller; the gain ranges default to the paper's.
 
-    Attributes:
-        kp_range: least and greatest K_p, no unit.
-        ki_range: least and greatest K_I, per second.
-        kd_range: least and greatest K_D, seconds.
-        input_scale: volts per error unit at a gain of one.
-        error_unit: what the controlled quantity calls one percent strain: 0.01 for strain as a fraction; for
-            a displacement in metres or a force in newtons the amount that goes with 1 % strain.
-        error_range: the error, in error units, that is +-1 for the fuzzy tables; two and a half of the paper's
-            steps of 0.3 %.
-        change_range: the rate of the error, in error units per second, that is +-1 for the fuzzy tables; one of
-            those steps within one sample of 0.05 s.
-        derivative_filter_s: time constant of the rate filters, four samples; 0 for none.
-        rule_base: a name from ``rule_base_names()`` or the path of a .toml file; "fixed" turns the tuning
-            off, and with both ends of each range equal the gains are that number.
+    Parameters
+    ----------
+    kp_range
+        Least and greatest K_p, no unit.
+    ki_range
+        Least and greatest K_I [1/s].
+    kd_range
+        Least and greatest K_D [s].
+    input_scale
+        Volts per error unit at a gain of one.
+    error_unit
+        What the controlled quantity calls one percent strain: 0.01 for strain as a fraction; for a displacement [m] or
+        a force [N] the amount that goes with 1 % strain.
+    error_range
+        The error, in error units, that is +-1 for the fuzzy tables; two and a half of the paper's steps of 0.3 %.
+    change_range
+        The rate of the error, in error units per second, that is +-1 for the fuzzy tables; one of those steps within
+        one sample of 0.05 s.
+    derivative_filter_s
+        Time constant of the rate filters [s], four samples; 0 for none.
+    rule_base
+        A name from ``rule_base_names()`` or the path of a .toml file; "fixed" turns the tuning off, and with both ends
+        of each range equal the gains are that number.
 
-    Raises:
-        CallerError: an unknown key (the message names the nearest), a range upside down, a number that is
-            not positive.
+    Raises
+    ------
+    CallerError
+        For an unknown key (the message names the nearest), a range upside down, or a number that is not positive.
+
+    References
+    ----------
+    Lan and Fan 2010, section III: the ranges of the gains.
     """
 
     kp_range: Range = (0.01, 0.11)
@@ -109,7 +123,20 @@ class FuzzyPidSettings(StrictModel):
 class ControllerState(NamedTuple):
     """All the controller remembers; errors and measurements in the controlled quantity's own unit.
 
-    ``rates_known`` is False after a hold: the last measurement is then too old to make a rate with.
+    Parameters
+    ----------
+    drive_voltage_v
+        The last drive [V], as it was clamped.
+    error
+        The last error.
+    measured
+        The last measured value.
+    measured_rate
+        Its filtered rate, per second.
+    error_rate
+        The filtered rate of the error, per second.
+    rates_known
+        False after a hold: the last measurement is then too old to make a rate with.
     """
 
     drive_voltage_v: float
@@ -121,7 +148,21 @@ class ControllerState(NamedTuple):
 
 
 class StepResult(NamedTuple):
-    """One tick's outcome: the next state, the drive to send in volts, and the gains that were used."""
+    """The outcome of one tick.
+
+    Parameters
+    ----------
+    state
+        The next state.
+    drive_voltage_v
+        The drive to command [V].
+    kp
+        K_p that was used.
+    ki
+        K_I that was used [1/s].
+    kd
+        K_D that was used [s].
+    """
 
     state: ControllerState
     drive_voltage_v: float
@@ -133,17 +174,22 @@ class StepResult(NamedTuple):
 class FuzzyPid:
     """Fuzzy-tuned PID with drive limits.
 
-    It holds no state: ``start`` makes one, ``step`` and ``hold`` return the next.
+    It holds no state: ``start`` makes one, ``step`` and ``hold`` return the next. Building it compiles the tick (or
+    loads it from the cache), so that no step has to wait for that.
 
-    Building it compiles the tick (or loads it from the cache), so that no step has to wait for that.
+    Parameters
+    ----------
+    settings
+        Gains, scales and the name of the rule base.
+    limits
+        The range of the drive.
+    rule_base
+        A rule base already loaded; the one that the settings name if None.
 
-    Args:
-        settings: gains, scales and the name of the rule base.
-        limits: the drive range in volts.
-        rule_base: a rule base already loaded, instead of the one that ``settings`` names.
-
-    Raises:
-        CallerError: the settings name no known rule base.
+    Raises
+    ------
+    CallerError
+        If the settings name no known rule base.
     """
 
     def __init__(
@@ -170,11 +216,25 @@ class FuzzyPid:
     def start(self, drive_voltage_v: float, measured: float, target: float) -> ControllerState:
         """Return the state that takes over from a drive already applied, without a jump.
 
-        A first step with the same measurement and target changes the drive by its integral part only. A
-        drive outside the limits is brought to the nearest one.
+        A first step with the same measurement and target changes the drive by its integral part only.
 
-        Raises:
-            NumericsError: an input is not finite.
+        Parameters
+        ----------
+        drive_voltage_v
+            The drive [V]; one outside the limits is brought to the nearest one.
+        measured
+            The measured value.
+        target
+            The target, in the same unit.
+
+        Returns
+        -------
+        The state.
+
+        Raises
+        ------
+        NumericsError
+            If an input is not finite.
         """
         if not (math.isfinite(drive_voltage_v) and math.isfinite(measured) and math.isfinite(target)):
             raise NumericsError(
@@ -185,14 +245,33 @@ class FuzzyPid:
         return ControllerState(drive, float(target) - float(measured), float(measured), 0.0, 0.0, True)
 
     def step(self, state: ControllerState, target: float, measured: float, dt_s: float) -> StepResult:
-        """Advance by ``dt_s`` seconds: return the next state, the drive in volts and the gains.
+        """Advance by one tick.
 
-        ``target`` and ``measured`` are in the same unit, the one whose percent-strain worth is
-        ``error_unit``.
+        Parameters
+        ----------
+        state
+            The state before.
+        target
+            The target, in the unit whose percent-strain worth is ``error_unit``.
+        measured
+            The measured value, in the same unit.
+        dt_s
+            Time since the last step [s], above 0.
 
-        Raises:
-            NumericsError: an input is not finite, or so large that the result is not; call ``hold`` instead.
-            CallerError: dt_s is not above zero.
+        Returns
+        -------
+        The next state, the drive and the gains.
+
+        Raises
+        ------
+        NumericsError
+            If an input is not finite, or so large that the result is not; call :meth:`hold` instead.
+        CallerError
+            If ``dt_s`` is not above zero.
+
+        References
+        ----------
+        Lan and Fan 2010, Fig. 10 and Eq. 6, in velocity form (see the module).
         """
         target, measured, dt_s = float(target), float(measured), float(dt_s)
         if not (math.isfinite(measured) and math.isfinite(target) and math.isfinite(dt_s)):
@@ -211,7 +290,17 @@ class FuzzyPid:
         return StepResult(next_state, drive, kp, ki, kd)
 
     def hold(self, state: ControllerState) -> ControllerState:
-        """Return the state for a tick without a measurement: same drive, rates forgotten."""
+        """Return the state for a tick without a measurement: same drive, rates forgotten.
+
+        Parameters
+        ----------
+        state
+            The state before.
+
+        Returns
+        -------
+        The state after.
+        """
         return state._replace(measured_rate=0.0, error_rate=0.0, rates_known=False)
 
 

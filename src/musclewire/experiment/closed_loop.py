@@ -50,7 +50,19 @@ FRICTION_AS_RANGE = 8.0
 
 
 def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> float:
-    """Return how much of the model's quantity the controller takes for one percent strain, in its SI unit."""
+    """Return how much of the model's quantity the controller takes for one percent strain.
+
+    Parameters
+    ----------
+    model
+        The model of the wire.
+    load
+        A known spring with friction, over which the range to be passed is larger; None for no known load.
+
+    Returns
+    -------
+    The amount in the quantity's SI unit: 0.01 for strain.
+    """
     if model.quantity == "strain":
         return PERCENT_STRAIN
     steep = 0.0 if load is None else FRICTION_AS_RANGE * load.friction_n

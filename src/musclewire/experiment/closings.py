@@ -69,7 +69,15 @@ SHOWN = {
 
 @dataclass(frozen=True)
 class Object:
-    """A block in the fingers' way: its stiffness, and how far the endpoints go, together, before they touch it."""
+    """A block in the fingers' way.
+
+    Parameters
+    ----------
+    stiffness_n_per_m
+        Its stiffness [N/m].
+    clearance_m
+        How far the endpoints go, together, before they touch it [m].
+    """
 
     stiffness_n_per_m: float
     clearance_m: float
@@ -115,7 +123,17 @@ def in_words(name: str, value: str | float) -> str:
 
 @dataclass(frozen=True)
 class GripperKnowledge:
-    """What a gripper has learned: free closings, how force follows from resistance, and which gripper it was."""
+    """What a gripper has learned.
+
+    Parameters
+    ----------
+    free
+        What closing without an object takes: the reference for contact.
+    curve
+        How force follows from resistance.
+    gripper
+        Which gripper it was.
+    """
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
 
@@ -124,7 +142,18 @@ class GripperKnowledge:
     gripper: Gripper
 
     def save(self, path: Path) -> None:
-        """Write it as JSON, whole or not at all; CallerError when the folder cannot be written."""
+        """Write it as JSON, whole or not at all.
+
+        Parameters
+        ----------
+        path
+            The file; one of that name is replaced.
+
+        Raises
+        ------
+        CallerError
+            If the folder cannot be written to.
+        """
         document = {"format": FORMAT, "version": VERSION, **asdict(self)}
         write_text_whole(path, TypeAdapter(dict[str, Any]).dump_json(document, indent=1).decode() + "\n")
 
@@ -174,7 +203,28 @@ def closing_waveform(rig: Rig, closing_s: float, rest_s: float = REST_S) -> Wave
 def close_fingers(
     rig: Rig, *, closing_s: float = CLOSING_S, rest_s: float = REST_S, on_sample: OnSample | None = None
 ) -> Recording:
-    """Let the wires cool, close the fingers once, whatever is between them, and return the recording."""
+    """Let the wires cool, close the fingers once, whatever is between them, and return the recording.
+
+    Parameters
+    ----------
+    rig
+        The gripper, open; it is driven.
+    closing_s
+        Time in which power rises [s]; 2.5 s are short beside a draught and long beside a sample.
+    rest_s
+        Time to cool before [s], so that each closing begins alike.
+    on_sample
+        Gets every recorded row; it may raise to stop the run.
+
+    Returns
+    -------
+    The recording.
+
+    Raises
+    ------
+    CallerError
+        For a duration not above 0, or a closing so fast that the rig does not allow its voltage.
+    """
     waveform = closing_waveform(rig, closing_s, rest_s)
     policy = WaveformPolicy(waveform, rest_s + closing_s)
     metadata: dict[str, MetadataValue] = {"experiment": "closing", "closing_s": closing_s, "rest_s": rest_s}
@@ -184,7 +234,21 @@ def close_fingers(
 def with_object(rig: str | Path | RigConfiguration, block: Object | None) -> RigConfiguration:
     """Return a rig with another block between its fingers, or with it taken away.
 
-    Raises CallerError for a rig without a part "contact".
+    Parameters
+    ----------
+    rig
+        A simulated gripper: a name, a file or its configuration.
+    block
+        The block; None takes it away.
+
+    Returns
+    -------
+    The changed configuration.
+
+    Raises
+    ------
+    CallerError
+        For a rig without finger or part "contact".
     """
     configuration, _ = simulated_configuration(rig)
     there = object_of(rig)
@@ -211,7 +275,17 @@ def fingers_of(configuration: RigConfiguration) -> int:
 
 
 def gripper_of(rig: Rig) -> Gripper:
-    """Return which gripper a rig is, by what it says of itself."""
+    """Return which gripper a rig is, by what its metadata say.
+
+    Parameters
+    ----------
+    rig
+        The rig.
+
+    Returns
+    -------
+    The gripper; what the rig does not state is None.
+    """
     said = rig.metadata()
 
     def number(name: str) -> float | None:

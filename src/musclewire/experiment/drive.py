@@ -133,21 +133,22 @@ def drive_wire(
     numbers, RigError where no current flows.
     """
     refuse_impossible(rig, on_s, duration_s, supply_v, current_a)
-    limit_v = rig.maximum_voltage_v if supply_v is None else supply_v
-    policy: Policy
-    if current_a is None:
-        policy = HeldVoltage(limit_v, rig.sense_voltage_v, rig.sample_period_s, on_s)
-    else:
-        policy = HeldCurrent(
-            current_a, rig.sense_voltage_v, limit_v, rig.shunt_resistance_ohm, rig.sample_period_s, on_s
-        )
-    truth = true_state_of(rig)
-    if truth is not None:
-        policy = WithThermometer(policy, lambda: float(truth.wire_state.temperature_k))
+    policy = policy_for(rig, on_s, rig.maximum_voltage_v if supply_v is None else supply_v, current_a)
     described: dict[str, MetadataValue] = {"experiment": "drive", "on_s": on_s}
     described |= {} if supply_v is None else {"supply_v": supply_v}
     described |= {} if current_a is None else {"held_current_a": current_a}
     return run_on_rig(rig, policy, duration_s, metadata=described, path=path, overwrite=overwrite, on_sample=on_sample)
+
+
+def policy_for(rig: Rig, on_s: float, limit_v: float, current_a: float | None) -> Policy:
+    """Return what holds a voltage, or a current below a voltage, with the true temperature if the rig knows it."""
+    policy: Policy = HeldVoltage(limit_v, rig.sense_voltage_v, rig.sample_period_s, on_s)
+    if current_a is not None:
+        policy = HeldCurrent(
+            current_a, rig.sense_voltage_v, limit_v, rig.shunt_resistance_ohm, rig.sample_period_s, on_s
+        )
+    truth = true_state_of(rig)
+    return policy if truth is None else WithThermometer(policy, lambda: float(truth.wire_state.temperature_k))
 
 
 def refuse_impossible(

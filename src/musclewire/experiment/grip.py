@@ -18,8 +18,8 @@ from musclewire.experiment.open_loop import Waveform
 from musclewire.experiment.run import Decision, RunOptions, run_on_rig
 from musclewire.physics.circuit import wire_resistance
 from musclewire.rigs.protocol import Rig
+from musclewire.sensing.branch_equations import evaluate
 from musclewire.sensing.contact import AirMoves, ContactDetector
-from musclewire.sensing.curve import evaluate
 from musclewire.sensing.estimator import dropout_failure
 from musclewire.sensing.grip_force import fall_by_cooling
 from musclewire.signals.commands import Command, Drive

@@ -86,11 +86,36 @@ def control_on_board(
     overwrite: bool = False,
     on_sample: OnSample | None = None,
 ) -> ControlRun:
-    """Let a board's firmware move the wire along a reference; the paper's staircase by default.
+    """Let a board's firmware move the wire along a reference.
 
-    ``checksum`` is that of the model and its controller as they are exported (``musclewire.export.c.loop_checksum``).
-    Returns the recording with its metrics, the estimate being the board's. Raises CallerError for a rig without a
-    board, a board that was built for another model or controller, and a target outside the model's range.
+    Parameters
+    ----------
+    rig
+        A board with musclewire's firmware, open.
+    model
+        The model that the firmware was built with.
+    reference
+        Targets in the model's quantity; the paper's staircase, as far as the model senses, if None.
+    checksum
+        That of the model and its controller as they are exported (``musclewire.export.c.loop_checksum``).
+    approach_s
+        Time to reach the reference's start [s].
+    path
+        File that is written while the run lasts; none if None.
+    overwrite
+        Whether an existing file is replaced; refused otherwise.
+    on_sample
+        Gets every recorded row; it may raise to stop the run.
+
+    Returns
+    -------
+    The recording with its metrics, the estimate being the board's.
+
+    Raises
+    ------
+    CallerError
+        For a rig without a board, a board that was built for another model or controller, or a target outside the
+        model's range.
     """
     loop = on_board_loop_of(rig)
     if loop is None:

@@ -69,20 +69,15 @@ class Recorder:
         Raises CallerError where ``path`` exists and may not be replaced.
         """
         self._columns = tuple(columns)
-        self._metadata = {
-            **metadata,
-            "software_version": version("musclewire"),
-            "start_time": datetime.now(UTC).isoformat(timespec="seconds"),
-        }
+        start_time = datetime.now(UTC).isoformat(timespec="seconds")
+        self._metadata = {**metadata, "software_version": version("musclewire"), "start_time": start_time}
         # Plain numbers in one block: a million rows make no objects for the garbage collector to walk through.
         self._values = array("d")
         self._writer: RecordingWriter | WriterProcess | None = None
-        if path is not None:
-            arguments = (path, columns, self._metadata, block_rows, overwrite)
-            if apart_period_s is None:
-                self._writer = RecordingWriter(*arguments)
-            else:
-                self._writer = WriterProcess(*arguments, apart_period_s)
+        if path is not None and apart_period_s is not None:
+            self._writer = WriterProcess(path, columns, self._metadata, block_rows, overwrite, apart_period_s)
+        elif path is not None:
+            self._writer = RecordingWriter(path, columns, self._metadata, block_rows, overwrite)
         self._ended = "running"
         self._lost: Path | None = None
 

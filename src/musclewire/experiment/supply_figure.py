@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from musclewire.arrays import FloatArray
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -28,46 +30,64 @@ def drive_axes(sizing: SupplySizing) -> Axes:
     """
     import matplotlib.pyplot as plt
 
-    from musclewire.identify.catalogue_check import UNCOUNTED_STRAIN
-    from musclewire.identify.sizing import OVERHEATED_K
-
-    recording, request = sizing.recording, sizing.plan.request
-    period = recording.facts.sample_period_s
-    time_s = recording["time_s"] - period
-    figure, (top, middle, bottom) = plt.subplots(3, 1, figsize=(7.2, 6.6), sharex=True, height_ratios=(3, 2, 2))
-    contraction = 100 * recording["displacement_m"] / recording.facts.leg_length_m
-    stroke = 100 * sizing.one_second.stroke
-    top.plot(time_s, contraction, color=INK)
-    top.axhline(stroke, color=GREY, lw=0.9, ls="--")
-    top.text(time_s[-1], stroke, "full stroke ", color="#6b7075", fontsize=8.5, ha="right", va="bottom")
-    top.set_ylabel("contraction [%]")
-    top.set_ylim(-0.05 * stroke, 1.18 * stroke)
-    mark_cooling(top, sizing, 100 * UNCOUNTED_STRAIN)
-    middle.plot(time_s, recording["wire_temperature_k"] - 273.15, color=WARM)
-    if sizing.numbers.temperature_peak_k > 0.85 * OVERHEATED_K:
-        middle.axhline(OVERHEATED_K - 273.15, color=GREY, lw=0.9, ls="--")
-        middle.text(time_s[-1], OVERHEATED_K - 273.15, "working limit (assumed) ", color="#6b7075", fontsize=8.5,
-                    ha="right", va="bottom")  # fmt: skip
-    middle.set_ylabel("temperature [C]\n(simulated truth)")
-    bottom.plot(time_s, 1e3 * recording["shunt_voltage_v"] / recording.facts.shunt_resistance_ohm, color=COLD)
-    bottom.set_ylabel("current [mA]", color=COLD)
-    volts = bottom.twinx()
-    volts.plot(time_s, recording["drive_voltage_v"], color=INK, lw=1.0, ls=":")
-    volts.set_ylabel("supply [V], dotted")
-    bottom.set_ylim(bottom=0.0)
-    volts.set_ylim(0.0, 1.15 * sizing.numbers.voltage_peak_v)
-    bottom.set_xlabel("time since switching on [s]")
-    for axes in (top, middle, bottom):
-        axes.axvspan(0.0, request.on_s, color=WARM, alpha=0.08, lw=0)
+    figure, panels = plt.subplots(3, 1, figsize=(7.2, 6.6), sharex=True, height_ratios=(3, 2, 2))
+    top, middle, bottom = panels
+    time_s = sizing.recording["time_s"] - sizing.recording.facts.sample_period_s
+    draw_contraction(top, sizing, time_s)
+    draw_temperature(middle, sizing, time_s)
+    draw_current(bottom, sizing, time_s)
+    for axes in panels:
+        axes.axvspan(0.0, sizing.plan.request.on_s, color=WARM, alpha=0.08, lw=0)
         axes.grid(color="#e6e8eb", lw=0.8)
         axes.spines["top"].set_visible(False)
         axes.spines["right"].set_visible(False)
-    volts.spines["top"].set_visible(False)
     top.set_xlim(time_s[0], time_s[-1])
     top.set_title(title_of(sizing), loc="left", fontsize=10.5)
     figure.align_ylabels([top, middle, bottom])
     figure.tight_layout()
     return top  # type: ignore[no-any-return]
+
+
+def draw_contraction(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> None:
+    """Draw the contraction, the full stroke and the end of the cooling time."""
+    from musclewire.identify.catalogue_check import UNCOUNTED_STRAIN
+
+    stroke = 100 * sizing.one_second.stroke
+    axes.plot(time_s, 100 * sizing.recording["displacement_m"] / sizing.recording.facts.leg_length_m, color=INK)
+    mark_level(axes, time_s[-1], stroke, "full stroke ")
+    axes.set_ylabel("contraction [%]")
+    axes.set_ylim(-0.05 * stroke, 1.18 * stroke)
+    mark_cooling(axes, sizing, 100 * UNCOUNTED_STRAIN)
+
+
+def draw_temperature(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> None:
+    """Draw the wire's temperature, and its working limit if it comes near."""
+    from musclewire.identify.sizing import OVERHEATED_K
+
+    axes.plot(time_s, sizing.recording["wire_temperature_k"] - 273.15, color=WARM)
+    if sizing.numbers.temperature_peak_k > 0.85 * OVERHEATED_K:
+        mark_level(axes, time_s[-1], OVERHEATED_K - 273.15, "working limit (assumed) ")
+    axes.set_ylabel("temperature [C]\n(simulated truth)")
+
+
+def draw_current(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> None:
+    """Draw the current, and the supply's voltage on an axis of its own."""
+    recording = sizing.recording
+    axes.plot(time_s, 1e3 * recording["shunt_voltage_v"] / recording.facts.shunt_resistance_ohm, color=COLD)
+    axes.set_ylabel("current [mA]", color=COLD)
+    volts = axes.twinx()
+    volts.plot(time_s, recording["drive_voltage_v"], color=INK, lw=1.0, ls=":")
+    volts.set_ylabel("supply [V], dotted")
+    axes.set_ylim(bottom=0.0)
+    volts.set_ylim(0.0, 1.15 * sizing.numbers.voltage_peak_v)
+    axes.set_xlabel("time since switching on [s]")
+    volts.spines["top"].set_visible(False)
+
+
+def mark_level(axes: Axes, end_s: float, level: float, text: str) -> None:
+    """Mark a level by a dashed line with its name at the end."""
+    axes.axhline(level, color=GREY, lw=0.9, ls="--")
+    axes.text(end_s, level, text, color="#6b7075", fontsize=8.5, ha="right", va="bottom")
 
 
 def mark_cooling(axes: Axes, sizing: SupplySizing, level_pct: float) -> None:

@@ -30,7 +30,7 @@ from musclewire.identify.sizing import (
 )
 from musclewire.parameters.catalogue import CatalogueRow, catalogue_names, catalogue_row, class_of
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.parameters.schema import Wire
+from musclewire.parameters.schema import Bench, Wire
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.mounted import LimitsTable
 from musclewire.rigs.simulated_configuration import with_settings
@@ -139,17 +139,8 @@ def plan_supply(request: SupplyRequest) -> SupplyPlan:
     wire = load_wire(request.wire)
     row = catalogue_row(request.wire) if request.wire in catalogue_names() else None
     require_plausible(request)
-    stress = PULL_STRESS_PA if request.stress_pa is None else request.stress_pa
-    load = stress * section_m2(wire) if request.load_n is None else request.load_n
-    if load > wire.maximum_force_n.value:
-        raise CallerError(
-            f"a load of {load:.3g} N is above {wire.maximum_force_n.value:.3g} N, near what breaks {wire.name}"
-        )
-    current = request.current_a
-    if current is None and request.supply_v is None:
-        if row is None:
-            raise CallerError(f"{request.wire} is not in the catalogue: give --supply or --current, as '3 V'")
-        current = row.current_a
+    load = load_of(request, wire)
+    current = current_of(request, row)
     cold_ohm = wire.resistance_per_metre_ohm_per_m.value * request.length_m
     expected = current if current is not None else (request.supply_v or 0.0) / cold_ohm
     shunt = suggested_shunt(cold_ohm, expected).resistance_ohm if request.shunt_ohm is None else request.shunt_ohm
@@ -166,6 +157,26 @@ def plan_supply(request: SupplyRequest) -> SupplyPlan:
     )
     duration = request.duration_s or chosen_duration_s(request, configuration, current)
     return SupplyPlan(request, wire, row, current, request.supply_v, load, shunt, duration, configuration)
+
+
+def current_of(request: SupplyRequest, row: CatalogueRow | None) -> float | None:
+    """Return the current to hold [A]: given, or the catalogue's; None for a supply. CallerError if nothing says it."""
+    if request.current_a is not None or request.supply_v is not None:
+        return request.current_a
+    if row is None:
+        raise CallerError(f"{request.wire} is not in the catalogue: give --supply or --current, as '3 V'")
+    return row.current_a
+
+
+def load_of(request: SupplyRequest, wire: Wire) -> float:
+    """Return the load [N]: given, or by the stress. Raises CallerError for one near what breaks the wire."""
+    stress = PULL_STRESS_PA if request.stress_pa is None else request.stress_pa
+    load = stress * section_m2(wire) if request.load_n is None else request.load_n
+    if load > wire.maximum_force_n.value:
+        raise CallerError(
+            f"a load of {load:.3g} N is above {wire.maximum_force_n.value:.3g} N, near what breaks {wire.name}"
+        )
+    return load
 
 
 def drive_settings(supply_v: float | None, expected_a: float, circuit_ohm: float) -> dict[str, float]:
@@ -228,16 +239,23 @@ def size_supply(
     """
     plan = plan_supply(request)
     wire, bench = with_settings(plan.wire, load_bench(BENCH), plan.configuration.settings, "simulate")
-    best = one_second_current(load_alloy(wire.alloy), wire, bench)
-    if best.stroke <= UNCOUNTED_STRAIN:
-        raise CallerError(
-            f"{wire.name} at {request.ambient_k - 273.15:g} C under this load has only {100 * best.stroke:.2g} % of "
-            "contraction left: it is as good as contracted; a cooler place or a larger load stretches it"
-        )
+    best = usable_one_second_current(wire, bench, request.ambient_k)
+    recording = simulated_drive(plan, path, overwrite, on_sample)
+    numbers = drive_numbers(recording, request.on_s, best.stroke)
+    settled = settled_temperature_k(numbers.power_end_w / request.length_m, wire, request.ambient_k)
+    shunt = suggested_shunt(wire.resistance_per_metre_ohm_per_m.value * request.length_m, best.current_a)
+    warnings = tuple(warnings_for(plan, numbers, settled))
+    return SupplySizing(plan, recording, numbers, settled, best, shunt, warnings)
+
+
+def simulated_drive(
+    plan: SupplyPlan, path: str | Path | None, overwrite: bool, on_sample: OnSample | None
+) -> Recording:
+    """Return the recording of the planned drive on the simulated rig."""
     with open_rig(plan.configuration) as rig:
-        recording = drive_wire(
+        return drive_wire(
             rig,
-            on_s=request.on_s,
+            on_s=plan.request.on_s,
             duration_s=plan.duration_s,
             supply_v=plan.supply_v,
             current_a=plan.current_a,
@@ -245,18 +263,17 @@ def size_supply(
             overwrite=overwrite,
             on_sample=on_sample,
         )
-    numbers = drive_numbers(recording, request.on_s, best.stroke)
-    settled = settled_temperature_k(numbers.power_end_w / request.length_m, wire, request.ambient_k)
-    cold_ohm = wire.resistance_per_metre_ohm_per_m.value * request.length_m
-    return SupplySizing(
-        plan,
-        recording,
-        numbers,
-        settled,
-        best,
-        suggested_shunt(cold_ohm, best.current_a),
-        tuple(warnings_for(plan, numbers, settled)),
-    )
+
+
+def usable_one_second_current(wire: Wire, bench: Bench, ambient_k: float) -> OneSecond:
+    """Return the one-second current. Raises CallerError for a wire that its surroundings have contracted already."""
+    best = one_second_current(load_alloy(wire.alloy), wire, bench)
+    if best.stroke <= UNCOUNTED_STRAIN:
+        raise CallerError(
+            f"{wire.name} at {ambient_k - 273.15:g} C under this load has only {100 * best.stroke:.2g} % of "
+            "contraction left: it is as good as contracted; a cooler place or a larger load stretches it"
+        )
+    return best
 
 
 def drive_numbers(recording: Recording, on_s: float, stroke: float) -> DriveNumbers:

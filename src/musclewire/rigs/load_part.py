@@ -71,6 +71,11 @@ class LoadPart(BaseModel):
     below that are about what it adds; ``load_parts.register("its name", Class)`` or an entry point of the group
     ``musclewire.load_parts`` makes it known to rig files.
 
+    Parameters
+    ----------
+    part
+        Name of the kind in rig files.
+
     Attributes
     ----------
     once

@@ -25,7 +25,31 @@ SETTINGS = {
 
 
 class WireKeys(BaseModel):
-    """What every rig file says of wire and circuit (``MountedWire``); here each may be left to wire and bench."""
+    """What every rig file says of wire and circuit (``MountedWire``); here each may be left to wire and bench.
+
+    Parameters
+    ----------
+    wire_length
+        Length of the wire, all legs together [m], in files as text with a unit.
+    legs
+        1 for a straight wire, 2 for a V.
+    shunt
+        Resistance of the shunt [ohm].
+    sense_voltage
+        Drive that heats the wire by little and still measures it [V].
+    maximum_voltage
+        Highest drive [V].
+    drive_amplitude
+        Amplitude of the slow sine [V].
+    pretension
+        Force of the cold wire [N].
+    ambient_temperature
+        Temperature of the air [K].
+    sample_period
+        Time between samples [s].
+    settings
+        Other numbers of wire and bench that are changed, in SI or as text with a unit.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

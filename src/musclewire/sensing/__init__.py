@@ -13,8 +13,9 @@ from musclewire.physics.circuit import (
     wire_resistance,
     wire_resistance_from_current,
 )
+from musclewire.sensing.branch_equations import evaluate, normalised_resistance
 from musclewire.sensing.branches import Branch, single_valued
-from musclewire.sensing.curve import ArrayEstimate, Estimate, ResistanceCurve, evaluate, normalised_resistance
+from musclewire.sensing.curve import ArrayEstimate, Estimate, ResistanceCurve
 from musclewire.sensing.estimator import ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup, SlowPart
 from musclewire.sensing.fitting import fit_branches, fit_loop, fit_segments
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap

@@ -33,7 +33,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.sensing.curve import check_resistance_range, evaluate
+from musclewire.sensing.branch_equations import check_resistance_range, evaluate
 
 __all__ = ["THRESHOLD", "AirMoves", "ContactDetector", "ContactState", "FreeClosing"]
 

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.sensing.branch_equations import average, check_resistance_range, derivative, evaluate
 
 __all__ = [
     "QUANTITY_UNITS",
@@ -23,10 +24,6 @@ __all__ = [
     "ArrayEstimate",
     "Estimate",
     "ResistanceCurve",
-    "average",
-    "check_resistance_range",
-    "evaluate",
-    "normalised_resistance",
 ]
 
 Pairs = tuple[tuple[float, float], ...]
@@ -45,54 +42,18 @@ DERIVATIVE_CHECKS = 201
 MAX_NUMBER = 1e12
 
 
-@overload
-def normalised_resistance(resistance_ohm: float, resistance_min_ohm: float, resistance_max_ohm: float) -> float: ...
-@overload
-def normalised_resistance(
-    resistance_ohm: FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
-) -> FloatArray: ...
-def normalised_resistance(
-    resistance_ohm: float | FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
-) -> float | FloatArray:
-    """Place of a resistance between the least and the most of segment B-C: 0 at C (hot), 1 at B (cold).
-
-    Source: Lan and Fan 2010, Eq. 3, lambda = (R - R_min) / (R_max - R_min). Any shape; values outside
-    [0, 1] are not clipped. Raises CallerError unless 0 < R_min < R_max.
-    """
-    check_resistance_range(resistance_min_ohm, resistance_max_ohm)
-    return (resistance_ohm - resistance_min_ohm) / (resistance_max_ohm - resistance_min_ohm)
-
-
-def check_resistance_range(resistance_min_ohm: float, resistance_max_ohm: float) -> None:
-    """Raise CallerError unless 0 < R_min < R_max and both are finite."""
-    if not 0.0 < resistance_min_ohm < resistance_max_ohm < inf:
-        raise CallerError(
-            f"least resistance {resistance_min_ohm} ohm and most resistance {resistance_max_ohm} ohm: "
-            "both must be positive and finite, the least below the most"
-        )
-
-
-@overload
-def evaluate(coefficients: Sequence[float], normalised_resistance: float) -> float: ...
-@overload
-def evaluate(coefficients: Sequence[float], normalised_resistance: FloatArray) -> FloatArray: ...
-def evaluate(coefficients: Sequence[float], normalised_resistance: float | FloatArray) -> float | FloatArray:
-    """Value of a polynomial given by ascending power coefficients, by Horner's rule; any shape (Eq. 4)."""
-    total: float | FloatArray = 0.0 * normalised_resistance
-    for coefficient in reversed(coefficients):
-        total = total * normalised_resistance + coefficient
-    return total
-
-
-def average(heating: Sequence[float], cooling: Sequence[float]) -> tuple[float, ...]:
-    """Coefficients of g_a = (g_h + g_c) / 2 (Lan and Fan 2010, Eq. 5); CallerError on unequal orders."""
-    if len(heating) != len(cooling):
-        raise CallerError(f"heating has {len(heating)} coefficients and cooling {len(cooling)}: fit both alike")
-    return tuple((h + c) / 2.0 for h, c in zip(heating, cooling, strict=True))
-
-
 class Estimate(NamedTuple):
-    """Estimated quantity, its standard deviation, and whether the resistance lay in the valid range."""
+    """The estimate of one resistance.
+
+    Parameters
+    ----------
+    value
+        The quantity: strain as a fraction, displacement [m] or force [N].
+    std
+        Its standard deviation, in the same unit.
+    valid
+        Whether the resistance was in the valid range.
+    """
 
     value: float
     std: float
@@ -100,7 +61,17 @@ class Estimate(NamedTuple):
 
 
 class ArrayEstimate(NamedTuple):
-    """Estimates of many resistances; all three of the shape of the resistances."""
+    """The estimates of many resistances; all three of the shape of the resistances.
+
+    Parameters
+    ----------
+    value
+        The quantities: strain as a fraction, displacement [m] or force [N].
+    std
+        Their standard deviations, in the same unit.
+    valid
+        Which resistances were in the valid range.
+    """
 
     value: FloatArray
     std: FloatArray
@@ -182,7 +153,7 @@ class ResistanceCurve:
         if not -0.5 <= low < high <= 1.5:
             raise CallerError(f"valid range of normalised resistance {low} to {high}: must rise within -0.5 to 1.5")
         require_in_range((self.rmse_heating, self.rmse_cooling, self.resistance_noise_ohm))
-        slope = evaluate(_derivative(self.average_coefficients), np.linspace(low, high, DERIVATIVE_CHECKS))
+        slope = evaluate(derivative(self.average_coefficients), np.linspace(low, high, DERIVATIVE_CHECKS))
         if not (slope[1:-1] < 0.0).all():
             raise CallerError(
                 f"the average polynomial does not fall throughout its valid range {low:.4f} to {high:.4f} of "
@@ -201,7 +172,7 @@ class ResistanceCurve:
 
     @property
     def valid_resistance_ohm(self) -> tuple[float, float]:
-        """Least and most resistance of the valid range, in ohm."""
+        """Least and greatest resistance of the valid range [ohm]."""
         span = self.resistance_max_ohm - self.resistance_min_ohm
         low = self.resistance_min_ohm + self.normalised_min * span
         return low, self.resistance_min_ohm + self.normalised_max * span
@@ -213,15 +184,24 @@ class ResistanceCurve:
     def estimate(
         self, resistance_ohm: float | FloatArray, resistance_std_ohm: float | None = None
     ) -> Estimate | ArrayEstimate:
-        """Estimate the quantity from one resistance (float) or from an array of any shape.
+        """Estimate the quantity from one resistance or from an array.
 
         The value is g_a (Eq. 5) with the resistance clipped to the valid range. The standard deviation adds
         in squares: half the distance of the branches, the branches' residual, and the resistance noise times
-        the slope (``resistance_std_ohm``, by default that of the recording the model was fitted to), to which
-        a resistance beyond the valid range adds its distance; it is at most the whole range. ``valid`` is
-        False where the resistance lies outside the valid range by more than 2 % of the span, or is not
-        finite. What is not finite reads as fully contracted, as does the 0.0 ohm of "no current": a loop
-        that ignores ``valid`` then cools.
+        the slope, to which a resistance beyond the valid range adds its distance; it is at most the whole range.
+
+        Parameters
+        ----------
+        resistance_ohm
+            Resistance [ohm], a number or an array of any shape.
+        resistance_std_ohm
+            Its standard deviation [ohm]; that of the recording the model was fitted to if None.
+
+        Returns
+        -------
+        Value, standard deviation, and validity: False if the resistance is outside the valid range by more than 2 % of
+        the span, or not finite. What is not finite reads as fully contracted, as does the 0.0 ohm of "no current": a
+        loop that ignores validity then cools.
         """
         noise = self.resistance_noise_ohm if resistance_std_ohm is None else resistance_std_ohm
         if isinstance(resistance_ohm, float | int):
@@ -273,7 +253,17 @@ class ResistanceCurve:
     @overload
     def value(self, resistance_ohm: FloatArray) -> FloatArray: ...
     def value(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
-        """The quantity of this model, g_a of the clipped resistance (Eq. 5); scalar or any shape."""
+        """Return the quantity of this model, g_a of the clipped resistance (Eq. 5).
+
+        Parameters
+        ----------
+        resistance_ohm
+            Resistance [ohm], a number or an array of any shape.
+
+        Returns
+        -------
+        The quantity, in the same shape: strain as a fraction, displacement [m] or force [N].
+        """
         return self._branch_value(self.average_coefficients, resistance_ohm)
 
     @overload
@@ -281,9 +271,21 @@ class ResistanceCurve:
     @overload
     def strain(self, resistance_ohm: FloatArray) -> FloatArray: ...
     def strain(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
-        """Strain (fraction, contraction positive), g_a of the clipped resistance (Eq. 5).
+        """Return the strain, g_a of the clipped resistance (Eq. 5).
 
-        Raises CallerError when the model is one of displacement or force: there use ``value``.
+        Parameters
+        ----------
+        resistance_ohm
+            Resistance [ohm], a number or an array of any shape.
+
+        Returns
+        -------
+        The strain as a fraction, contraction positive, in the same shape.
+
+        Raises
+        ------
+        CallerError
+            If the model is one of displacement or force: there use :meth:`value`.
         """
         self._check_strain()
         return self._branch_value(self.average_coefficients, resistance_ohm)
@@ -293,7 +295,17 @@ class ResistanceCurve:
     @overload
     def strain_heating(self, resistance_ohm: FloatArray) -> FloatArray: ...
     def strain_heating(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
-        """Strain on the heating branch, g_h (Eq. 4); otherwise as ``strain``."""
+        """Return the strain on the heating branch, g_h (Eq. 4).
+
+        Parameters
+        ----------
+        resistance_ohm
+            Resistance [ohm], a number or an array of any shape.
+
+        Returns
+        -------
+        As :meth:`strain`.
+        """
         self._check_strain()
         return self._branch_value(self.heating_coefficients, resistance_ohm)
 
@@ -302,7 +314,17 @@ class ResistanceCurve:
     @overload
     def strain_cooling(self, resistance_ohm: FloatArray) -> FloatArray: ...
     def strain_cooling(self, resistance_ohm: float | FloatArray) -> float | FloatArray:
-        """Strain on the cooling branch, g_c (Eq. 4); otherwise as ``strain``."""
+        """Return the strain on the cooling branch, g_c (Eq. 4).
+
+        Parameters
+        ----------
+        resistance_ohm
+            Resistance [ohm], a number or an array of any shape.
+
+        Returns
+        -------
+        As :meth:`strain`.
+        """
         self._check_strain()
         return self._branch_value(self.cooling_coefficients, resistance_ohm)
 
@@ -311,10 +333,26 @@ class ResistanceCurve:
     @overload
     def resistance_ohm(self, strain: FloatArray) -> FloatArray: ...
     def resistance_ohm(self, strain: float | FloatArray) -> float | FloatArray:
-        """Resistance a strain requires (or displacement, force): the inverse of g_a, Table 2's second row.
+        """Return the resistance that a strain (or displacement, force) requires: the inverse of g_a.
 
-        Scalar or any shape. A value within 0.5 % of the range beyond either end gives that end.
-        Raises CallerError when a value lies further outside, saying the range.
+        Parameters
+        ----------
+        strain
+            The quantity, a number or an array of any shape: strain as a fraction, displacement [m] or force [N]. A
+            value within 0.5 % of the range beyond either end gives that end.
+
+        Returns
+        -------
+        The resistance [ohm], in the same shape.
+
+        Raises
+        ------
+        CallerError
+            If a value lies further outside; the message says the range.
+
+        References
+        ----------
+        Lan and Fan 2010, Table 2, second row.
         """
         wanted = np.asarray(strain, dtype=np.float64)
         room = QUANTITY_MARGIN * (self.quantity_max - self.quantity_min)
@@ -330,14 +368,14 @@ class ResistanceCurve:
         """Normalised resistance of each wanted quantity: Newton steps, bisection where they fail."""
         low = np.full(wanted.shape, self.normalised_min)
         high = np.full(wanted.shape, self.normalised_max)
-        derivative = _derivative(self.average_coefficients)
+        slope_of = derivative(self.average_coefficients)
         fraction = (low + high) / 2.0
         for _ in range(80):
             excess = evaluate(self.average_coefficients, fraction) - wanted
             # g_a falls: too large a quantity means the resistance is too low.
             low = np.where(excess >= 0.0, fraction, low)
             high = np.where(excess <= 0.0, fraction, high)
-            slope = evaluate(derivative, fraction)
+            slope = evaluate(slope_of, fraction)
             newton = fraction - excess / np.where(slope < 0.0, slope, -inf)
             middle = (low + high) / 2.0
             following = np.where((newton > low) & (newton < high) & (slope < 0.0), newton, middle)
@@ -373,11 +411,6 @@ class ResistanceCurve:
             f"{factor * self.quantity_min:.4g} to {factor * self.quantity_max:.4g} {unit}: "
             "choose a value within, or fit a loop that reaches further"
         )
-
-
-def _derivative(coefficients: tuple[float, ...]) -> tuple[float, ...]:
-    """Ascending coefficients of the derivative."""
-    return tuple(power * coefficient for power, coefficient in enumerate(coefficients))[1:]
 
 
 def require_in_range(numbers: Sequence[float]) -> None:

@@ -12,15 +12,9 @@ import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, FitRejectedError, RecordingError, nearest_hint
+from musclewire.sensing.branch_equations import average, check_resistance_range, evaluate, normalised_resistance
 from musclewire.sensing.branches import Branch, checked_branch, single_valued
-from musclewire.sensing.curve import (
-    QUANTITY_UNITS,
-    SHOWN_AS,
-    average,
-    check_resistance_range,
-    evaluate,
-    normalised_resistance,
-)
+from musclewire.sensing.curve import QUANTITY_UNITS, SHOWN_AS
 from musclewire.sensing.gaps import hysteresis_gap
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.polynomials import (

@@ -21,8 +21,8 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
+from musclewire.sensing.branch_equations import evaluate
 from musclewire.sensing.contact import ContactState
-from musclewire.sensing.curve import evaluate
 
 __all__ = ["GripCurve", "fall_by_cooling"]
 

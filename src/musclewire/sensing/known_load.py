@@ -23,9 +23,22 @@ TURNING_M = 85e-6
 
 @dataclass(frozen=True)
 class KnownSpring:
-    """A spring that the wire pulls [N/m], and the friction on the way to it [N], both known beforehand.
+    """A spring that the wire pulls, and the friction on the way to it, both known beforehand.
 
-    Raises CallerError for a stiffness not above 0, or friction or turning travel that cannot be.
+    Parameters
+    ----------
+    stiffness_n_per_m
+        Stiffness of the spring [N/m].
+    friction_n
+        Coulomb friction of the guide [N]; none by default.
+    turning_m
+        Travel after a turn over which friction turns round [m]. Four times that of the simulated guide, since a
+        displacement read from resistance is uncertain by more.
+
+    Raises
+    ------
+    CallerError
+        For a stiffness not above 0, or friction or turning travel that cannot be.
     """
 
     stiffness_n_per_m: float
@@ -42,7 +55,19 @@ class KnownSpring:
             )
 
     def friction_after(self, friction_n: float, spring_force_change_n: float) -> float:
-        """Return the friction after the spring's force has changed by so much, from the friction before; [N]."""
+        """Return the friction after the spring's force has changed.
+
+        Parameters
+        ----------
+        friction_n
+            Friction before [N].
+        spring_force_change_n
+            Change of the spring's force [N], of either sign.
+
+        Returns
+        -------
+        Friction after [N].
+        """
         moved_m = spring_force_change_n / self.stiffness_n_per_m
         return float(friction_force_n(friction_n, moved_m, self.friction_n, self.turning_m))
 

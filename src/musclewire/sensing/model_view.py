@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from musclewire.sensing.curve import SHOWN_AS, evaluate
+from musclewire.sensing.branch_equations import evaluate
+from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.fit_report import FittedCurve
 
 if TYPE_CHECKING:

@@ -248,13 +248,39 @@ class PolynomialEstimator:
         return EstimatorStep(estimate, state, (resistance_ohm,))
 
     def read(self, wire_voltage_v: float, shunt_voltage_v: float) -> ResistanceReading:
-        """Return the resistance of two voltages [V] by Eq. 1, which is what the C form reads too."""
+        """Return the resistance of two voltages by Eq. 1, which is what the C form reads too.
+
+        Parameters
+        ----------
+        wire_voltage_v
+            Voltage across the wire [V].
+        shunt_voltage_v
+            Voltage across the shunt [V].
+
+        Returns
+        -------
+        The reading; it is not valid without current.
+        """
         return wire_resistance(wire_voltage_v, shunt_voltage_v, self._shunt_resistance_ohm)
 
     def re_anchored(self, resistance_min_ohm: float, resistance_max_ohm: float) -> PolynomialEstimator:
-        """Return the same estimator between new resistances of C and B [ohm] (Eq. 3 re-anchored).
+        """Return the same estimator between new resistances of C and B (Eq. 3 re-anchored).
 
-        Raises CallerError unless 0 < R_min < R_max.
+        Parameters
+        ----------
+        resistance_min_ohm
+            R_min of today [ohm].
+        resistance_max_ohm
+            R_max of today [ohm].
+
+        Returns
+        -------
+        The estimator of today.
+
+        Raises
+        ------
+        CallerError
+            Unless 0 < R_min < R_max.
         """
         curve = replace(self.curve, resistance_min_ohm=resistance_min_ohm, resistance_max_ohm=resistance_max_ohm)
         return PolynomialEstimator(curve, self._shunt_resistance_ohm, self.load)

@@ -10,8 +10,8 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
+from musclewire.sensing.branch_equations import normalised_resistance
 from musclewire.sensing.branches import Branch
-from musclewire.sensing.curve import normalised_resistance
 
 __all__ = [
     "LARGEST_ORDER",

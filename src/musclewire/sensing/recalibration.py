@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
+from musclewire.sensing.branch_equations import check_resistance_range
 from musclewire.sensing.branches import LONGEST_WINDOW_SHARE
-from musclewire.sensing.curve import check_resistance_range
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
@@ -92,9 +92,7 @@ def find_resistance_extremes(
     """
     place, measured = _heating(resistance_ohm, drive_voltage_v, valid)
     resistance, left = _smoothed(measured)
-    highest = np.maximum.accumulate(resistance)
-    c = int(np.argmax(highest - resistance))
-    b = int(np.flatnonzero(resistance[: c + 1] == highest[c])[-1])
+    b, c = _largest_fall(resistance)
     fall = float(resistance[b] - resistance[c])
     if fall < max(LEAST_FALL_SHARE * float(resistance[b]), LEAST_FALL_NOISES * left):
         raise RecordingError(
@@ -152,6 +150,13 @@ def recalibrated(model: SensingModel, resistance_min_ohm: float, resistance_max_
         heating_samples=(),
         cooling_samples=(),
     )
+
+
+def _largest_fall(resistance: FloatArray) -> tuple[int, int]:
+    """Return between which samples the resistance falls most."""
+    highest = np.maximum.accumulate(resistance)
+    c = int(np.argmax(highest - resistance))
+    return int(np.flatnonzero(resistance[: c + 1] == highest[c])[-1]), c
 
 
 def _smoothed(measured: FloatArray) -> tuple[FloatArray, float]:

@@ -48,7 +48,17 @@ class Executor(Protocol):
     """Where slow parts are computed: one at a time."""
 
     def request(self, compute: Callable[[], Any]) -> Callable[[], Correction | None] | None:
-        """Begin to compute; return what tells the result, None of it as yet; or None if the last one still runs."""
+        """Begin to compute.
+
+        Parameters
+        ----------
+        compute
+            What to compute; what it raises is part of the result.
+
+        Returns
+        -------
+        What returns the result, None as long as there is none; or None itself if the last computation still runs.
+        """
         ...
 
     def close(self) -> None:

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
+from musclewire.sensing.branch_equations import average, evaluate, normalised_resistance
 from musclewire.sensing.branches import Branch
-from musclewire.sensing.curve import average, evaluate, normalised_resistance
 from musclewire.sensing.polynomials import choose_order, fit_points, fit_polynomial
 
 SHARE = np.linspace(0.0, 1.0, 150)

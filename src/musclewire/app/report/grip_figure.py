@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from musclewire.experiment.closings import REST_S
-from musclewire.sensing.curve import evaluate
+from musclewire.sensing.branch_equations import evaluate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -73,6 +73,10 @@ class FingerGeometry:
                 f"{1e3 * self.plate_length_m:g} mm take {1e3 * taken:g} mm of an overall length of "
                 f"{1e3 * self.overall_length_m:g} mm: nothing is left to bend, make the finger longer"
             )
+        self._check_tendon()
+
+    def _check_tendon(self) -> None:
+        """Refuse a tendon that would run inside the beam or outside the columns, and plates that lean too far."""
         if self.inward_angle_rad > MOST_INWARD_RAD:
             raise CallerError(f"inward_angle_rad is {self.inward_angle_rad:g}: at most a right angle, 1.57")
         if self.tendon_offset_m <= 0.5 * self.beam_thickness_m:

@@ -111,10 +111,8 @@ def analyse(
     linear = tuple(linear_answer(geometry, material, across) for across in MESHES)
     guided = linear_answer(geometry, material, FINEST, guided=True)
     travel = asked.travel_with(linear[-1].stiffness_n_per_m)
-    curve = force_curve(geometry, material, travel or 0.0)
-    stress = None if travel is None else curve.stress_at(travel)
-    if stress is not None and math.isnan(stress):
-        raise CallerError(too_far(travel or 0.0, curve, material))
+    curve = force_curve(geometry, material, 0.0 if travel is None else travel)
+    stress = None if travel is None else stress_at(travel, curve, material)
     checks = [
         *wanted_checks(linear[-1].stiffness_n_per_m, wanted_n_per_m),
         *model_checks(geometry, material, linear, guided),
@@ -129,6 +127,14 @@ def wanted_checks(stiffness_n_per_m: float, wanted_n_per_m: float | None) -> lis
     if wanted_n_per_m is None:
         return []
     return [Check("stiffness", stiffness_n_per_m, wanted_n_per_m, "N/m", "about", WANTED_TOLERANCE)]
+
+
+def stress_at(travel_m: float, curve: ForceCurve, material: Material) -> float:
+    """Return the largest stress at a travel [Pa]. Raises CallerError for one beyond what the strip stretches to."""
+    stress = curve.stress_at(travel_m)
+    if math.isnan(stress):
+        raise CallerError(too_far(travel_m, curve, material))
+    return stress
 
 
 def too_far(travel_m: float, curve: ForceCurve, material: Material) -> str:

@@ -66,8 +66,13 @@ def draw_part(axes: Axes, made: Pretensioner) -> None:
     axes.set(aspect="equal", xlabel="across the wire [mm]", ylabel="along the wire [mm]", ylim=(-1.5, top + 5.2))
     axes.set_title(part_title(made), loc="left", fontsize=10)
     axes.grid(visible=False)
+    add_stress_bar(axes, shades, made.material.allowable_stress_pa.value)
+
+
+def add_stress_bar(axes: Axes, shades: Any, allowed_pa: float) -> None:
+    """Add the colour bar of the stress below the part."""
     bar = axes.figure.colorbar(shades, ax=axes, location="bottom", shrink=0.75, pad=0.02, aspect=34)
-    bar.set_label(f"von Mises stress [MPa]; {MPA * made.material.allowable_stress_pa.value:g} MPa are allowed")
+    bar.set_label(f"von Mises stress [MPa]; {MPA * allowed_pa:g} MPa are allowed")
     bar.outline.set_visible(False)
 
 

@@ -81,7 +81,7 @@ def gap_difference_pct(runs: Runs) -> float:
 
 def normalised_at(runs: Runs, *, end: str) -> float:
     """Return Eq. 3 at one end of segment B-C."""
-    from musclewire.sensing.curve import normalised_resistance
+    from musclewire.sensing.branch_equations import normalised_resistance
 
     model = runs.model
     return float(normalised_resistance(getattr(model, end), model.resistance_min_ohm, model.resistance_max_ohm))

@@ -1,0 +1,94 @@
+"""Eqs. 3 to 5 as plain functions: normalised resistance, a branch's polynomial, the average of both branches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from typing import overload
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError
+
+__all__ = ["average", "check_resistance_range", "derivative", "evaluate", "normalised_resistance"]
+
+
+@overload
+def normalised_resistance(resistance_ohm: float, resistance_min_ohm: float, resistance_max_ohm: float) -> float: ...
+@overload
+def normalised_resistance(
+    resistance_ohm: FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
+) -> FloatArray: ...
+def normalised_resistance(
+    resistance_ohm: float | FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
+) -> float | FloatArray:
+    """Return the place of a resistance in segment B-C: 0 at C (hot), 1 at B (cold) (Eq. 3).
+
+    Parameters
+    ----------
+    resistance_ohm
+        R [ohm], a number or an array of any shape.
+    resistance_min_ohm
+        R_min, resistance at C [ohm].
+    resistance_max_ohm
+        R_max, resistance at B [ohm].
+
+    Returns
+    -------
+    lambda = (R - R_min) / (R_max - R_min), in the shape of R; values outside [0, 1] are not clipped.
+
+    Raises
+    ------
+    CallerError
+        Unless 0 < R_min < R_max.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 3.
+    """
+    check_resistance_range(resistance_min_ohm, resistance_max_ohm)
+    return (resistance_ohm - resistance_min_ohm) / (resistance_max_ohm - resistance_min_ohm)
+
+
+def check_resistance_range(resistance_min_ohm: float, resistance_max_ohm: float) -> None:
+    """Raise CallerError unless 0 < R_min < R_max and both are finite."""
+    if not 0.0 < resistance_min_ohm < resistance_max_ohm < inf:
+        raise CallerError(
+            f"least resistance {resistance_min_ohm} ohm and most resistance {resistance_max_ohm} ohm: "
+            "both must be positive and finite, the least below the most"
+        )
+
+
+@overload
+def evaluate(coefficients: Sequence[float], normalised_resistance: float) -> float: ...
+@overload
+def evaluate(coefficients: Sequence[float], normalised_resistance: FloatArray) -> FloatArray: ...
+def evaluate(coefficients: Sequence[float], normalised_resistance: float | FloatArray) -> float | FloatArray:
+    """Return the value of a polynomial by Horner's rule (Eq. 4).
+
+    Parameters
+    ----------
+    coefficients
+        Of ascending powers.
+    normalised_resistance
+        lambda, a number or an array of any shape.
+
+    Returns
+    -------
+    The value, of the shape of lambda.
+    """
+    total: float | FloatArray = 0.0 * normalised_resistance
+    for coefficient in reversed(coefficients):
+        total = total * normalised_resistance + coefficient
+    return total
+
+
+def average(heating: Sequence[float], cooling: Sequence[float]) -> tuple[float, ...]:
+    """Coefficients of g_a = (g_h + g_c) / 2 (Lan and Fan 2010, Eq. 5); CallerError on unequal orders."""
+    if len(heating) != len(cooling):
+        raise CallerError(f"heating has {len(heating)} coefficients and cooling {len(cooling)}: fit both alike")
+    return tuple((h + c) / 2.0 for h, c in zip(heating, cooling, strict=True))
+
+
+def derivative(coefficients: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the ascending coefficients of the derivative of a polynomial."""
+    return tuple(power * coefficient for power, coefficient in enumerate(coefficients))[1:]
