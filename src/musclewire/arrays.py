@@ -1,4 +1,4 @@
-"""What an array of numbers is called in annotations, in all rooms; its shape and unit stand in the docstrings."""
+"""What an array of numbers is called in annotations, in all rooms; docstrings state its shape and unit."""
 
 from __future__ import annotations
 
