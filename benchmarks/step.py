@@ -24,7 +24,7 @@ from collections.abc import Callable
 from scipy.integrate import solve_ivp
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.simulate.circuit import advance
+from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state
 from musclewire.wire.state import WireConstants, WireState
 

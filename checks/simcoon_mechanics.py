@@ -23,10 +23,10 @@ try:
 except ImportError:
     sys.exit("simcoon is not installed: `pip install simcoon` beside musclewire, in an environment of its own")
 
-from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
+from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
 from musclewire.simulate.paths import isobaric_path
-from musclewire.wire.balances import total_strain
 from musclewire.wire.state import WireConstants
+from musclewire.wire.step import total_strain
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))
 

@@ -11,8 +11,7 @@ from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_config
 from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
 from musclewire.rigs.nidaq.rig import COLUMNS
 from musclewire.rigs.simulated import SimulatedDevice
-from musclewire.signals.commands import Drive
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import Drive, RawSample
 
 __all__ = ["PCI_6229", "USB_6001", "WiredRig", "card_of"]
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from musclewire.sensing.estimator import EstimatorSetup
 from musclewire.sensing.polynomial import PolynomialEstimator, PolynomialState
-from musclewire.signals.samples import EstimatorStep, Reason, WireSample
+from musclewire.signals.exchange import EstimatorStep, Reason, WireSample
 
 
 class DriftingState(NamedTuple):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from musclewire.experiment.open_loop import slow_sine
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.library import read_published
-from musclewire.physics.resistivity import phase_resistivity_ohm_m
+from musclewire.physics.resistance import phase_resistivity_ohm_m
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 from musclewire.sensing.segments import find_segments
 from musclewire.simulate.paths import DrivenPath, drive_path

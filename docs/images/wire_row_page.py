@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from musclewire.wire.rows import Row
-from musclewire.wire.state import WireConstants, WireState
+from musclewire.wire.state import Row, WireConstants, WireState
 
 HEAD = """# The row of a wire
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from musclewire.rigs.device import Answer, Device
-from musclewire.signals.commands import Command
+from musclewire.signals.exchange import Command
 
 __all__ = ["AlteredDevice"]
 

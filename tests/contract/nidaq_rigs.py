@@ -18,7 +18,7 @@ from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
 from musclewire.rigs.nidaq.output import GuardedOutput
 from musclewire.rigs.nidaq.rig import NiDaqDevice, Silence
 from musclewire.rigs.protocol import Metadata
-from musclewire.signals.commands import Command
+from musclewire.signals.exchange import Command
 
 __all__ = ["NIDAQ_COLD_OHM", "NIDAQ_RIGS", "DeviceAtSeam", "at_seam", "wiring_of"]
 

@@ -12,8 +12,7 @@ from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.kinds import DeviceConfiguration, DeviceKind, device_kinds
 from musclewire.rigs.mounted import MountedWire
 from musclewire.rigs.protocol import Metadata
-from musclewire.signals.commands import Command, drive_voltage_of
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 
 __all__ = ["OUTSIDE_COLD_OHM", "OUTSIDE_RIGS", "RIG_FILE"]
 

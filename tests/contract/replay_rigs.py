@@ -19,8 +19,8 @@ from musclewire.experiment.run import what_protects
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.device import Answer
 from musclewire.rigs.guarded import GuardedRig
+from musclewire.signals.exchange import ELECTRICAL_COLUMNS, RawSample
 from musclewire.signals.recording import Recording
-from musclewire.signals.samples import ELECTRICAL_COLUMNS, RawSample
 
 __all__ = ["REPLAY_COLD_OHM", "REPLAY_RIGS", "replayed"]
 

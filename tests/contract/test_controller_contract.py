@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from musclewire.controllers import CONTROLLERS, Controller, ControllerSetup, DriveLimits
 from musclewire.errors import CallerError, NumericsError
 from musclewire.signals.columns import COLUMNS
-from musclewire.signals.commands import Drive
-from musclewire.signals.samples import QuantityEstimate, Reason
+from musclewire.signals.exchange import Drive, QuantityEstimate, Reason
 
 LIMITS = DriveLimits(0.4, 3.2)
 DT_S = 0.05

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from musclewire.sensing import ESTIMATORS, Estimator, EstimatorSetup, KnownSpring, SensingModel
 from musclewire.sensing.estimator import MAX_DROPOUTS
 from musclewire.sensing.slow_corrections import estimates
-from musclewire.signals.samples import QuantityEstimate, Reason, WireSample
+from musclewire.signals.exchange import QuantityEstimate, Reason, WireSample
 from slow_estimators import drifting
 
 # 4 % at 13.5 ohm, nothing at 17.5 ohm; the branches half a tenth of a percent apart.

@@ -22,7 +22,7 @@ from musclewire.rigs.abilities import stage_of
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.protocol import Rig
-from musclewire.signals.samples import REFERENCE_COLUMNS, RawSample
+from musclewire.signals.exchange import REFERENCE_COLUMNS, RawSample
 
 
 def pulling(*parts: dict[str, str]) -> Callable[[], Rig]:

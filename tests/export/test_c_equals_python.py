@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from musclewire.controllers import infer_surface, load_rule_base
 from musclewire.export.c.exercise import FAULTS, exercise
 from musclewire.export.c.golden import golden_ticks
-from musclewire.physics.circuit import wire_resistance
+from musclewire.physics.resistance import wire_resistance
 
 Libraries = Callable[[str], Exported]
 Loaded = Callable[[str, bool], HostLibrary]

@@ -28,9 +28,8 @@ from musclewire.rigs.serial.configuration import SerialConfiguration
 from musclewire.rigs.serial.frames import Frame, encode_frame
 from musclewire.rigs.serial.messages import MessageKind
 from musclewire.rigs.serial.rig import SerialDevice
-from musclewire.signals.commands import Command, Drive, Target
+from musclewire.signals.exchange import Command, Drive, RawSample, Target
 from musclewire.signals.recording import Recording
-from musclewire.signals.samples import RawSample
 
 __all__ = ["Outcome", "command_run", "judged_s", "mounted", "scripted_run"]
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.doctor import Check, Examination
     from musclewire.experiment.doctor.calibration import ChannelCalibration
     from musclewire.experiment.doctor.probing import OnProbe
-    from musclewire.signals.samples import RawSample
+    from musclewire.signals.exchange import RawSample
 
 __all__ = ["add_doctor_command"]
 

@@ -16,7 +16,7 @@ from typing import Any, Protocol
 from musclewire.controllers.limits import DriveLimits
 from musclewire.errors import CallerError
 from musclewire.registry import Registry
-from musclewire.signals.samples import ControlStep, QuantityEstimate
+from musclewire.signals.exchange import ControlStep, QuantityEstimate
 
 __all__ = ["CONTROLLERS", "PERCENT_STRAIN", "Controller", "ControllerFactory", "ControllerSetup", "settings_of_kind"]
 

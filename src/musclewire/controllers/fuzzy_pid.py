@@ -44,8 +44,7 @@ from musclewire.controllers.limits import DriveLimits
 from musclewire.controllers.rules import DEFAULT_RULE_BASE, RuleBase, load_rule_base
 from musclewire.controllers.schema import StrictModel
 from musclewire.errors import CallerError, NumericsError
-from musclewire.signals.commands import Drive
-from musclewire.signals.samples import ControlStep, QuantityEstimate, Reason
+from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate, Reason
 
 __all__ = [
     "GAIN_COLUMNS",

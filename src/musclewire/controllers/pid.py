@@ -18,8 +18,7 @@ from musclewire.controllers.controller import PERCENT_STRAIN, ControllerSetup, s
 from musclewire.controllers.limits import DriveLimits
 from musclewire.controllers.schema import StrictModel
 from musclewire.errors import CallerError, NumericsError
-from musclewire.signals.commands import Drive
-from musclewire.signals.samples import ControlStep, QuantityEstimate, Reason
+from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate, Reason
 
 __all__ = ["PidController", "PidSettings", "PidState", "pid_controller"]
 

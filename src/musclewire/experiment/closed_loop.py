@@ -32,9 +32,8 @@ from musclewire.sensing.estimator import ESTIMATORS, Estimator, EstimatorFactory
 from musclewire.sensing.known_load import KnownSpring, force_model
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.slow_corrections import CORRECTION_COLUMN, InLine, InThread, SlowCorrections, SlowStatus
-from musclewire.signals.commands import Command, Drive
+from musclewire.signals.exchange import Command, Drive, EstimatorStep, RawSample, WireSample, wire_sample
 from musclewire.signals.recording import MetadataValue
-from musclewire.signals.samples import EstimatorStep, RawSample, WireSample, wire_sample
 
 __all__ = ["SelfSensingPolicy", "check_made_for", "control", "controller_for", "settings_for"]
 

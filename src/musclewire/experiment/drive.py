@@ -10,13 +10,12 @@ from pathlib import Path
 
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.run import Decision, OnSample, Policy, run_on_rig
-from musclewire.physics.circuit import wire_resistance
+from musclewire.physics.resistance import wire_resistance
 from musclewire.rigs.abilities import true_state_of
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.estimator import dropout_failure
-from musclewire.signals.commands import Command, Drive
+from musclewire.signals.exchange import Command, Drive, RawSample
 from musclewire.signals.recording import MetadataValue, Recording
-from musclewire.signals.samples import RawSample
 
 __all__ = ["HeldCurrent", "HeldVoltage", "WithThermometer", "drive_wire"]
 

@@ -16,15 +16,14 @@ from musclewire.errors import CallerError, RigError
 from musclewire.experiment.closings import CLOSING_S, REST_S, GripperKnowledge, closing_waveform, gripper_of
 from musclewire.experiment.open_loop import Waveform
 from musclewire.experiment.run import Decision, RunOptions, run_on_rig
-from musclewire.physics.circuit import wire_resistance
+from musclewire.physics.resistance import wire_resistance
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.branch_equations import evaluate
 from musclewire.sensing.contact import AirMoves, ContactDetector
 from musclewire.sensing.estimator import dropout_failure
 from musclewire.sensing.grip_force import fall_by_cooling
-from musclewire.signals.commands import Command, Drive
+from musclewire.signals.exchange import Command, Drive, RawSample
 from musclewire.signals.recording import MetadataValue, Recording
-from musclewire.signals.samples import RawSample
 
 __all__ = ["GripPolicy", "GripRun", "grip"]
 

@@ -20,8 +20,7 @@ from musclewire.rigs.abilities import on_board_loop_of
 from musclewire.rigs.device import HasOnBoardLoop
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.model import SensingModel
-from musclewire.signals.commands import Command, Target
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import Command, RawSample, Target
 
 __all__ = ["control_on_board"]
 

@@ -10,9 +10,8 @@ from typing import TypedDict
 from musclewire.errors import CallerError
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
 from musclewire.rigs.protocol import Rig
-from musclewire.signals.commands import Command, Drive
+from musclewire.signals.exchange import Command, Drive, RawSample
 from musclewire.signals.recording import Recording
-from musclewire.signals.samples import RawSample
 
 __all__ = ["SlowSine", "Waveform", "WaveformPolicy", "characterize", "slow_sine"]
 

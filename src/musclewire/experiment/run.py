@@ -18,9 +18,8 @@ from musclewire.experiment.recorder import Recorder
 from musclewire.experiment.timing import LoopTiming
 from musclewire.rigs.abilities import exchange_times_of, protection_limits_of
 from musclewire.rigs.protocol import Rig
-from musclewire.signals.commands import Command
+from musclewire.signals.exchange import ELECTRICAL_COLUMNS, REFERENCE_COLUMNS, Command, RawSample
 from musclewire.signals.recording import MetadataValue, Recording
-from musclewire.signals.samples import ELECTRICAL_COLUMNS, REFERENCE_COLUMNS, RawSample
 
 __all__ = ["Decision", "OnSample", "Policy", "RunOptions", "file_in", "refuse_unusable", "run_on_rig"]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, nearest_hint
-from musclewire.physics.circuit import ArrayReading, wire_resistance, wire_resistance_from_current
+from musclewire.physics.resistance import ArrayReading, wire_resistance, wire_resistance_from_current
 from musclewire.signals.electrical import ElectricalSource, require_electrical
 from musclewire.signals.recording import Recording
 

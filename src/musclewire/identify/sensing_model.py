@@ -17,14 +17,14 @@ from musclewire.identify.recordings import (
     resistance_reading,
     without_loop,
 )
-from musclewire.physics.circuit import ArrayReading
+from musclewire.physics.resistance import ArrayReading
 from musclewire.sensing.estimator import ESTIMATORS, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.polynomial import AMBIGUOUS_ABOVE, SegmentTracker
 from musclewire.sensing.slow_corrections import estimates
+from musclewire.signals.exchange import WireSample
 from musclewire.signals.recording import Recording
-from musclewire.signals.samples import WireSample
 
 __all__ = ["EstimateReport", "estimate", "fit"]
 

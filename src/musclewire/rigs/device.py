@@ -11,8 +11,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 from musclewire.controllers.protection import Event, ProtectionLimits
 from musclewire.rigs.protocol import Metadata
-from musclewire.signals.commands import Command
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import Command, RawSample
 
 __all__ = [
     "SWITCHED_OFF",
@@ -46,7 +45,7 @@ class DeviceFacts:
     limits
         What the protection is held against; sense voltage, maximum voltage and shunt are among them.
     reference_columns
-        Names of the reference instruments, of ``musclewire.signals.samples.REFERENCE_COLUMNS``.
+        Names of the reference instruments, of ``musclewire.signals.exchange.REFERENCE_COLUMNS``.
     """
 
     sample_period_s: float

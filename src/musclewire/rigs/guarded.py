@@ -25,8 +25,7 @@ from musclewire.controllers.protection import (
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.rigs.device import Device, HasOnBoardLoop, Missing
 from musclewire.rigs.protocol import Metadata
-from musclewire.signals.commands import Command, Drive, Target, as_command, drive_voltage_of
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import Command, Drive, RawSample, Target, as_command, drive_voltage_of
 
 __all__ = ["GuardedRig", "ProtectionTripError"]
 
@@ -166,8 +165,8 @@ class GuardedRig:
         Parameters
         ----------
         command
-            A drive voltage [V], as a :class:`~musclewire.signals.commands.Drive` or a bare number, or a
-            :class:`~musclewire.signals.commands.Target` for a device with a closed loop of its own.
+            A drive voltage [V], as a :class:`~musclewire.signals.exchange.Drive` or a bare number, or a
+            :class:`~musclewire.signals.exchange.Target` for a device with a closed loop of its own.
 
         Returns
         -------

@@ -5,8 +5,7 @@ from __future__ import annotations
 from types import TracebackType
 from typing import Protocol, Self
 
-from musclewire.signals.commands import Command
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import Command, RawSample
 
 __all__ = ["Metadata", "Rig"]
 
@@ -75,8 +74,8 @@ class Rig(Protocol):
         Parameters
         ----------
         command
-            A drive voltage [V], as a :class:`~musclewire.signals.commands.Drive` or a bare number, or a
-            :class:`~musclewire.signals.commands.Target` for a device with a closed loop of its own.
+            A drive voltage [V], as a :class:`~musclewire.signals.exchange.Drive` or a bare number, or a
+            :class:`~musclewire.signals.exchange.Target` for a device with a closed loop of its own.
 
         Returns
         -------

@@ -16,10 +16,9 @@ from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts
 from musclewire.rigs.kinds import DeviceConfiguration, DeviceKind
 from musclewire.rigs.mounted import LimitsTable, Metres, MountedWire, Newtons, Ohms, Volts
 from musclewire.rigs.protocol import Metadata
-from musclewire.signals.commands import Command, Drive, drive_voltage_of
+from musclewire.signals.exchange import REFERENCE_COLUMNS, Command, Drive, RawSample, drive_voltage_of
 from musclewire.signals.reading import read_hdf5, read_recording
 from musclewire.signals.recording import Recording
-from musclewire.signals.samples import REFERENCE_COLUMNS, RawSample
 
 __all__ = ["REPLAY", "ReplayConfiguration", "ReplayDevice"]
 

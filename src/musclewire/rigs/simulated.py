@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.parameters.schema import Alloy, Bench, Wire
-from musclewire.physics.circuit import series_resistance_ohm
 from musclewire.physics.heat import convection_range_note
+from musclewire.physics.resistance import series_resistance_ohm
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Missing
 from musclewire.rigs.device import Fault as DeviceFault
 from musclewire.rigs.faults import Fault, Faults
@@ -19,10 +19,9 @@ from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.pacing import Pacer
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_building import force_limit_n, simulated_limits, wires_of
-from musclewire.rigs.simulated_wires import Means
 from musclewire.rigs.surroundings import Surroundings, Weather
-from musclewire.signals.commands import Command, drive_voltage_of
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
+from musclewire.simulate.wires import Means
 from musclewire.wire.loads import spring_load
 from musclewire.wire.state import WireState
 

@@ -14,8 +14,8 @@ from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.rigs.limits import Circuit, limits_of
 from musclewire.rigs.load_part import LoadPart, Obstacle, Pull, SecondWire, Supply
 from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, Mechanism, Tendon
-from musclewire.rigs.simulated_wires import OneWire, SimulatedWires, TwoWires
 from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
+from musclewire.simulate.wires import OneWire, SimulatedWires, TwoWires
 from musclewire.wire.building import constants_from
 from musclewire.wire.loads import Load, spring_load
 from musclewire.wire.state import WireConstants

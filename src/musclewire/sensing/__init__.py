@@ -7,7 +7,7 @@ clock, a rig or the simulator.
 
 from __future__ import annotations
 
-from musclewire.physics.circuit import (
+from musclewire.physics.resistance import (
     ArrayReading,
     ResistanceReading,
     wire_resistance,

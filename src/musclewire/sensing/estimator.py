@@ -18,7 +18,7 @@ from typing import Any, Protocol
 from musclewire.registry import Registry
 from musclewire.sensing.fit_report import FittedCurve
 from musclewire.sensing.known_load import KnownSpring
-from musclewire.signals.samples import EstimatorStep, RawSample, WireSample
+from musclewire.signals.exchange import EstimatorStep, RawSample, WireSample
 
 __all__ = [
     "ESTIMATORS",

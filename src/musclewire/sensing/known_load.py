@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from musclewire.errors import CallerError
-from musclewire.physics.mechanics import friction_force_n
+from musclewire.physics.material import friction_force_n
 from musclewire.sensing.model import SensingModel
 
 __all__ = ["TURNING_M", "KnownSpring", "force_model"]

@@ -18,11 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
-from musclewire.physics.circuit import ResistanceReading, wire_resistance
+from musclewire.physics.resistance import ResistanceReading, wire_resistance
 from musclewire.sensing.curve import Estimate, ResistanceCurve
 from musclewire.sensing.estimator import MAX_DROPOUTS, EstimatorSetup, dropout_failure
 from musclewire.sensing.known_load import KnownSpring
-from musclewire.signals.samples import EstimatorStep, QuantityEstimate, Reason, WireSample
+from musclewire.signals.exchange import EstimatorStep, QuantityEstimate, Reason, WireSample
 
 __all__ = [
     "AMBIGUOUS_ABOVE",

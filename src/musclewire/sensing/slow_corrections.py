@@ -18,8 +18,8 @@ from typing import Any, NamedTuple, Protocol
 
 from musclewire.errors import CallerError
 from musclewire.sensing.estimator import Estimator, SlowPart
+from musclewire.signals.exchange import QuantityEstimate, WireSample
 from musclewire.signals.recording import MetadataValue
-from musclewire.signals.samples import QuantityEstimate, WireSample
 
 __all__ = ["CORRECTION_COLUMN", "Correction", "InLine", "InThread", "SlowCorrections", "SlowStatus", "estimates"]
 

@@ -13,9 +13,17 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.wire.balances import compliance_per_pa, contraction_at_stress, load_beyond_spring
 from musclewire.wire.state import Rows, RunningWire, WireConstants, WireState
-from musclewire.wire.step import find_equilibrium, heat, resistance_ahead_ohm, running, settle_at
+from musclewire.wire.step import (
+    compliance_per_pa,
+    contraction_at_stress,
+    find_equilibrium,
+    heat,
+    load_beyond_spring,
+    resistance_ahead_ohm,
+    running,
+    settle_at,
+)
 
 __all__ = ["APART", "OWN_SUPPLY", "PARALLEL", "SERIES", "Grip", "Pair", "PairMeans", "advance_pair", "no_grip"]
 

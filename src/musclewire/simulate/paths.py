@@ -12,11 +12,10 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.errors import CallerError
-from musclewire.simulate.circuit import advance_rows
-from musclewire.wire.balances import resistance_of, total_strain
+from musclewire.simulate.wires import advance_rows
 from musclewire.wire.building import cooled_wire, resting_state
 from musclewire.wire.state import Rows, WireConstants, WireState
-from musclewire.wire.step import resistance_ahead_ohm
+from musclewire.wire.step import resistance_ahead_ohm, resistance_of, total_strain
 from musclewire.wire.switching import follow, phase_fractions
 
 __all__ = ["DrivenPath", "IsobaricPath", "drive_path", "isobaric_path"]

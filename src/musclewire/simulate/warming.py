@@ -7,7 +7,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.errors import CallerError
-from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
+from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
 from musclewire.wire.building import resting_state
 from musclewire.wire.state import Rows, WireConstants, WireState
 from musclewire.wire.step import find_equilibrium, running

@@ -12,11 +12,11 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
-from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
-from musclewire.wire.balances import resistance_of, total_strain
+from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
 from musclewire.wire.grains import spread_grains
 from musclewire.wire.loads import Load, spring_load
 from musclewire.wire.state import CONVECTION_POINTS, WireConstants, WireState
+from musclewire.wire.step import resistance_of, total_strain
 from musclewire.wire.switching import cool_from_hot
 
 __all__ = ["constants_from", "constants_of", "cooled_wire", "resting_state", "with_pretension"]

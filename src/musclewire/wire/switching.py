@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.physics.transformation import advantage_k, cooled_grain, heated_grain
+from musclewire.physics.material import advantage_k, cooled_grain, heated_grain
 from musclewire.wire.state import Rows, WireConstants, WireState
 
 __all__ = [

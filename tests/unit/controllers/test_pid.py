@@ -17,7 +17,7 @@ from musclewire.controllers import (
 )
 from musclewire.controllers.pid import pid_controller
 from musclewire.errors import CallerError
-from musclewire.signals.samples import QuantityEstimate, Reason
+from musclewire.signals.exchange import QuantityEstimate, Reason
 
 LIMITS = DriveLimits(0.4, 3.2)
 PLAIN = PidController(PidSettings(), LIMITS)

@@ -9,7 +9,7 @@ from typing import Self
 from musclewire.rigs.protocol import Metadata
 from musclewire.sensing import SensingModel
 from musclewire.signals import RawSample
-from musclewire.signals.commands import Command, as_command, drive_voltage_of
+from musclewire.signals.exchange import Command, as_command, drive_voltage_of
 
 LENGTH_M = 0.07
 

@@ -16,7 +16,7 @@ from musclewire.errors import CallerError
 from musclewire.experiment.doctor import Examination, examine
 from musclewire.rigs.abilities import true_state_of
 from musclewire.rigs.device import Answer
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import RawSample
 
 Altered = Callable[[RawSample, int], RawSample]
 SHUNT_OHM = 1.0

@@ -17,7 +17,7 @@ from musclewire.identify.catalogue_check import run_catalogue_test
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.rigs.configuration import open_rig
 from musclewire.signals import RawSample
-from musclewire.signals.commands import Drive
+from musclewire.signals.exchange import Drive
 from musclewire.signals.recording import Recording
 
 

@@ -95,7 +95,7 @@ def test_the_same_seed_grips_the_same_to_the_bit(knowledge: GripperKnowledge) ->
 
 
 def test_nothing_that_decides_reads_the_instruments(knowledge: GripperKnowledge) -> None:
-    from musclewire.signals.samples import REFERENCE_COLUMNS, RawSample
+    from musclewire.signals.exchange import REFERENCE_COLUMNS, RawSample
 
     class Blind:
         """The rig without its instruments."""

@@ -16,8 +16,7 @@ from musclewire.app.main import app
 from musclewire.controllers import CONTROLLERS, ControllerSetup, DriveLimits, staircase
 from musclewire.errors import CallerError
 from musclewire.sensing import ESTIMATORS
-from musclewire.signals.commands import Drive
-from musclewire.signals.samples import ControlStep, QuantityEstimate, Reason
+from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate, Reason
 from slow_estimators import drifting
 
 

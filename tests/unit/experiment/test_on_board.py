@@ -13,8 +13,7 @@ from musclewire.experiment.run import Decision, run_on_rig
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.serial.frames import Frame
 from musclewire.rigs.serial.messages import MessageKind
-from musclewire.signals.commands import Command, Target
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import Command, RawSample, Target
 
 
 class OneTarget:

@@ -18,8 +18,7 @@ from musclewire.experiment.closed_loop import control
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing import PolynomialEstimator
 from musclewire.sensing.slow_corrections import InLine, InThread, SlowCorrections, SlowStatus
-from musclewire.signals.commands import Command
-from musclewire.signals.samples import RawSample, WireSample
+from musclewire.signals.exchange import Command, RawSample, WireSample
 from slow_estimators import DriftingState, MeanPower, drifting
 
 SHORT = staircase(hold_s=0.3)

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.physics.transformation import advantage_k, cooled_grain, fraction_beyond, heated_grain
+from musclewire.physics.material import advantage_k, cooled_grain, fraction_beyond, heated_grain
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=300)
 SHARES = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)).map(lambda s: (s[0], (1.0 - s[0]) * s[1]))

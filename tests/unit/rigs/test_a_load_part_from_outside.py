@@ -17,7 +17,7 @@ from musclewire.rigs.configuration import open_rig, read_rig_file
 from musclewire.rigs.load_kinds import load_parts
 from musclewire.rigs.load_part import FloatArray, Length, LoadPart, Stiffness
 from musclewire.rigs.protocol import Metadata
-from musclewire.signals.commands import Drive
+from musclewire.signals.exchange import Drive
 
 HEAD = '[[load]]\npart = "pretensioner"\nstiffness = "386.2 N/m"\n'
 RUBBER = HEAD + '[[load]]\npart = "rubber band"\nstiffness = "800 N/m"\nreach = "3 mm"\n'

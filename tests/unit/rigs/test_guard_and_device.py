@@ -21,8 +21,7 @@ from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Fault, Missing
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs.protocol import Metadata
-from musclewire.signals.commands import Command, Drive, Target
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import Command, Drive, RawSample, Target
 
 LIMITS = open_rig("simulated").protection_limits
 SENSE_V = LIMITS.sense_voltage_v

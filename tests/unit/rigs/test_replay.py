@@ -16,8 +16,8 @@ from musclewire.experiment.open_loop import WaveformPolicy
 from musclewire.experiment.run import run_on_rig
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs.replay import ReplayDevice
+from musclewire.signals.exchange import RawSample
 from musclewire.signals.recording import Recording
-from musclewire.signals.samples import RawSample
 
 Replay = Callable[..., GuardedRig]
 TARGETS = (0.010, 0.020, 0.005)

@@ -11,7 +11,7 @@ from musclewire.errors import CallerError, RigError
 from musclewire.rigs.abilities import stage_of, true_state_of
 from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_names
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import RawSample
 
 PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
 FINGER = {"part": "finger", "finger": "lan-fan-2010"}

@@ -9,7 +9,7 @@ from musclewire.errors import CallerError
 from musclewire.rigs.abilities import stage_of, true_state_of
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import RawSample
 
 DRIVE_V = [0.3, 1.0, 3.0, 3.2, 2.0, 0.3]
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from musclewire.rigs.abilities import true_state_of
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.surroundings import Air, Surroundings, Weather
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import RawSample
 
 DT_S = 0.05
 DRIVE_V = [0.3, 1.0, 3.0, 3.2, 2.0, 0.3]

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from wire_makers import ALLOYS, constants, run, slow_sine_v
 
-from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
-from musclewire.simulate.circuit import advance
+from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
+from musclewire.simulate.wires import advance
 from musclewire.wire.building import resting_state, with_pretension
 from musclewire.wire.state import WireConstants, WireState
 

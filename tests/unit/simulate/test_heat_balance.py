@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from wire_makers import constants
 
-from musclewire.simulate.circuit import advance
+from musclewire.simulate.wires import advance
 from musclewire.wire.building import resting_state
 from musclewire.wire.state import WireConstants, WireState
 

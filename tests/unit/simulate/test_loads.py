@@ -14,11 +14,11 @@ from wire_makers import Array, constants, run, slow_sine_v
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.published_ranges import published_ranges
-from musclewire.simulate.circuit import advance
-from musclewire.wire.balances import friction_limit_n, load_beyond_spring
+from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state
 from musclewire.wire.loads import Load, spring_load, with_table
 from musclewire.wire.state import WireConstants, WireState
+from musclewire.wire.step import friction_limit_n, load_beyond_spring
 
 REACH_M = 7e-3
 SMOOTH = {"guide_friction_n": 0.0}

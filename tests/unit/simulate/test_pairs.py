@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from wire_makers import Array, alloy, bench, changed, constants, slow_sine_v, wire_100um
 
-from musclewire.simulate.circuit import advance
 from musclewire.simulate.pairs import (
     APART,
     OWN_SUPPLY,
@@ -22,6 +21,7 @@ from musclewire.simulate.pairs import (
     advance_pair,
     no_grip,
 )
+from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state, with_pretension
 from musclewire.wire.loads import Load, spring_load, with_table
 from musclewire.wire.state import WireConstants, WireState

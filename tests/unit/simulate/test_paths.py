@@ -9,8 +9,8 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.simulate.circuit import advance
 from musclewire.simulate.paths import drive_path, isobaric_path
+from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state
 
 CONSTANTS = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))

@@ -7,7 +7,7 @@ import pytest
 from wire_makers import constants
 
 from musclewire.errors import CallerError
-from musclewire.physics.resistivity import REFERENCE_TEMPERATURE_K
+from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
 from musclewire.simulate.paths import drive_path, isobaric_path
 from musclewire.simulate.warming import heated_state
 

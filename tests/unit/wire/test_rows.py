@@ -12,10 +12,9 @@ import pytest
 from wire_makers import constants, slow_sine_v
 
 from musclewire.errors import CallerError
-from musclewire.simulate.circuit import advance
+from musclewire.simulate.wires import advance
 from musclewire.wire.building import resting_state
-from musclewire.wire.rows import GRAINS, field
-from musclewire.wire.state import WireConstants, WireState
+from musclewire.wire.state import GRAINS, WireConstants, WireState, field
 
 WIRE = constants()
 
@@ -101,7 +100,7 @@ import signal
 import time
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.simulate.circuit import advance
+from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state
 
 wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
@@ -122,7 +121,7 @@ after, means = advance(state, wire, 2.0, 1e-3, 20)
 assert caught > 1000, caught
 assert state.row.tobytes() == before
 assert after.row.tobytes() == wanted[0].row.tobytes() and means == wanted[1]
-print(sum(__import__("musclewire.simulate.circuit").simulate.circuit.advance_rows.stats.cache_misses.values()))
+print(sum(__import__("musclewire.simulate.wires").simulate.wires.advance_rows.stats.cache_misses.values()))
 """
 
 
@@ -136,7 +135,7 @@ def test_signals_during_a_call_harm_neither_process_nor_state_and_another_proces
 
 WITHOUT_COMPILATION = """
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.simulate.circuit import advance
+from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state
 
 wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
-from musclewire.simulate.circuit import WireMeans, advance
+from musclewire.simulate.wires import WireMeans, advance
 from musclewire.wire import switching
 from musclewire.wire.building import constants_from
 from musclewire.wire.loads import Load

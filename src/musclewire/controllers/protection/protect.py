@@ -21,7 +21,7 @@ from musclewire.controllers.protection.table import (
     State,
     protection_table,
 )
-from musclewire.physics.circuit import series_resistance_ohm
+from musclewire.physics.resistance import series_resistance_ohm
 
 __all__ = [
     "CONDITION_EVENTS",

@@ -14,7 +14,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RigError
 from musclewire.rigs.protocol import Rig
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import RawSample
 
 __all__ = ["LOW_SHARES", "Level", "OnProbe", "Probe", "samples_of"]
 

@@ -19,7 +19,7 @@ from musclewire.controllers.protection import Event, ProtectionLimits, protectio
 from musclewire.controllers.protection import protect as protection_rules
 from musclewire.controllers.protection.table import Drive
 from musclewire.errors import CallerError
-from musclewire.physics.circuit import wire_resistance
+from musclewire.physics.resistance import wire_resistance
 from musclewire.sensing.curve import MARGIN
 from musclewire.sensing.model import SensingModel
 

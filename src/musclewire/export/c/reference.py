@@ -25,8 +25,7 @@ from musclewire.controllers.protection import (
 )
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.polynomial import PolynomialEstimator
-from musclewire.signals.commands import drive_voltage_of
-from musclewire.signals.samples import QuantityEstimate, Reason
+from musclewire.signals.exchange import QuantityEstimate, Reason, drive_voltage_of
 
 __all__ = ["Outcome", "ReferenceTick"]
 

@@ -19,8 +19,7 @@ from musclewire.rigs.nidaq.faults import STALLED, DaqFaultError
 from musclewire.rigs.nidaq.guardian import GuardianOrders
 from musclewire.rigs.nidaq.output import GuardedOutput, GuardianLostError, HostStalledError
 from musclewire.rigs.protocol import Metadata
-from musclewire.signals.commands import Command, drive_voltage_of
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 
 __all__ = ["NIDAQ", "NiDaqDevice", "Silence"]
 

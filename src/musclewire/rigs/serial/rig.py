@@ -28,8 +28,7 @@ from musclewire.rigs.serial.messages import (
     MessageKind,
     payload_of,
 )
-from musclewire.signals.commands import Command, Target
-from musclewire.signals.samples import RawSample
+from musclewire.signals.exchange import Command, RawSample, Target
 
 __all__ = ["SERIAL", "SerialDevice"]
 

@@ -15,7 +15,7 @@ from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs.serial.device import Board, LinkStormError
 from musclewire.rigs.serial.frames import Frame, encode_frame, stuff
 from musclewire.rigs.serial.messages import MessageKind
-from musclewire.signals.commands import Target
+from musclewire.signals.exchange import Target
 
 
 def trip_of(rig: GuardedRig, drive_v: float = 1.0) -> Event:
