@@ -17,7 +17,7 @@ import pytest
 
 import musclewire as mw
 from musclewire.app.calibrate_command import read_one
-from musclewire.app.recording_options import Reading
+from musclewire.app.recording_options import ReadingOptions
 from musclewire.identify.isobars import simulated_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.wire_file import read_wire_file
@@ -125,7 +125,7 @@ def test_zero_and_invert_make_a_wrong_way_round_sensor_right(loop: Path, tmp_pat
     measured = mw.read_recording(loop)
     first = measured["displacement_m"][0]
     measured.with_columns(displacement_m=2e-3 - measured["displacement_m"]).save(tmp_path / "mine.csv")
-    turned = read_one(str(tmp_path / "mine.csv"), Reading(zero=True, invert=True))
+    turned = read_one(str(tmp_path / "mine.csv"), ReadingOptions(zero=True, invert=True))
     assert turned["displacement_m"] == pytest.approx(measured["displacement_m"] - first, abs=1e-12)
     assert np.array_equal(turned["force_n"], measured["force_n"])
 

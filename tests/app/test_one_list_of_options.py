@@ -144,10 +144,10 @@ def test_a_period_outside_what_is_allowed_is_wrong_input(musclewire: Callable[..
     assert (answer.code, answer.err) == (2, "musclewire: --period: 0.1 s is outside 1 to 86400 s\n")
 
 
-def test_a_design_reads_its_question_from_a_file_and_the_command_line_takes_precedence(
+def test_a_design_reads_its_options_from_a_file_and_the_command_line_takes_precedence(
     musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:
-    file = tmp_path / "question.toml"
+    file = tmp_path / "options.toml"
     file.write_text('stiffness = "386.2 N/m"\npretension = "0.71 N"\n', "utf-8")
     by_file = musclewire("design", "pretensioner", file, "--json")
     by_options = musclewire("design", "pretensioner", "--stiffness", "386.2 N/m", "--pretension", "0.71 N", "--json")
@@ -168,10 +168,8 @@ def test_a_design_reads_its_question_from_a_file_and_the_command_line_takes_prec
         ('stiffness = "5"', "--stiffness: '5' has no unit"),
     ],
 )
-def test_a_wrong_question_file_is_one_line(
-    text: str, said: str, musclewire: Callable[..., Any], tmp_path: Path
-) -> None:
-    file = tmp_path / "question.toml"
+def test_a_wrong_options_file_is_one_line(text: str, said: str, musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    file = tmp_path / "options.toml"
     file.write_text(text + "\n", "utf-8")
     answer = musclewire("design", "finger", file)
     assert (answer.code, answer.out) == (2, "")

@@ -28,7 +28,7 @@ from musclewire.app.options import (
     mapping,
 )
 from musclewire.app.output import emit_json, say, show, step_bar
-from musclewire.app.recording_options import Reading
+from musclewire.app.recording_options import ReadingOptions
 from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
 
@@ -50,7 +50,7 @@ def add_calibrate_command(app: typer.Typer) -> None:
 
 
 @dataclass(frozen=True)
-class Known:
+class StartOptions:
     """What is known before: the wire to start from, the priors, and numbers of the bench."""
 
     wire: Annotated[str, WIRE] = "paper-100um"
@@ -59,7 +59,7 @@ class Known:
 
 
 @dataclass(frozen=True)
-class Search:
+class SearchOptions:
     """How long and from where the search goes."""
 
     seed: Annotated[int, SEED] = 1
@@ -81,9 +81,9 @@ def calibrate(
     recordings: Annotated[
         list[str], typer.Argument(metavar="RECORDING...", help="Loops and steps with a drive, isobars, cooling curves.")
     ],
-    reading: Reading,
-    known: Known,
-    search: Search,
+    reading: ReadingOptions,
+    known: StartOptions,
+    search: SearchOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     report: Annotated[Path | None, REPORT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
@@ -143,7 +143,7 @@ def distinct(names: list[str]) -> list[str]:
     return names
 
 
-def read_one(name: str, reading: Reading) -> Recording:
+def read_one(name: str, reading: ReadingOptions) -> Recording:
     """Return a recording with its columns mapped as far as the mapping applies to it, and its strain as requested.
 
     ``zero`` leaves force as it is, because the load on the wire counts, and isobars, which have one zero of strain.

@@ -30,7 +30,7 @@ from musclewire.app.options import (
     in_si,
 )
 from musclewire.app.output import emit_json, progress_bar, say, show, warn
-from musclewire.app.rig_options import Timing
+from musclewire.app.rig_options import TimingOptions
 from musclewire.app.stopping import stops_between_samples
 from musclewire.errors import CallerError, nearest_hint
 
@@ -58,7 +58,7 @@ def add_control_command(app: typer.Typer) -> None:
 
 
 @dataclass(frozen=True)
-class Loop:
+class LoopOptions:
     """What is controlled, along which reference, by which estimator and controller, and where the loop is closed."""
 
     quantity: Annotated[str, QUANTITY] = "strain"
@@ -74,8 +74,8 @@ class Loop:
 def control(
     rig: RigName,
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
-    loop: Loop,
-    timing: Timing,
+    loop: LoopOptions,
+    timing: TimingOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
@@ -139,7 +139,7 @@ def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> d
 
 
 def loop_of(
-    model: SensingModel, settings: FuzzyPidSettings | None, load: KnownSpring | None, loop: Loop
+    model: SensingModel, settings: FuzzyPidSettings | None, load: KnownSpring | None, loop: LoopOptions
 ) -> Callable[..., ControlRun]:
     """Return what runs the closed loop: on the host, or on the board that was built for this model and controller.
 
@@ -164,7 +164,7 @@ def loop_of(
     return partial(control_on_board, checksum=loop_checksum(model, settings_for(model, settings)))
 
 
-def settings_of(loop: Loop) -> FuzzyPidSettings | None:
+def settings_of(loop: LoopOptions) -> FuzzyPidSettings | None:
     """Return the settings of the fuzzy-tuned PID, None for another controller, whose own are its defaults.
 
     Raises CallerError for an unknown estimator or controller, and for rules without the controller they belong to.

@@ -29,7 +29,7 @@ def add_doctor_command(app: typer.Typer) -> None:
 
 
 @dataclass(frozen=True)
-class Measurement:
+class MeterOptions:
     """How long the sense voltage is held, and what a meter reads meanwhile."""
 
     hold: Annotated[str, HOLD] = "5 s"
@@ -39,7 +39,7 @@ class Measurement:
 
 def doctor(
     rig: RigName,
-    measurement: Measurement,
+    measurement: MeterOptions,
     write: Annotated[bool, WRITE] = False,
     seed: Annotated[int | None, SEED] = None,
     real_time: Annotated[bool, REAL_TIME] = False,
@@ -67,7 +67,7 @@ def doctor(
         raise typer.Exit(1)
 
 
-def examined(rig: str, measurement: Measurement, seed: int | None, real_time: bool, *, quiet: bool) -> Examination:
+def examined(rig: str, measurement: MeterOptions, seed: int | None, real_time: bool, *, quiet: bool) -> Examination:
     """Return what the examination of a rig found."""
     from musclewire.experiment.doctor import examine
     from musclewire.experiment.doctor.examine import examination_s

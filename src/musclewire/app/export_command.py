@@ -35,7 +35,7 @@ def add_export_commands(app: typer.Typer) -> None:
 
 
 @dataclass(frozen=True)
-class Controller:
+class ControllerOptions:
     """Settings of the controller that differ from its defaults."""
 
     settings: Annotated[Path | None, SETTINGS] = None
@@ -45,7 +45,7 @@ class Controller:
 def export_c(
     model: Annotated[Path, typer.Argument(help="Model file, as 'musclewire fit' writes it.")],
     output: Annotated[Path, OUTPUT],
-    controller: Controller,
+    controller: ControllerOptions,
     rig: Annotated[str, RIG] = "simulated",
     double: Annotated[bool, DOUBLE] = False,
     name: Annotated[str, NAME] = "musclewire_wire",

@@ -45,7 +45,7 @@ def add_grip_command(app: typer.Typer) -> None:
 
 
 @dataclass(frozen=True)
-class Goal:
+class GripOptions:
     """The force to hold, and what is known of the object."""
 
     target: Annotated[str, TARGET] = "0.3 N"
@@ -91,7 +91,7 @@ class ObjectOptions:
 
 def grip(
     block: ObjectOptions,
-    goal: Goal,
+    goal: GripOptions,
     rig: Annotated[
         str, typer.Argument(metavar="[RIG]", help="'gripper', or a TOML rig file with a finger and a contact.")
     ] = "gripper",

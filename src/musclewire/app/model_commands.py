@@ -11,7 +11,7 @@ from musclewire.app.commands import add_command
 from musclewire.app.files import require_figure_file, require_free, require_model_file, save_figure
 from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, PLOT, QUANTITY, Json, mapping
 from musclewire.app.output import emit_json, show
-from musclewire.app.recording_options import Reading
+from musclewire.app.recording_options import ReadingOptions
 from musclewire.errors import CallerError
 
 __all__ = ["add_model_commands"]
@@ -31,7 +31,7 @@ def add_model_commands(app: typer.Typer) -> None:
 
 def import_recordings(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recordings of other programs.")],
-    reading: Reading,
+    reading: ReadingOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
@@ -56,7 +56,7 @@ def import_recordings(
 
 def fit(
     recording: RecordingPath,
-    reading: Reading,
+    reading: ReadingOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     order: Annotated[str, ORDER] = "6",
     quantity: Annotated[str, QUANTITY] = "strain",
@@ -91,7 +91,7 @@ def fit(
 def estimate(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
     recording: RecordingPath,
-    reading: Reading,
+    reading: ReadingOptions,
     estimator: Annotated[str, ESTIMATOR] = "polynomial",
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,

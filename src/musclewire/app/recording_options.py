@@ -11,13 +11,13 @@ from musclewire.app.options import COLUMN, INVERT, LEG_LENGTH, SHUNT, ZERO, in_s
 if TYPE_CHECKING:
     from musclewire.signals.recording import MetadataValue, Recording
 
-__all__ = ["Reading"]
+__all__ = ["ReadingOptions"]
 
 PUBLISHED = ("lan-fan-2010-table-2",)
 
 
 @dataclass(frozen=True)
-class Reading:
+class ReadingOptions:
     """How a recording is read."""
 
     column: Annotated[list[str] | None, COLUMN] = None

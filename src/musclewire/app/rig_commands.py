@@ -28,7 +28,7 @@ from musclewire.app.options import (
     in_si,
 )
 from musclewire.app.output import emit_json, progress_bar, say, show, warn
-from musclewire.app.rig_options import SlowSine, Timing
+from musclewire.app.rig_options import SlowSineOptions, TimingOptions
 from musclewire.app.stopping import stop_if_asked, stops_between_samples
 from musclewire.errors import RecordingError
 
@@ -99,8 +99,8 @@ def demo_json(result: DemoResult) -> dict[str, Any]:
 def characterize(
     rig: RigName,
     output: Annotated[Path, OUTPUT],
-    sine: SlowSine,
-    timing: Timing,
+    sine: SlowSineOptions,
+    timing: TimingOptions,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
@@ -172,7 +172,7 @@ def loop_text(answer: Mapping[str, Any]) -> str:
 
 def pretension(
     rig: RigName,
-    sine: SlowSine,
+    sine: SlowSineOptions,
     at: Annotated[list[str] | None, AT] = None,
     quantity: Annotated[str, QUANTITY] = "strain",
     output: Annotated[Path | None, OUTPUT] = None,

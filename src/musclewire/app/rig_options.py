@@ -12,11 +12,11 @@ from musclewire.errors import CallerError
 if TYPE_CHECKING:
     from musclewire.rigs.guarded import GuardedRig
 
-__all__ = ["SlowSine", "Timing"]
+__all__ = ["SlowSineOptions", "TimingOptions"]
 
 
 @dataclass(frozen=True)
-class SlowSine:
+class SlowSineOptions:
     """The slow sine and how often it is repeated."""
 
     amplitude: Annotated[str | None, AMPLITUDE] = None
@@ -35,7 +35,7 @@ class SlowSine:
 
 
 @dataclass(frozen=True)
-class Timing:
+class TimingOptions:
     """How a loop keeps its time."""
 
     real_time: Annotated[bool, REAL_TIME] = False

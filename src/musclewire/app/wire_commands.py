@@ -49,7 +49,7 @@ def add_wire_commands(app: typer.Typer) -> None:
 
 
 @dataclass(frozen=True)
-class Drive:
+class DriveOptions:
     """How the wire is heated, and for how long."""
 
     supply: Annotated[str | None, SUPPLY] = None
@@ -60,7 +60,7 @@ class Drive:
 
 
 @dataclass(frozen=True)
-class Mounting:
+class MountingOptions:
     """How long the wire is, what it pulls, and in which air."""
 
     wire_length: Annotated[str, WIRE_LENGTH] = "140 mm"
@@ -70,7 +70,7 @@ class Mounting:
     ambient: Annotated[str, AMBIENT] = "22 degC"
 
 
-def request_of(wire: str, drive: Drive, mounting: Mounting, seed: int) -> SupplyRequest:
+def request_of(wire: str, drive: DriveOptions, mounting: MountingOptions, seed: int) -> SupplyRequest:
     """Return the request that the options describe, in SI."""
     from musclewire.experiment.supply_sizing import SupplyRequest
 
@@ -91,8 +91,8 @@ def request_of(wire: str, drive: Drive, mounting: Mounting, seed: int) -> Supply
 
 
 def simulate(
-    drive: Drive,
-    mounting: Mounting,
+    drive: DriveOptions,
+    mounting: MountingOptions,
     wire: Annotated[str, WIRE] = "flexinol-0.10-ht",
     output: Annotated[Path | None, OUTPUT] = None,
     plot: Annotated[Path | None, PLOT] = None,
@@ -131,7 +131,7 @@ def simulate(
         raise typer.Exit(1)
 
 
-def refuse_with_table(drive: Drive, mounting: Mounting, output: Path | None, plot: Path | None) -> None:
+def refuse_with_table(drive: DriveOptions, mounting: MountingOptions, output: Path | None, plot: Path | None) -> None:
     """Raise CallerError for options that a table of all wires has no use for."""
     given = {
         "--supply": drive.supply,
@@ -147,7 +147,7 @@ def refuse_with_table(drive: Drive, mounting: Mounting, output: Path | None, plo
             raise CallerError(f"{name} is for one wire: with --table give --wire-length, --stress and --ambient only")
 
 
-def show_table(mounting: Mounting, json: bool) -> None:
+def show_table(mounting: MountingOptions, json: bool) -> None:
     """Print what every wire of the catalogue needs at a length."""
     from musclewire.app.wire_table_text import table_json, table_text
     from musclewire.identify.catalogue_check import PULL_STRESS_PA

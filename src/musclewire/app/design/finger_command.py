@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from musclewire.app.design.finger_text import answer_json, answer_text
-from musclewire.app.design.question_file import QUESTION, given_options
-from musclewire.app.files import require_figure_file, require_folder
+from musclewire.app.design.part_options import OPTIONS_FILE, PartFiles, given_options
 from musclewire.app.options import (
     CLEARANCE,
     COLUMN_WIDTH,
     COLUMNS,
     COMPARE,
     DEPTH,
-    DRAWING,
     ENDPOINT,
     FINGER,
     FRICTION,
@@ -26,10 +24,8 @@ from musclewire.app.options import (
     MAX_DEPTH,
     OBJECT_STIFFNESS,
     OFFSET,
-    OUTPUT,
     OVERALL_LENGTH,
     PLATE,
-    PLOT,
     PRETENSION,
     PRETENSIONER,
     PROCESS,
@@ -56,7 +52,7 @@ __all__ = ["finger"]
 
 
 @dataclass(frozen=True)
-class Section:
+class SectionOptions:
     """Which finger is meant: one to size, one from a file, or one of given dimensions."""
 
     stiffness: Annotated[str | None, STIFFNESS] = None
@@ -79,7 +75,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Beam:
+class BeamOptions:
     """The dimensions of a finger besides those of its section."""
 
     overall_length: Annotated[str, OVERALL_LENGTH] = "10 mm"
@@ -99,7 +95,7 @@ class Beam:
 
 
 @dataclass(frozen=True)
-class Task:
+class TaskOptions:
     """What the finger must do, and what it is made of."""
 
     endpoint: Annotated[str, ENDPOINT] = "6 mm"
@@ -110,7 +106,7 @@ class Task:
 
 
 @dataclass(frozen=True)
-class ObjectInTheWay:
+class ObstacleOptions:
     """An object in the way of the endpoint."""
 
     object_stiffness: Annotated[str | None, OBJECT_STIFFNESS] = None
@@ -149,55 +145,15 @@ class WireOptions:
         )
 
 
-@dataclass(frozen=True)
-class Files:
-    """What is written."""
-
-    output: Annotated[Path | None, OUTPUT] = None
-    drawing: Annotated[list[Path] | None, DRAWING] = None
-    plot: Annotated[Path | None, PLOT] = None
-
-    def require(self) -> None:
-        """Raise CallerError for files that are not written here, before any work is done."""
-        if self.output is not None:
-            if self.output.suffix != ".toml":
-                raise CallerError(f"{self.output}: a finger is a .toml file")
-            require_folder(self.output)
-        for drawing in self.drawing or []:
-            if drawing.suffix not in (".svg", ".dxf"):
-                raise CallerError(f"{drawing}: a drawing is one of .svg, .dxf")
-            require_folder(drawing)
-        require_figure_file(self.plot)
-
-    def write(self, answer: FingerStudyResult) -> None:
-        """Write what was requested, each file whole or not at all."""
-        from musclewire.signals.whole_files import write_text_whole, write_whole
-
-        if self.output is not None:
-            from musclewire.design.finger.finger_file_text import finger_study_file_text
-
-            write_text_whole(self.output, finger_study_file_text(self.output.stem, answer))
-        for drawing in self.drawing or []:
-            from musclewire.design.finger.drawing import write_finger_drawing
-
-            write_finger_drawing(answer.geometry, drawing)
-        if self.plot is not None:
-            from musclewire.design.finger.figures import plot_finger
-
-            suffix = self.plot.suffix.removeprefix(".")
-            figure = plot_finger(answer)
-            write_whole(self.plot, lambda part: figure.savefig(part, format=suffix))
-
-
 def finger(
     context: typer.Context,
-    section: Section,
-    beam: Beam,
-    task: Task,
-    obstacle: ObjectInTheWay,
+    section: SectionOptions,
+    beam: BeamOptions,
+    task: TaskOptions,
+    obstacle: ObstacleOptions,
     wire: WireOptions,
-    files: Files,
-    question: Annotated[Path | None, QUESTION] = None,
+    files: PartFiles,
+    options_file: Annotated[Path | None, OPTIONS_FILE] = None,
     compare: Annotated[bool, COMPARE] = False,
     refined: Annotated[int, REFINED] = 1,
     json: Json = False,
@@ -206,10 +162,10 @@ def finger(
     from musclewire.design.finger.finger_study import FingerStudy, study_finger
     from musclewire.parameters.materials import load_material
 
-    del question  # its values have become those of the options
+    del options_file  # its values have become those of the options
     section.require_one_way()
     require_effect(context, section, obstacle, wire)
-    files.require()
+    files.require("finger")
     material = load_material(task.material)
     request = requested(section, beam, task, material) if section.stiffness is not None else None
     geometry = None if request is not None else geometry_of(section, beam, task, material)
@@ -227,9 +183,9 @@ def finger(
             refined=refined,
         )
     )
-    files.write(answer)
+    write_files(answer, files)
     if json:
-        emit_json(answer_json(answer, files.output, files.drawing or []))
+        emit_json(answer_json(answer, files.output, files.drawings))
     else:
         show(answer_text(answer))
         warn([*answer.warnings, *(f"it does not hold: {one.name}" for one in answer.checks if not one.ok)])
@@ -253,7 +209,9 @@ NEEDS = {
 OF_A_FILE = ("depth", "overall_length", "plate", "columns", "column_width", "inward_angle", "process")
 
 
-def require_effect(context: typer.Context, section: Section, obstacle: ObjectInTheWay, wire: WireOptions) -> None:
+def require_effect(
+    context: typer.Context, section: SectionOptions, obstacle: ObstacleOptions, wire: WireOptions
+) -> None:
     """Raise CallerError for an option that was given and would change nothing with the others as they are."""
     others = {
         "--stiffness": section.stiffness,
@@ -268,7 +226,7 @@ def require_effect(context: typer.Context, section: Section, obstacle: ObjectInT
             raise CallerError(f"{option} and --finger exclude each other: a finger's file has all dimensions")
 
 
-def requested(section: Section, beam: Beam, task: Task, material: Material) -> FingerRequest:
+def requested(section: SectionOptions, beam: BeamOptions, task: TaskOptions, material: Material) -> FingerRequest:
     """Return the request for a finger: stiffness, endpoint and travel wanted, and the room for its section."""
     from musclewire.design.finger.sizing import FingerRequest
 
@@ -285,7 +243,7 @@ def requested(section: Section, beam: Beam, task: Task, material: Material) -> F
     )
 
 
-def geometry_of(section: Section, beam: Beam, task: Task, material: Material) -> FingerGeometry:
+def geometry_of(section: SectionOptions, beam: BeamOptions, task: TaskOptions, material: Material) -> FingerGeometry:
     """Return the geometry of a finger's file, or of given thickness, depth and offset."""
     if section.finger is not None:
         geometry = geometry_from_file(section.finger)
@@ -332,3 +290,23 @@ def geometry_from_file(name: str) -> FingerGeometry:
     from musclewire.parameters.finger_file import load_finger
 
     return geometry_of_file(load_finger(name))
+
+
+def write_files(answer: FingerStudyResult, files: PartFiles) -> None:
+    """Write what was requested, each file whole or not at all."""
+    from musclewire.signals.whole_files import write_text_whole, write_whole
+
+    if files.output is not None:
+        from musclewire.design.finger.finger_file_text import finger_study_file_text
+
+        write_text_whole(files.output, finger_study_file_text(files.output.stem, answer))
+    for drawing in files.drawings:
+        from musclewire.design.finger.drawing import write_finger_drawing
+
+        write_finger_drawing(answer.geometry, drawing)
+    if files.plot is not None:
+        from musclewire.design.finger.figures import plot_finger
+
+        suffix = files.plot.suffix.removeprefix(".")
+        figure = plot_finger(answer)
+        write_whole(files.plot, lambda part: figure.savefig(part, format=suffix))

@@ -9,23 +9,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from musclewire.app.design.part_options import OPTIONS_FILE, PartFiles
 from musclewire.app.design.pretensioner_text import made_json, made_text, materials_json, materials_text
-from musclewire.app.design.question_file import QUESTION
-from musclewire.app.files import require_figure_file, require_folder, save_figure
+from musclewire.app.files import save_figure
 from musclewire.app.options import (
     BEAMS,
     CORNER_RADIUS,
     DEPTH,
-    DRAWING,
     ENVELOPE,
     FILE,
     FINGER_STIFFNESS,
     HALF_LENGTH,
     LIST,
     MATERIAL,
-    OUTPUT,
     PITCH,
-    PLOT,
     PRETENSION,
     PROCESS,
     STIFFNESS,
@@ -47,7 +44,6 @@ __all__ = ["pretensioner"]
 
 # A number at the beginning of a text; what is left is its unit.
 NUMBER = re.compile(r"^[+-]?[\d.]+([eE][+-]?\d+)?\s*")
-FORMATS = (".svg", ".dxf")
 # Lan and Fan 2010, section 4: the pretensioner's dimensions and the pretension of the finger's wire. The stroke, 3 % of
 # a leg of 35 mm, is ours.
 USUAL_MATERIAL, USUAL_PRETENSION, USUAL_ENVELOPE, USUAL_DEPTH = "pom", "0.71 N", "24.6x27.6x10 mm", "10 mm"
@@ -55,7 +51,7 @@ DIMENSIONS = ("--beams", "--half-length", "--pitch", "--thickness")
 
 
 @dataclass(frozen=True)
-class Dimensions:
+class DimensionOptions:
     """Dimensions as given, instead of those that are computed from a stiffness."""
 
     beams: Annotated[int | None, BEAMS] = None
@@ -107,7 +103,7 @@ class DutyOptions:
 
 
 @dataclass(frozen=True)
-class Making:
+class MakingOptions:
     """What the pretensioner is made of, how, and in which room."""
 
     material: Annotated[str | None, MATERIAL] = None
@@ -116,41 +112,32 @@ class Making:
     depth: Annotated[str | None, DEPTH] = None
 
 
-@dataclass(frozen=True)
-class Files:
-    """What is written."""
-
-    output: Annotated[Path | None, OUTPUT] = None
-    drawing: Annotated[list[Path] | None, DRAWING] = None
-    plot: Annotated[Path | None, PLOT] = None
-
-
 def pretensioner(
-    dimensions: Dimensions,
+    dimensions: DimensionOptions,
     duty: DutyOptions,
-    making: Making,
-    files: Files,
-    question: Annotated[Path | None, QUESTION] = None,
+    making: MakingOptions,
+    files: PartFiles,
+    options_file: Annotated[Path | None, OPTIONS_FILE] = None,
     stiffness: Annotated[str | None, STIFFNESS] = None,
     file: Annotated[str | None, FILE] = None,
     list_materials: Annotated[bool, LIST] = False,
     json: Json = False,
 ) -> None:
     """Size a serpentine pretensioner, or compute what one of given dimensions does."""
-    del question  # its values have become those of the options
+    del options_file  # its values have become those of the options
     if list_materials:
         emit_json(materials_json()) if json else show(materials_text())
         return
     require_one_way(stiffness, file, dimensions)
     if file is not None and making.depth is not None:
         raise CallerError("--depth and --file contradict each other: the file has a depth")
-    require_files(files.output, files.drawing, files.plot)
+    files.require("pretensioner")
     room: Envelope | None
     if stiffness is not None:
         made, name, room = sized(stiffness, duty.duty(), making)
     else:
         made, name, room = computed(file, dimensions, duty.duty(), making)
-    write_files(made, name, files.output, files.drawing, files.plot)
+    write_files(made, name, files)
     if json:
         emit_json(made_json(made, name, room))
     else:
@@ -160,7 +147,7 @@ def pretensioner(
         raise typer.Exit(1)
 
 
-def require_one_way(stiffness: str | None, file: str | None, dimensions: Dimensions) -> None:
+def require_one_way(stiffness: str | None, file: str | None, dimensions: DimensionOptions) -> None:
     """Raise CallerError unless the question is put in exactly one way."""
     named = dimensions.named()
     given = [name for name, value in named.items() if value is not None]
@@ -174,19 +161,6 @@ def require_one_way(stiffness: str | None, file: str | None, dimensions: Dimensi
         raise CallerError(f"{given[0]} requires {' and '.join(missing)} too")
     if dimensions.corner_radius is not None and not given:
         raise CallerError(f"--corner-radius has an effect only with given dimensions: {', '.join(DIMENSIONS)}")
-
-
-def require_files(output: Path | None, drawing: list[Path] | None, plot: Path | None) -> None:
-    """Raise CallerError for files of a kind that is not written here, or without a folder."""
-    if output is not None:
-        if output.suffix != ".toml":
-            raise CallerError(f"{output}: a pretensioner is a .toml file")
-        require_folder(output)
-    for path in drawing or []:
-        if path.suffix not in FORMATS:
-            raise CallerError(f"{path}: a drawing is one of {', '.join(FORMATS)}")
-        require_folder(path)
-    require_figure_file(plot)
 
 
 def room_from(envelope: str, depth: str | None) -> Envelope:
@@ -217,7 +191,7 @@ def material_named(name: str) -> Material:
     return load_material(name)
 
 
-def sized(stiffness: str, duty: Duty, making: Making) -> tuple[Pretensioner, str, Envelope]:
+def sized(stiffness: str, duty: Duty, making: MakingOptions) -> tuple[Pretensioner, str, Envelope]:
     """Return the pretensioner of a wanted stiffness, the name of its material, and the room for it."""
     from musclewire.design.serpentine.sizing import PretensionerRequest, design_pretensioner
 
@@ -229,7 +203,7 @@ def sized(stiffness: str, duty: Duty, making: Making) -> tuple[Pretensioner, str
 
 
 def computed(
-    file: str | None, dimensions: Dimensions, duty: Duty, making: Making
+    file: str | None, dimensions: DimensionOptions, duty: Duty, making: MakingOptions
 ) -> tuple[Pretensioner, str, Envelope | None]:
     """Return the pretensioner of a file or of given dimensions, the name of its material, and the room for it."""
     from musclewire.design.serpentine.analysis import analyse
@@ -249,24 +223,22 @@ def computed(
     return analyse(geometry, material_named(name), process, duty, room), name, room
 
 
-def write_files(
-    made: Pretensioner, material: str, output: Path | None, drawing: list[Path] | None, plot: Path | None
-) -> None:
-    """Write what was asked for, each file whole or not at all."""
+def write_files(made: Pretensioner, material: str, files: PartFiles) -> None:
+    """Write what was requested, each file whole or not at all."""
     from musclewire.design.drawing import write_drawing
     from musclewire.design.serpentine.figures import draw_pretensioner
     from musclewire.design.serpentine.outline import serpentine_drawing
     from musclewire.design.serpentine.pretensioner_file_text import pretensioner_text
     from musclewire.signals.whole_files import write_text_whole
 
-    if output is not None:
-        write_text_whole(output, pretensioner_text(made, material))
-    if drawing:
+    if files.output is not None:
+        write_text_whole(files.output, pretensioner_text(made, material))
+    if files.drawings:
         note = (
             f"{1e3 * made.geometry.depth_m:g} mm deep, {made.material.name}, {made.process}: "
             f"{made.stiffness_n_per_m:.1f} N/m along the wire"
         )
-        for path in drawing:
+        for path in files.drawings:
             write_drawing(serpentine_drawing(made.geometry, "serpentine pretensioner", note), path)
-    if plot is not None:
-        save_figure(draw_pretensioner(made), plot)
+    if files.plot is not None:
+        save_figure(draw_pretensioner(made), files.plot)
