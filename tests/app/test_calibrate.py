@@ -186,7 +186,7 @@ def test_an_interrupted_search_goes_on_and_ends_with_the_same_wire_to_the_bit(is
         assert time.monotonic() < deadline, "no descent came to its end"
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=30)
+    out, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130, err
     assert out == ""
     assert err.strip().splitlines() == [

@@ -56,7 +56,7 @@ def test_a_paced_run_stopped_by_a_signal_ends_safe_and_readable(
     process = start("characterize", "simulated", "--real-time", "-o", path)
     wait_for_rows(process, path, 20)
     process.send_signal(number)
-    _, err = process.communicate(timeout=30)
+    _, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == code, err
     assert "the rig is safe" in err
     assert str(path) in err
@@ -73,7 +73,7 @@ def test_an_impatient_second_ctrl_c_changes_nothing(tmp_path: Path) -> None:
     wait_for_rows(process, path, 20)
     for _ in range(3):
         process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=30)
+    _, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130, err
     assert "Traceback" not in err
     assert read_recording(path).metadata["ended"] == "interrupted"
@@ -85,7 +85,7 @@ def test_a_demo_stopped_by_a_signal_keeps_what_it_recorded(number: signal.Signal
     process = start("demo", "--json", "--out", tmp_path / "demo")
     wait_for_rows(process, tmp_path / "demo" / "loop-3.2V.h5", 200)
     process.send_signal(number)
-    out, err = process.communicate(timeout=30)
+    out, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == code, err
     assert out == ""
     assert len(read_recording(tmp_path / "demo" / "loop-3.2V.h5")) >= 200

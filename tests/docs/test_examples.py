@@ -41,7 +41,7 @@ def test_the_example_runs_and_prints_what_it_promises(path: Path, tmp_path: Path
         cwd=tmp_path,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,  # far above what it takes: only a program that hangs meets it
         env={**os.environ, "MPLBACKEND": "Agg"},
         check=False,
     )

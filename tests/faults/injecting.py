@@ -91,7 +91,7 @@ def mounted(port: str, row: FaultRow, patience_s: float) -> SerialConfiguration:
 def judged_s(board: EmulatedBoard, since: float, row: FaultRow) -> float:
     """Return how long after a fault the last voltage was out, on the axis of the board's pace [s]."""
     lockstep = row.run == "lockstep"
-    ends_s = time.monotonic() + 10.0
+    ends_s = time.monotonic() + 60.0
     while True:
         log = board.log()
         axis: NDArray[np.float64] = 1e-3 * log["tick"] if lockstep else log["clock_s"]

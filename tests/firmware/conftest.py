@@ -17,6 +17,9 @@ from musclewire.rigs.serial.frames import Frame, FrameParser, encode_frame
 HELLO, ARM, DRIVE, TARGET, OFF, STREAM, KEEP, INJECT = 1, 2, 3, 4, 5, 6, 7, 0x7F
 IDENTITY, SAMPLE, EVENT, ACK = 0x81, 0x82, 0x83, 0x84
 
+# A wait ends with what is waited for; only a board that is silent on a busy machine, too, lets it end by this time.
+PATIENCE_S = 60.0
+
 
 class Sample(NamedTuple):
     """A SAMPLE frame's payload."""
@@ -51,7 +54,7 @@ class Host:
             except TimeoutError:
                 return
 
-    def command(self, kind: int, payload: bytes = b"", patience_s: float = 5.0) -> int:
+    def command(self, kind: int, payload: bytes = b"", patience_s: float = PATIENCE_S) -> int:
         """Send a command and return the result of its acknowledgement."""
         self._sequence += 1
         self._socket.sendall(encode_frame(Frame(kind, self._sequence, payload)))
@@ -76,7 +79,7 @@ class Host:
     def samples(self) -> list[Sample]:
         return [Sample(*struct.unpack("<IBBHffffff", payload)) for payload in self.of_kind(SAMPLE)]
 
-    def wait_for(self, kind: int, count: int = 1, patience_s: float = 10.0) -> list[bytes]:
+    def wait_for(self, kind: int, count: int = 1, patience_s: float = PATIENCE_S) -> list[bytes]:
         end_s = time.monotonic() + patience_s
         while len(self.of_kind(kind)) < count:
             assert time.monotonic() < end_s, f"only {len(self.of_kind(kind))} frames of kind {kind:#x} came"

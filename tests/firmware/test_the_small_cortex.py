@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from emulation.board import firmware_for
+from tests.firmware.conftest import PATIENCE_S
 from tests.tools import require_tool
 
 from musclewire.rigs.serial.frames import Frame, FrameParser, encode_frame
@@ -51,7 +52,7 @@ def test_it_starts_says_who_it_is_and_goes_off_without_a_converter(elf: Path) ->
 def said(connection: socket.socket, commands: list[Frame], kind: int, count: int) -> list[Frame]:
     """Send commands once the board has said who it is; listen until so many frames of a kind have come."""
     parser, frames, told = FrameParser(), [], False
-    end_s = time.monotonic() + 10.0
+    end_s = time.monotonic() + PATIENCE_S
     connection.settimeout(0.5)
     while sum(frame.kind == kind for frame in frames) < count:
         assert time.monotonic() < end_s, frames
@@ -79,7 +80,7 @@ def test_the_lines_interrupt_may_interrupt_the_conversions(elf: Path) -> None:
     command = ["qemu-system-arm", "-M", "netduinoplus2", *quiet, "-kernel", str(elf)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as machine:
         try:
-            end_s, systick = time.monotonic() + 10.0, 0
+            end_s, systick = time.monotonic() + PATIENCE_S, 0
             while systick == 0 and time.monotonic() < end_s:  # until the firmware has come so far
                 systick = word(machine, SYSTEM_PRIORITIES) >> 24
             line = word(machine, LINE_PRIORITIES) >> 16 & 0xFF

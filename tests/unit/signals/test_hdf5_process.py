@@ -46,7 +46,7 @@ def test_a_file_that_exists_is_refused_as_by_the_writer_itself(tmp_path: Path) -
 
 def test_a_killed_host_leaves_a_file_with_all_that_was_sent(tmp_path: Path) -> None:
     path = tmp_path / "run.h5"
-    host = subprocess.run([sys.executable, "-c", KILLED_HOST, path], capture_output=True, text=True, timeout=60)
+    host = subprocess.run([sys.executable, "-c", KILLED_HOST, path], capture_output=True, text=True, timeout=300)
     assert host.returncode == -signal.SIGKILL
     # The writer goes on for a moment; it is nobody's child any more, so it is waited for by a descriptor.
     with contextlib.suppress(ProcessLookupError):
