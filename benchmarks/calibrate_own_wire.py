@@ -26,6 +26,7 @@ from musclewire.parameters.priors import load_priors
 from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.simulated import SimulatedDevice
+from musclewire.rigs.simulated_building import Spool
 from musclewire.signals.recording import Recording
 
 WIRES, QUICK_WIRES = 10, 1
@@ -49,12 +50,12 @@ def drawn_wire(seed: int) -> tuple[Candidates, np.ndarray]:
 
 def slow_loop(values: WireValues, seed: int) -> Recording:
     """Return one slow sine of a wire on the simulated rig."""
-    device = SimulatedDevice(
-        with_values(load_alloy("flexinol"), values.alloy),
+    spool = Spool(
         with_values(load_wire("paper-100um"), values.wire),
+        with_values(load_alloy("flexinol"), values.alloy),
         with_values(load_bench("paper"), values.bench),
-        seed=seed,
     )
+    device = SimulatedDevice(spool, seed=seed)
     with GuardedRig(device) as rig:
         return mw.characterize(rig, amplitude_v=AMPLITUDE_V, cycles=1)
 

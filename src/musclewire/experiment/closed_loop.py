@@ -34,6 +34,7 @@ from musclewire.sensing.model import SensingModel
 from musclewire.sensing.slow_corrections import CORRECTION_COLUMN, InLine, InThread, SlowCorrections, SlowStatus
 from musclewire.signals.exchange import Command, Drive, EstimatorStep, RawSample, WireSample, wire_sample
 from musclewire.signals.recording import MetadataValue
+from musclewire.signals.run_facts import RunFacts
 
 __all__ = ["SelfSensingPolicy", "check_made_for", "control", "controller_for", "settings_for"]
 
@@ -280,14 +281,13 @@ def check_made_for(model: SensingModel, known: Metadata) -> None:
     fitted, mounted = model.wire.get("wire"), known.get("wire")
     if fitted and mounted and fitted != mounted:
         raise CallerError(f"this model was fitted to wire {fitted}, the rig has {mounted}: fit one for this wire")
-    lengths = model.wire.get("wire_length_m"), known.get("wire_length_m")
-    if all(isinstance(length, (int, float)) for length in lengths):
-        was, now = (float(length or 0.0) for length in lengths)
-        if abs(was - now) > SAME_LENGTH_SHARE * now:
-            raise CallerError(
-                f"this model was fitted to a wire of {1e3 * was:g} mm, the rig has one of {1e3 * now:g} mm: fit one "
-                "for this length"
-            )
+    was = RunFacts(model.wire, "this model").number_or_none("wire_length_m")
+    now = RunFacts(known, "this rig").number_or_none("wire_length_m")
+    if was is not None and now is not None and abs(was - now) > SAME_LENGTH_SHARE * now:
+        raise CallerError(
+            f"this model was fitted to a wire of {1e3 * was:g} mm, the rig has one of {1e3 * now:g} mm: fit one "
+            "for this length"
+        )
     moved, moves = model.wire.get("finger"), known.get("finger")
     if model.quantity == "displacement" and moved and moves and moved != moves:
         raise CallerError(f"this model was fitted to finger {moved}, the rig has {moves}: fit one for this finger")

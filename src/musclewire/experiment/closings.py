@@ -20,6 +20,7 @@ from musclewire.rigs.protocol import Rig
 from musclewire.sensing.contact import FreeClosing
 from musclewire.sensing.grip_force import GripCurve
 from musclewire.signals.recording import MetadataValue, Recording
+from musclewire.signals.run_facts import RunFacts
 from musclewire.signals.whole_files import write_text_whole
 
 __all__ = [
@@ -286,22 +287,14 @@ def gripper_of(rig: Rig) -> Gripper:
     -------
     The gripper; what the rig does not state is None.
     """
-    said = rig.metadata()
-
-    def number(name: str) -> float | None:
-        value = said.get(name)
-        return float(value) if isinstance(value, int | float) else None
-
-    def word(name: str) -> str | None:
-        return None if said.get(name) is None else str(said[name])
-
+    facts = RunFacts(rig.metadata(), "this rig")
     return Gripper(
-        wire=word("wire"),
-        leg_length_m=number("leg_length_m"),
-        finger=word("finger"),
-        finger_stiffness_n_per_m=number("finger_stiffness_n_per_m"),
-        fingers=int(number("wires") or 1),
-        pretension_n=number("pretension_n"),
+        wire=facts.text_or_none("wire"),
+        leg_length_m=facts.number_or_none("leg_length_m"),
+        finger=facts.text_or_none("finger"),
+        finger_stiffness_n_per_m=facts.number_or_none("finger_stiffness_n_per_m"),
+        fingers=int(facts.wires),
+        pretension_n=facts.number_or_none("pretension_n"),
     )
 
 

@@ -109,7 +109,9 @@ class ReplayDevice:
         given = self._configuration.limits.changed()
         names = ProtectionLimits._fields
         if all(f"limit_{name}" in self._known for name in names):
-            return ProtectionLimits(*(float(self._known[f"limit_{name}"] or 0.0) for name in names))._replace(**given)
+            return ProtectionLimits(
+                *(float(self._of_rig(f"limit_{name}", f"limits.{name}")) for name in names)
+            )._replace(**given)
         facts = {
             "wire": self._of_rig("wire", "wire"),
             "wire_length": self._of_rig("wire_length_m", "wire_length"),

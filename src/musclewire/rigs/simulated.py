@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.parameters.schema import Bench
 from musclewire.physics.heat import convection_range_note
 from musclewire.physics.resistance import series_resistance_ohm
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Missing
@@ -18,7 +18,7 @@ from musclewire.rigs.load_part import LoadPart, Pull
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.pacing import Pacer
 from musclewire.rigs.protocol import Metadata
-from musclewire.rigs.simulated_building import force_limit_n, simulated_limits, wires_of
+from musclewire.rigs.simulated_building import Spool, force_limit_n, simulated_limits, wires_of
 from musclewire.rigs.surroundings import Surroundings, Weather
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 from musclewire.simulate.wires import Means
@@ -38,25 +38,23 @@ class SimulatedDevice:
 
     def __init__(
         self,
-        alloy: Alloy,
-        wire: Wire,
-        bench: Bench,
+        spool: Spool,
         *,
         parts: Sequence[LoadPart] = (),
         surroundings: Surroundings | None = None,
         seed: int = 1,
-        new_wire: bool = False,
         real_time: bool = False,
         limits: Mapping[str, float] | None = None,
         faults: Sequence[Fault] = (),
     ) -> None:
         """Cool the wire under its pretension and wait at 0 V.
 
-        ``parts`` are what it pulls, without any the bench's spring; ``surroundings`` the air, without any still.
-        ``new_wire`` starts before the first cycles (shakedown); ``real_time`` paces samples by the clock; ``limits``
-        changes limits of the protection, by their names in ``ProtectionLimits``; ``faults`` are what goes wrong.
+        ``spool`` is the wire on its bench; ``parts`` are what it pulls, without any the bench's spring;
+        ``surroundings`` the air, without any still; ``real_time`` paces samples by the clock; ``limits`` changes limits
+        of the protection, by their names in ``ProtectionLimits``; ``faults`` are what goes wrong.
         Raises CallerError for numbers that cannot belong to a bench.
         """
+        wire, alloy, bench, new_wire = spool
         self._alloy, self._wire, self._around = alloy, wire, bench
         self._parts, self._new_wire = tuple(parts), new_wire
         self._bench = bench.values()

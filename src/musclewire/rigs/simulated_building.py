@@ -20,7 +20,7 @@ from musclewire.wire.building import constants_from
 from musclewire.wire.loads import Load, spring_load
 from musclewire.wire.state import WireConstants
 
-__all__ = ["force_limit_n", "simulated_limits", "wires_of"]
+__all__ = ["Spool", "force_limit_n", "simulated_limits", "wires_of"]
 
 # Noise in steps of the converter times the root of the readings in a mean: from here two means in a row are equal in
 # less than a tenth of all cases, and eight times in a row once in a hundred million.
@@ -113,12 +113,12 @@ def simulated_limits(
 
 
 class Spool(NamedTuple):
-    """A wire, its alloy and the bench it hangs on."""
+    """A wire, its alloy, the bench it hangs on, and whether it is before its first cycles (shakedown)."""
 
     wire: Wire
     alloy: Alloy
     bench: Bench
-    new_wire: bool
+    new_wire: bool = False
 
     def pulling(self, load: Load | None, pretension_n: float) -> WireConstants:
         """Return the constants of this wire at a cold pull; without a load it only shares another wire's connector.

@@ -8,6 +8,7 @@ from musclewire.errors import CallerError
 from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
 from musclewire.rigs.kinds import DeviceKind
 from musclewire.rigs.simulated import SimulatedDevice
+from musclewire.rigs.simulated_building import Spool
 from musclewire.rigs.simulated_configuration import RigConfiguration, changed_group, with_settings
 
 __all__ = ["SIMULATED", "open_simulated"]
@@ -36,13 +37,10 @@ def open_simulated(
             "give a part 'spring' with a stiffness"
         )
     device = SimulatedDevice(
-        load_alloy(chosen.alloy),
-        chosen,
-        around,
+        Spool(chosen, load_alloy(chosen.alloy), around, configuration.new_wire),
         parts=configuration.load,
         surroundings=configuration.surroundings,
         seed=configuration.seed if seed is None else seed,
-        new_wire=configuration.new_wire,
         real_time=real_time,
         limits=configuration.limits.changed(),
         faults=configuration.fault,

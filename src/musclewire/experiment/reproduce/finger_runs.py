@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Final
 
 from musclewire.controllers.references import Staircase, staircase
+from musclewire.errors import RigError
 from musclewire.experiment.closed_loop import control
 from musclewire.experiment.metrics import ControlRun
 from musclewire.experiment.open_loop import characterize
@@ -17,6 +18,7 @@ from musclewire.parameters.library import load_wire, read_published
 from musclewire.rigs.configuration import open_rig, simulated_configuration
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.sensing.model import SensingModel
+from musclewire.signals.exchange import RawSample
 
 __all__ = ["COMMON_WIRE", "FINGER_RIG", "FINGER_WIRE", "FingerRuns", "pretension_n", "staircase_of_fig18"]
 
@@ -103,5 +105,12 @@ class FingerRuns:
         read = []
         for force in (0.0, pretension_n()):
             with open_rig(changed, pretension_n=force) as rig:
-                read.append(float(rig.exchange(rig.sense_voltage_v).endpoint_displacement_m or 0.0))
+                read.append(endpoint_m(rig.exchange(rig.sense_voltage_v)))
         return read[1] - read[0]
+
+
+def endpoint_m(sample: RawSample) -> float:
+    """Return what the laser reads [m]. Raises RigError on a rig without one."""
+    if sample.endpoint_displacement_m is None:
+        raise RigError("this rig has no laser at the finger's endpoint: the finger's rig has one")
+    return sample.endpoint_displacement_m

@@ -92,7 +92,6 @@ def write_library(
     name: str = "musclewire",
     *,
     double: bool = False,
-    rule_base: RuleBase | None = None,
     overwrite: bool = True,
 ) -> Library:
     """Write the library into a folder, which is made if need be; files of the same names are replaced.
@@ -109,7 +108,7 @@ def write_library(
     """
     if not NAME.fullmatch(name):
         raise CallerError(f"the library's name {name!r} must be a C identifier of at most 31 letters, digits and _")
-    rules = rule_base or load_rule_base(settings.rule_base)
+    rules = load_rule_base(settings.rule_base)
     constants = collect(model, settings, rules, limits, protection)
     if not double:
         check_precision(model, constants)
