@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from musclewire.experiment.open_loop import slow_sine
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.rigs.configuration import FOLDER, read_rig_file
-from musclewire.rigs.instruments import Instruments
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
+from musclewire.rigs.simulated import Instruments
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 from musclewire.sensing.segments import find_segments
 from musclewire.simulate.paths import DrivenPath, drive_path

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
+from musclewire.arrays import FloatArray
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.parameters.schema import Bench
@@ -13,7 +16,6 @@ from musclewire.physics.resistance import series_resistance_ohm
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Missing
 from musclewire.rigs.device import Fault as DeviceFault
 from musclewire.rigs.faults import Fault, Faults
-from musclewire.rigs.instruments import Instruments
 from musclewire.rigs.load_part import LoadPart, Pull
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.pacing import Pacer
@@ -25,7 +27,42 @@ from musclewire.simulate.wires import Means
 from musclewire.wire.loads import spring_load
 from musclewire.wire.state import WireState
 
-__all__ = ["SimulatedDevice"]
+__all__ = ["Instruments", "SimulatedDevice"]
+
+
+class Instruments:
+    """Converter, displacement sensor, load cells and laser of a bench, repeatable for one seed."""
+
+    def __init__(self, bench: Mapping[str, float], seed: int) -> None:
+        """Take noise, steps and ranges from the bench's numbers."""
+        self._bench = bench
+        self._random = np.random.default_rng(seed)
+        self._voltage_step_v = 2.0 * bench["acquisition_range_v"] / 2.0 ** bench["acquisition_bits"]
+
+    def voltages_v(self, *voltages_v: float) -> tuple[float, ...]:
+        """Return what a converter with noise, steps and a range makes of voltages, averaged over its readings."""
+        readings = int(self._bench["acquisition_readings"])
+        noise: FloatArray = self._random.standard_normal((len(voltages_v), readings))
+        noisy = np.asarray(voltages_v)[:, None] + self._bench["acquisition_noise_v"] * noise
+        stepped = np.round(noisy / self._voltage_step_v) * self._voltage_step_v
+        limit = self._bench["acquisition_range_v"]
+        return tuple(float(value) for value in np.clip(stepped, -limit, limit).mean(axis=1))
+
+    def connector(self, displacement_m: float, force_n: float) -> tuple[float, float]:
+        """Return readings of displacement and force at the connector."""
+        displacement_noise, force_noise = self._random.standard_normal(2)
+        return (
+            displacement_m + self._bench["displacement_noise_m"] * displacement_noise,
+            force_n + self._bench["force_noise_n"] * force_noise,
+        )
+
+    def endpoint(self, displacement_m: float, force_n: float) -> tuple[float, float]:
+        """Return readings of displacement and force at a finger's endpoint."""
+        displacement_noise, force_noise = self._random.standard_normal(2)
+        return (
+            displacement_m + self._bench["endpoint_noise_m"] * displacement_noise,
+            force_n + self._bench["endpoint_force_noise_n"] * force_noise,
+        )
 
 
 class SimulatedDevice:
