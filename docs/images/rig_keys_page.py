@@ -126,9 +126,19 @@ def meanings(model: type[BaseModel]) -> dict[str, str]:
     found: dict[str, str] = {}
     for kind in reversed(model.__mro__):
         text = (kind.__doc__ or "").partition("Attributes:")[2]
-        for name, said in re.findall(r"^\s{8}(\w+): (.*?)(?=^\s{8}\w+: |\Z)", text, re.M | re.S):
+        listed = re.findall(r"^\s{8}(\w+): (.*?)(?=^\s{8}\w+: |\Z)", text, re.M | re.S)
+        listed += numpydoc_parameters(kind)
+        for name, said in listed:
             found[name] = " ".join(said.split()).rstrip(".").replace("``", "`")
+    found.pop("kind", None)  # the word itself is shown
     return found
+
+
+def numpydoc_parameters(kind: type) -> list[tuple[str, str]]:
+    """Return name and meaning of each of a docstring's ``Parameters``, begun as in the middle of a sentence."""
+    text = (kind.__doc__ or "").partition("    Parameters\n    ----------\n")[2].partition("\n\n")[0]
+    found = re.findall(r"^ {4}(\w+)\n\s*(.*?)(?=^ {4}\w|\Z)", text, re.M | re.S)
+    return [(name, said if said[1:2] == " " and said[0] != "A" else said[0].lower() + said[1:]) for name, said in found]
 
 
 def first_line(model: type[BaseModel]) -> str:

@@ -32,7 +32,7 @@ __all__ = [
 class DeviceFacts:
     """What is known of a device once it is open, and does not change while it is.
 
-    Attributes
+    Parameters
     ----------
     sample_period_s
         Time between samples [s].

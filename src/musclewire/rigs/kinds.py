@@ -20,7 +20,7 @@ __all__ = ["DeviceConfiguration", "DeviceKind", "device_kinds"]
 class DeviceConfiguration(BaseModel):
     """A rig file, checked by its schema; plain data.
 
-    Attributes
+    Parameters
     ----------
     kind
         Name of the device's kind in ``device_kinds``.
@@ -54,7 +54,7 @@ Settings = TypeVar("Settings", bound=DeviceConfiguration)
 class DeviceKind(Generic[Settings]):
     """How a kind of device comes from its rig file.
 
-    Attributes
+    Parameters
     ----------
     configuration
         Schema of its rig files.

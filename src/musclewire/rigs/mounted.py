@@ -65,18 +65,30 @@ class LimitsTable(BaseModel):
 class MountedWire(BaseModel):
     """The wire on a real rig, its circuit, and what a user must say about both. Numbers in SI or as text with a unit.
 
-    Attributes:
-        wire: a wire's name (``musclewire simulate --list``) or wire file.
-        wire_length: overall length between the terminals.
-        legs: parts of the wire that share the force: 2 for a V, 1 for a straight wire.
-        shunt: R of Eq. 1.
-        sense_voltage: drive that heats by little and still gives a reading.
-        maximum_voltage: highest drive that may ever be out; it goes with the length of the wire.
-        drive_amplitude: amplitude of the slow sine.
-        pretension: force of the cold wire, as set by hand.
-        ambient_temperature: of the air around the wire.
-        sample_period: time between samples.
-        limits: limits of the protection that the user knows better.
+    Parameters
+    ----------
+    wire
+        A wire's name (``musclewire simulate --list``) or wire file.
+    wire_length
+        Overall length between the terminals.
+    legs
+        Parts of the wire that share the force: 2 for a V, 1 for a straight wire.
+    shunt
+        R of Eq. 1.
+    sense_voltage
+        Drive that heats by little and still gives a reading.
+    maximum_voltage
+        Highest drive that may ever be out; it goes with the length of the wire.
+    drive_amplitude
+        Amplitude of the slow sine.
+    pretension
+        Force of the cold wire, as set by hand.
+    ambient_temperature
+        Of the air around the wire.
+    sample_period
+        Time between samples.
+    limits
+        Limits of the protection that the user knows better.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -104,7 +116,7 @@ class MountedWire(BaseModel):
 
     @property
     def leg_length_m(self) -> float:
-        """Length whose relative shortening is the strain."""
+        """Length whose relative shortening is the strain [m]."""
         return self.wire_length / self.legs
 
     def known_wire(self) -> Wire:
@@ -114,7 +126,21 @@ class MountedWire(BaseModel):
     def protection_limits(
         self, *, wire_range_v: float, shunt_range_v: float, readings_noisy: bool = True
     ) -> ProtectionLimits:
-        """Return the limits of the protection on channels with these ranges."""
+        """Return the limits of the protection for this wire on its circuit.
+
+        Parameters
+        ----------
+        wire_range_v
+            End of the range [V] of the channel that reads the wire.
+        shunt_range_v
+            End of the range [V] of the channel that reads the shunt.
+        readings_noisy
+            Whether noise moves every reading, so that one that stands still is a fault by itself.
+
+        Returns
+        -------
+        The limits, with those that the file sets.
+        """
         wire = self.known_wire()
         circuit = Circuit(
             sense_voltage_v=self.sense_voltage,

@@ -75,7 +75,22 @@ def as_command(command: Command | float) -> Command:
 
 
 def drive_voltage_of(command: Command) -> float:
-    """Return the drive voltage [V] of a command. Raises CallerError for a target, which only some devices follow."""
+    """Return the drive voltage [V] of a command, for a device without a closed loop of its own.
+
+    Parameters
+    ----------
+    command
+        A drive voltage; the guard lets nothing else through to such a device.
+
+    Returns
+    -------
+    The voltage [V].
+
+    Raises
+    ------
+    CallerError
+        For a target.
+    """
     if isinstance(command, Drive):
         return command.voltage_v
     raise CallerError(
