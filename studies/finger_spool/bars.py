@@ -13,11 +13,11 @@ from finger_spool.loops import LoopRow, Trial, row_of, slow_path
 PRETENSIONS_N = (0.15, 0.25, 0.40, 0.55, 0.63, 0.71, 0.79, 0.87, 1.00, 1.30, 1.60, 1.90)
 PAPER_N, PAPER_PCT = 0.71, 2.271
 PLACE_TOLERANCE_N, GAP_TOLERANCE_PCT = 0.15, 0.7
-LEAST_STROKE_PCT, LEAST_ENDPOINT_M = 3.1, 6e-3
+MIN_STROKE_PCT, MIN_ENDPOINT_M = 3.1, 6e-3
 # A minimum that stands out less than this at either end of the sweep is a flat curve under the noise of a recording.
-LEAST_RISE_PCT = 0.25
+MIN_RISE_PCT = 0.25
 # Branches without an intersection have a signed gap as large as the gap, but for where resistance turns.
-NO_CROSSING_SHARE = 0.95
+NO_CROSSING_FRACTION = 0.95
 
 
 @dataclass(frozen=True)
@@ -58,17 +58,17 @@ def bars(rows: Sequence[LoopRow]) -> Bars:
     least = int(np.argmin(gaps))
     paper = at_paper(rows)
     return Bars(
-        falls=bool(np.all(np.diff(gaps[: least + 1]) < 0.0)) and gaps[0] - gaps[least] > LEAST_RISE_PCT,
+        falls=bool(np.all(np.diff(gaps[: least + 1]) < 0.0)) and gaps[0] - gaps[least] > MIN_RISE_PCT,
         place=abs(rows[least].pretension_n - PAPER_N) <= PLACE_TOLERANCE_N + 1e-9,
         gap=abs(paper.gap_pct - PAPER_PCT) <= GAP_TOLERANCE_PCT,
-        parts=gaps[-1] - gaps[least] > LEAST_RISE_PCT and not crosses(rows[-1]) and crosses(paper),
-        stroke=paper.stroke_pct >= LEAST_STROKE_PCT and paper.endpoint_m >= LEAST_ENDPOINT_M,
+        parts=gaps[-1] - gaps[least] > MIN_RISE_PCT and not crosses(rows[-1]) and crosses(paper),
+        stroke=paper.stroke_pct >= MIN_STROKE_PCT and paper.endpoint_m >= MIN_ENDPOINT_M,
     )
 
 
 def crosses(row: LoopRow) -> bool:
     """Return whether heating and cooling branch intersect: parts of the gap of either sign cancel."""
-    return abs(row.signed_gap_pct) < NO_CROSSING_SHARE * row.gap_pct
+    return abs(row.signed_gap_pct) < NO_CROSSING_FRACTION * row.gap_pct
 
 
 def stands_out_pct(rows: Sequence[LoopRow]) -> float:

@@ -17,7 +17,7 @@ STEP_S, STEPS = 0.025, 2
 PRETENSIONS_125UM_N = (1.70, 2.20, 2.71, 3.22, 3.95, 4.30, 4.67)
 ORDER_PRETENSION_200UM_N = 7.53  # the force ratio of 1.9 N on the 100 um wire
 # A recording's least resistance is the least of many noisy readings at C: by about this much below the wire's own.
-LEAST_OF_NOISY_OHM = 0.011
+MIN_OF_NOISY_OHM = 0.011
 PAPER, ISOBARS = read_published("lan_fan_2010"), read_published("flexinol_isobars")
 
 
@@ -64,7 +64,7 @@ def main_loop_targets(wires: PaperWires) -> dict[str, float]:
         found |= {f"table2 {branch} {i}": value / 0.05 for i, value in enumerate(off)}
         found[f"polynomial {branch}"] = loop.polynomial_misfit_pct(branch) / 0.04
     found["table2 rms"] = float(np.sqrt(np.mean(np.square(differences)))) / 0.02
-    found["R_min"] = (loop.least_ohm - LEAST_OF_NOISY_OHM - printed["resistance_min_ohm"]) / 0.02
+    found["R_min"] = (loop.least_ohm - MIN_OF_NOISY_OHM - printed["resistance_min_ohm"]) / 0.02
     found["R_max"] = (loop.largest_ohm - printed["resistance_max_ohm"]) / 0.02
     found["gap 100um"] = (loop.strain_gap_pct - printed["strain_gap_pct"]) / 0.25
     # Counts a tenth: resistance turns where the measured isobars let it, long before 15 % of the strain are done.

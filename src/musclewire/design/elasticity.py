@@ -25,8 +25,8 @@ __all__ = ["Equilibrium", "ExternalPotential", "Load", "PotentialChange", "load_
 # Forces are in balance when what is left is this share of the largest force in the body, or when the last correction
 # moved nothing by more than this share of the body's size: under tiny loads rounding is all that is left.
 BALANCE, STILL = 1e-8, 1e-10
-MOST_ITERATIONS = 15
-MOST_HALVINGS = 10
+MAX_ITERATIONS = 15
+MAX_HALVINGS = 10
 
 
 class PotentialChange(NamedTuple):
@@ -190,7 +190,7 @@ class Problem:
             found = self.balance(displacement, target)
             if found is not None:
                 displacement, at = found, target
-            elif abs(stride) <= abs(end - start) / 2**MOST_HALVINGS:
+            elif abs(stride) <= abs(end - start) / 2**MAX_HALVINGS:
                 raise NumericsError(
                     f"the finite elements find no balance beyond {100 * at:.3g} % of the load: ask for less travel "
                     "or force, or look for a snap-through"
@@ -205,7 +205,7 @@ class Problem:
         still_m = STILL * float(np.ptp(self.body.nodes_m, axis=0).max())
         moved_m = np.inf
         told = self.prescribed_values(share) - displacement.ravel()[self.told]
-        for _ in range(MOST_ITERATIONS):
+        for _ in range(MAX_ITERATIONS):
             inner = self.body.inner_forces(displacement)
             pulled, hessian = self.pull(displacement, share)
             residual = given - inner.nodal_n - pulled

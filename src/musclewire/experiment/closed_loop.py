@@ -41,7 +41,7 @@ __all__ = ["SelfSensingPolicy", "check_made_for", "control", "controller_for", "
 # In the first step the wire starts cold, where resistance does not tell strain; it gets this long to arrive.
 APPROACH_S = 12.0
 # Lengths that differ by less are one length, measured twice.
-SAME_LENGTH_SHARE = 0.005
+SAME_LENGTH_FRACTION = 0.005
 # What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
 RANGE_AS_PERCENT_STRAIN = 3.0
 # Where friction turns round, force moves steeply with strain: so many times the friction count as range, or the loop
@@ -283,7 +283,7 @@ def check_made_for(model: SensingModel, known: Metadata) -> None:
         raise CallerError(f"this model was fitted to wire {fitted}, the rig has {mounted}: fit one for this wire")
     was = RunFacts(model.wire, "this model").number_or_none("wire_length_m")
     now = RunFacts(known, "this rig").number_or_none("wire_length_m")
-    if was is not None and now is not None and abs(was - now) > SAME_LENGTH_SHARE * now:
+    if was is not None and now is not None and abs(was - now) > SAME_LENGTH_FRACTION * now:
         raise CallerError(
             f"this model was fitted to a wire of {1e3 * was:g} mm, the rig has one of {1e3 * now:g} mm: fit one "
             "for this length"

@@ -31,11 +31,11 @@ TARGET_N = 0.3
 HOLD_S = 5.0
 # A wire that cools a little does not let go, by its hysteresis. So the hold needs no controller, only a drive so far
 # below what would close further that weather seldom does: 4 % in voltage are 8 % in power, a usual draught.
-HOLD_SHARE = 0.96
+HOLD_FRACTION = 0.96
 # The end of the hold is judged.
 JUDGED_S = 3.0
 # Noise of one sample's motion must not take more of the power away than this leaves.
-LEAST_HOLDING_SHARE = 0.4
+MIN_HOLDING_FRACTION = 0.4
 
 
 @dataclass(frozen=True)
@@ -147,8 +147,8 @@ class GripPolicy:
         per_place_j = float(evaluate(self._free.closing_energy_j, place))
         per_place_j += self.state.slope_w * self._free.thermal_time_s
         moving_w = per_place_j * max(moved, 0.0) / self._sample_period_s
-        still_v = drive_voltage_v * math.sqrt(max(1.0 - moving_w / power_w, LEAST_HOLDING_SHARE))
-        return self._limits.clamp(HOLD_SHARE * still_v)
+        still_v = drive_voltage_v * math.sqrt(max(1.0 - moving_w / power_w, MIN_HOLDING_FRACTION))
+        return self._limits.clamp(HOLD_FRACTION * still_v)
 
     def _bridge(self, sample: RawSample) -> None:
         """Hold the drive over a sample without current. Raises RigError where too many follow each other."""

@@ -28,7 +28,7 @@ Exchange = Callable[[Command], RawSample]
 # Rows that may be lost to a power cut: about a second of a paced rig, a fraction of one where no clock paces.
 PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
 # A block takes some milliseconds to write, on a busy machine over ten: in shorter periods another process writes it.
-LEAST_PERIOD_FOR_DISK_S = 0.02
+MIN_PERIOD_FOR_DISK_S = 0.02
 
 
 class RunOptions(TypedDict, total=False):
@@ -232,7 +232,7 @@ def recorder_for(
 ) -> Recorder:
     """Return a recorder that a rig's pace does not have to wait for."""
     rows = max(1, round(PACED_BLOCK_S / rig.sample_period_s)) if rig.paced else FREE_BLOCK_ROWS
-    apart_s = rig.sample_period_s if rig.paced and rig.sample_period_s < LEAST_PERIOD_FOR_DISK_S else None
+    apart_s = rig.sample_period_s if rig.paced and rig.sample_period_s < MIN_PERIOD_FOR_DISK_S else None
     return Recorder(columns, metadata, path, overwrite=overwrite, block_rows=rows, apart_period_s=apart_s)
 
 

@@ -12,7 +12,7 @@ from musclewire.sensing.model import SensingModel
 __all__ = ["staircase_within"]
 
 # The paper's staircase goes to 3.0 % where its wire reaches 3.6 %, from half of that, in five steps.
-TOP_SHARE = 0.84
+TOP_FRACTION = 0.84
 STEPS = 5
 DIGITS = 2
 
@@ -25,7 +25,7 @@ def staircase_within(model: SensingModel) -> Staircase:
     """
     if model.quantity == "strain":
         return staircase()
-    top = TOP_SHARE * model.quantity_max
+    top = TOP_FRACTION * model.quantity_max
     unit = 10.0 ** (math.floor(math.log10(top)) - DIGITS + 1)
     top = unit * math.floor(top / unit)
     if 0.5 * top < model.quantity_min:

@@ -27,7 +27,7 @@ __all__ = ["Recalibration", "Training", "TrainingCycle", "recalibrate", "train"]
 
 TRAINING_PERIOD_S = 30.0
 # A loop that has moved by less than this, of resistance span and of stroke, over so many cycles has settled.
-SETTLED_SHARE = 0.003
+SETTLED_FRACTION = 0.003
 CYCLES_COMPARED = 5
 
 
@@ -61,7 +61,7 @@ def train(
     amplitude_v: float | None = None,
     period_s: float = TRAINING_PERIOD_S,
     most_cycles: int = 60,
-    settled_share: float = SETTLED_SHARE,
+    settled_share: float = SETTLED_FRACTION,
     folder: str | Path | None = None,
     on_cycle: Callable[[TrainingCycle], None] | None = None,
     on_sample: OnSample | None = None,

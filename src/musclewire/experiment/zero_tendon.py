@@ -20,7 +20,7 @@ FARTHEST_SLACK_M, FARTHEST_PULL_M = 100e-6, 100e-6
 POSITIONS = 21
 SAMPLES_EACH = 10
 # The rise over the whole pull must stand out of the load cell's noise by this much, or the tendon was never taut.
-LEAST_RISE_NOISES = 10.0
+MIN_RISE_NOISES = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
             raise CallerError("this rig has no load cell: the tendon's zero cannot be found by force")
         forces[index] = np.mean(np.array(readings, dtype=np.float64))
         spread = max(spread, float(np.std(np.array(readings, dtype=np.float64))))
-    if forces[-1] - forces[0] < LEAST_RISE_NOISES * spread / np.sqrt(SAMPLES_EACH):
+    if forces[-1] - forces[0] < MIN_RISE_NOISES * spread / np.sqrt(SAMPLES_EACH):
         raise RecordingError(
             f"the force rises by {forces[-1] - forces[0]:.4f} N only while the tendon is drawn by "
             f"{1e3 * (positions[0] - positions[-1]):.2f} mm: is the tendon attached, and the stage near its zero?"

@@ -28,9 +28,9 @@ UNCOUNTED_STRAIN = 0.005
 # Hot enough that no martensite is left in any wire under this load; the stroke is the largest contraction on the way.
 HOTTEST_K, STROKE_POINTS = 493.15, 100
 # Thin wires cool fast: a step is this share of the time in which a wire's own heat capacity would cool by a factor e.
-STEP_SHARE = 0.02
-SHORTEST_STEP_S, LONGEST_STEP_S = 5e-4, 5e-3
-COOLING_CHUNKS, LONGEST_COOLING_S = 200, 120.0
+STEP_FRACTION = 0.02
+MIN_STEP_S, MAX_STEP_S = 5e-4, 5e-3
+COOLING_CHUNKS, MAX_COOLING_S = 200, 120.0
 GRAINS = 100.0
 
 
@@ -109,7 +109,7 @@ def heated_by(
 def step_for(constants: WireConstants) -> float:
     """Return a time step fine enough for the wire's own cooling."""
     loss = constants.convection_factor * constants.surface_m2 * float(constants.convection_table_w_per_m2_k[80])
-    return float(np.clip(STEP_SHARE * constants.heat_capacity_j_per_k / loss, SHORTEST_STEP_S, LONGEST_STEP_S))
+    return float(np.clip(STEP_FRACTION * constants.heat_capacity_j_per_k / loss, MIN_STEP_S, MAX_STEP_S))
 
 
 def full_stroke(constants: WireConstants, stress_pa: float) -> float:
@@ -126,7 +126,7 @@ def cooling_curve(constants: WireConstants, state: WireState, step_s: float) -> 
     """
     pieces: list[FloatArray] = []
     off = np.zeros(COOLING_CHUNKS)
-    for _ in range(int(LONGEST_COOLING_S / (COOLING_CHUNKS * step_s)) + 1):
+    for _ in range(int(MAX_COOLING_S / (COOLING_CHUNKS * step_s)) + 1):
         path, state = drive_path(constants, off, dt_s=step_s, steps=1, state=state)
         pieces.append(path.displacement_m / constants.leg_length_m)
         if state.contraction < 0.01 * UNCOUNTED_STRAIN:

@@ -16,12 +16,12 @@ __all__ = ["BARS", "Comparison", "Judged", "compare_catalogue"]
 
 JUDGED_CLASS = "lt"
 JUDGED_SIZES_MM = (0.05, 0.31)
-CONTRACTION_SHARE = (0.8, 1.0)
+CONTRACTION_RANGE = (0.8, 1.0)
 COOLING_TOLERANCE = 0.35
 # Rounding of a contraction that is complete must not fail it.
 ROUNDING = 1e-3
 BARS = (
-    f"contraction {100 * CONTRACTION_SHARE[0]:.0f} to {100 * CONTRACTION_SHARE[1]:.0f} % of stroke, cooling within "
+    f"contraction {100 * CONTRACTION_RANGE[0]:.0f} to {100 * CONTRACTION_RANGE[1]:.0f} % of stroke, cooling within "
     f"{100 * COOLING_TOLERANCE:.0f} %; judged: {CLASSES[JUDGED_CLASS]}, {JUDGED_SIZES_MM[0]} to {JUDGED_SIZES_MM[1]} "
     "mm, corroborated cells"
 )
@@ -75,7 +75,7 @@ def judged(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> 
         row,
         wire_class,
         run,
-        within(run.contraction_share, *CONTRACTION_SHARE, row.current_ma, counts, ROUNDING),
+        within(run.contraction_share, *CONTRACTION_RANGE, row.current_ma, counts, ROUNDING),
         within(
             run.cooling_s,
             time.value * (1.0 - COOLING_TOLERANCE),

@@ -25,14 +25,14 @@ NORMALISED_RANGE = (0.08, 0.95)
 HOLDING_ORDER, ENERGY_ORDER = 3, 2
 # Power and motion are compared over blocks of so many samples: single differences of resistance are mostly noise.
 BLOCK_SAMPLES = 5
-LEAST_BLOCKS = 30
+MIN_BLOCKS = 30
 CURVE_ORDER, LEVERAGE_ORDER, COST_ORDER = 7, 5, 1
 # Forces below this are too near the load cell's noise to learn compliances from.
-LEAST_FORCE_N = 0.05
-LEAST_FORCE_SAMPLES = 12
+MIN_FORCE_N = 0.05
+MIN_FORCE_SAMPLES = 12
 # What a newton costs, by the detector's account, is learned up to here: half more than the usual grip. The account
 # changes as a closing goes on, and the grip is decided within the first samples after contact.
-MOST_COST_FORCE_N = 0.45
+MAX_COST_FORCE_N = 0.45
 # The thermal time at this wall temperature, in this air: near where a wire under load transforms.
 WALL_K, AIR_K = 363.15, 295.15
 NOISE_SEARCH = (1e-4, 3e-2)
@@ -104,9 +104,9 @@ def fit_free_closing(recordings: Sequence[Recording], alloy: str = "flexinol") -
     """
     low_ohm, high_ohm = resistance_range(recordings)
     blocks = [block for one in recordings for block in blocks_of(closing_of(one, low_ohm, high_ohm))]
-    if len(blocks) < LEAST_BLOCKS:
+    if len(blocks) < MIN_BLOCKS:
         raise RecordingError(
-            f"{len(recordings)} free closings give {len(blocks)} blocks of {BLOCK_SAMPLES} samples, and {LEAST_BLOCKS} "
+            f"{len(recordings)} free closings give {len(blocks)} blocks of {BLOCK_SAMPLES} samples, and {MIN_BLOCKS} "
             "are needed: record more closings, at different speeds, that close fully"
         )
     holding, energy = power_terms(blocks)
@@ -310,7 +310,7 @@ def squeezed(grip: KnownGrip, free: FreeClosing) -> Squeezed:
     for ohm, watt, force_n in zip(resistance, power_w, grip.recording["endpoint_force_n"], strict=True):
         state = detector.step(state, float(ohm), float(watt), dt_s)
         place = state.normalised
-        if state.touched and force_n > LEAST_FORCE_N and place is not None and place > free.normalised_min:
+        if state.touched and force_n > MIN_FORCE_N and place is not None and place > free.normalised_min:
             rows.append((place, state.place, state.slope_w * (state.place - place), force_n))
     places, contacts, costs, forces = np.array(rows).reshape(-1, 4).T
     return Squeezed(places, contacts, costs, forces, grip.stiffness_n_per_m)
@@ -322,10 +322,10 @@ def compliances(curve: GripCurve, grips: Sequence[Squeezed]) -> tuple[float, flo
     D(l) - D(l_c) - f/k = n (c_f + c_w e'^2) f. Raises RecordingError where too few samples carry force.
     """
     samples = sum(one.force_n.size for one in grips)
-    if samples < LEAST_FORCE_SAMPLES:
+    if samples < MIN_FORCE_SAMPLES:
         raise RecordingError(
-            f"contact was found in {samples} samples above {LEAST_FORCE_N:g} N of the known grips, and "
-            f"{LEAST_FORCE_SAMPLES} are needed: put the block nearer, or use a stiffer one"
+            f"contact was found in {samples} samples above {MIN_FORCE_N:g} N of the known grips, and "
+            f"{MIN_FORCE_SAMPLES} are needed: put the block nearer, or use a stiffer one"
         )
     endpoint, leverage = (np.polynomial.Polynomial(item) for item in (curve.endpoint_m, curve.leverage))
     per_finger = np.concatenate([curve.fingers * one.force_n for one in grips])
@@ -350,11 +350,11 @@ def power_per_newton_w(curve: GripCurve, grips: Sequence[Squeezed]) -> tuple[flo
     place, force_n, cost_w = (
         np.concatenate([getattr(one, name) for one in grips]) for name in ("place", "force_n", "cost_w")
     )
-    like_a_grip = force_n < MOST_COST_FORCE_N
-    if (samples := np.count_nonzero(like_a_grip)) < LEAST_FORCE_SAMPLES:
+    like_a_grip = force_n < MAX_COST_FORCE_N
+    if (samples := np.count_nonzero(like_a_grip)) < MIN_FORCE_SAMPLES:
         raise RecordingError(
-            f"the known grips have {samples} samples with contact found from {LEAST_FORCE_N:g} to "
-            f"{MOST_COST_FORCE_N:g} N, and {LEAST_FORCE_SAMPLES} are needed: record more grips, or use a softer block"
+            f"the known grips have {samples} samples with contact found from {MIN_FORCE_N:g} to "
+            f"{MAX_COST_FORCE_N:g} N, and {MIN_FORCE_SAMPLES} are needed: record more grips, or use a softer block"
         )
     tendon_n = (leverage(place) * force_n)[like_a_grip]
     basis = tendon_n[:, None] * np.vander(place[like_a_grip], COST_ORDER + 1, increasing=True)

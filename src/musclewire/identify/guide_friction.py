@@ -12,7 +12,7 @@ __all__ = ["guide_friction_n"]
 # Compared in the middle of the stroke: near its ends the guide has not turned round yet.
 MIDDLE = (0.25, 0.75)
 PLACES = 101
-LEAST_SAMPLES = 20
+MIN_SAMPLES = 20
 
 
 def guide_friction_n(recording: Recording) -> float | None:
@@ -32,7 +32,7 @@ def guide_friction_n(recording: Recording) -> float | None:
     low, high = (float(displacement.max()) * share for share in MIDDLE)
     rise = between(displacement[: top + 1], force[: top + 1], low, high)
     fall = between(displacement[top:], force[top:], low, high)
-    if min(rise[0].size, fall[0].size) < LEAST_SAMPLES:
+    if min(rise[0].size, fall[0].size) < MIN_SAMPLES:
         return None
     places = np.linspace(low, high, PLACES)
     apart_n = line_through(*rise, places) - line_through(*fall, places)

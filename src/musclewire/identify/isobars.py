@@ -16,7 +16,7 @@ from musclewire.wire.building import constants_from
 __all__ = ["Isobar", "IsobarSummary", "half_transformation_slope_pa_per_k", "simulated_isobar", "summarize_isobar"]
 
 COLDEST_K, HOTTEST_K = 303.15, 413.15
-SHARES = (0.1, 0.5, 0.9)
+FRACTIONS = (0.1, 0.5, 0.9)
 
 
 class Isobar(NamedTuple):
@@ -74,7 +74,7 @@ def crossings(temperature_k: FloatArray, strain: FloatArray) -> tuple[float, flo
     lost = (strain.max() - strain) / np.ptp(strain)
     # Noise may pass a level several times: the running maximum passes it once.
     rising = np.maximum.accumulate(lost)
-    first, half, last = (interpolated(temperature_k, rising, share) for share in SHARES)
+    first, half, last = (interpolated(temperature_k, rising, share) for share in FRACTIONS)
     return first, half, last
 
 

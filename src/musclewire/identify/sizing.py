@@ -34,8 +34,8 @@ __all__ = [
 # end of the transformation of 90 C wire under 172 MPa, and far below what anneals NiTi.
 OVERHEATED_K = 423.15
 # A wire counts as contracted here, as a share of what heating it right through gives.
-CONTRACTED_SHARE = 0.9
-LARGEST_CURRENT_A_PER_M2 = 1e9
+CONTRACTED_FRACTION = 0.9
+MAX_CURRENT_A_PER_M2 = 1e9
 BISECTIONS = 30
 STEP_S, COARSE_STEP_S = 2e-3, 5e-3
 # How much contraction a relaxed wire may have left.
@@ -44,7 +44,7 @@ RELAXED_STRAIN = 0.0025
 HOT_K = 480.0
 HOTTEST_WALL_K = 3000.0
 # A shunt drops at most this share of the cold wire's voltage, and is rated for this multiple of its power.
-SHUNT_SHARE, RATING_FACTOR = 0.05, 3.0
+SHUNT_FRACTION, RATING_FACTOR = 0.05, 3.0
 SHUNT_STEPS = (1.0, 2.2, 4.7)
 RATINGS_W = (0.125, 0.25, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 25.0, 50.0)
 
@@ -86,7 +86,7 @@ def heat(constants: WireConstants, current_a: float, seconds: float) -> tuple[Dr
 def full_stroke(constants: WireConstants) -> float:
     """Return the largest contraction of a wire on its bench, spring or weight, when heated right through."""
     current = 1e7 * constants.area_m2
-    while current < LARGEST_CURRENT_A_PER_M2 * constants.area_m2:
+    while current < MAX_CURRENT_A_PER_M2 * constants.area_m2:
         path, state = heat(constants, current, 2.0)
         if state.temperature_k > HOT_K:
             return float(path.displacement_m.max() / constants.leg_length_m)
@@ -96,7 +96,7 @@ def full_stroke(constants: WireConstants) -> float:
 
 def contracting_current_a(constants: WireConstants, seconds: float, displacement_m: float) -> float:
     """Return the least current [A] that moves a cold wire so far within some seconds, by bisection."""
-    low, high = 0.0, LARGEST_CURRENT_A_PER_M2 * constants.area_m2
+    low, high = 0.0, MAX_CURRENT_A_PER_M2 * constants.area_m2
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         path, _ = heat(constants, middle, seconds)
@@ -111,7 +111,7 @@ def contracting_current_a(constants: WireConstants, seconds: float, displacement
 
 
 def one_second_current(
-    alloy: Alloy, wire: Wire, bench: Bench, *, seconds: float = 1.0, share: float = CONTRACTED_SHARE
+    alloy: Alloy, wire: Wire, bench: Bench, *, seconds: float = 1.0, share: float = CONTRACTED_FRACTION
 ) -> OneSecond:
     """Return the current that brings a cold wire to a share of its stroke after ``seconds`` on this bench.
 
@@ -171,7 +171,7 @@ def settled_temperature_k(power_w_per_m: float, wire: Wire, ambient_temperature_
 
 def suggested_shunt(cold_resistance_ohm: float, current_a: float) -> Shunt:
     """Return the largest usual shunt that drops at most a twentieth of the cold wire's voltage, and its rating."""
-    wanted = SHUNT_SHARE * cold_resistance_ohm
+    wanted = SHUNT_FRACTION * cold_resistance_ohm
     decade = 10.0 ** math.floor(math.log10(wanted))
     resistance = max(step * decade for step in SHUNT_STEPS if step * decade <= wanted * (1.0 + 1e-9))
     resistance = float(f"{resistance:.3g}")  # 0.22, not 0.22000000000000003

@@ -23,7 +23,7 @@ __all__ = ["WireRow", "wire_table"]
 
 BENCH = "dead-weight"
 # A tenth of the holding current heats by a hundredth of what holding heats: about a kelvin.
-SENSE_SHARE = 0.1
+SENSE_FRACTION = 0.1
 
 
 class WireRow(NamedTuple):
@@ -76,7 +76,7 @@ def wire_row(name: str, length_m: float, stress_pa: float, ambient_k: float) -> 
         supply_v=best.wire_voltage_v + best.current_a * shunt.resistance_ohm,
         power_w=best.wire_voltage_v * best.current_a,
         amplitude_v=best.holding_current_a * circuit_ohm,
-        sense_voltage_v=SENSE_SHARE * best.holding_current_a * circuit_ohm,
+        sense_voltage_v=SENSE_FRACTION * best.holding_current_a * circuit_ohm,
         shunt=shunt,
     )
 

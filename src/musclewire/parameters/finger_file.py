@@ -35,7 +35,7 @@ from musclewire.parameters.wire_file import parameter_lines, quoted
 
 __all__ = ["FingerCurve", "FingerFile", "finger_file_text", "finger_names", "load_finger"]
 
-LEAST_POINTS = 5
+MIN_POINTS = 5
 EVEN_TOLERANCE = 1e-6
 
 
@@ -65,7 +65,7 @@ class FingerCurve(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    tendon_travel_m: list[float] = Field(min_length=LEAST_POINTS)
+    tendon_travel_m: list[float] = Field(min_length=MIN_POINTS)
     tendon_force_n: list[float]
     endpoint_displacement_m: list[float]
     tendon_force_per_endpoint_force: list[float]

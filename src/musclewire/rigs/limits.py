@@ -18,9 +18,9 @@ WINDOW_LOW, WINDOW_HIGH = 0.55, 1.5
 # No single wire and no draught explains a higher current or power than the maximum voltage drives through it.
 CURRENT_MARGIN, POWER_MARGIN = 1.1, 1.1
 # A tenth of the current that the sense voltage drives: less is no contact.
-OPEN_SHARE = 0.1
+OPEN_FRACTION = 0.1
 # A wire driven at its maximum voltage changes by 3 % in one sample of 50 ms; the gate is three times that.
-JUMP_SHARE, JUMP_PERIOD_S, LARGEST_JUMP_SHARE = 0.1, 0.05, 0.5
+JUMP_FRACTION, JUMP_PERIOD_S, MAX_JUMP_FRACTION = 0.1, 0.05, 0.5
 # Annealing begins above 200 C and costs memory; the vendor's transformation ends below 130 C at its usual loads.
 MAXIMUM_TEMPERATURE_K = 473.15
 # Where the loss to the air is taken: a wire that has contracted.
@@ -63,12 +63,12 @@ def limits_of(
         sense_voltage_v=circuit.sense_voltage_v,
         maximum_voltage_v=circuit.maximum_voltage_v,
         shunt_resistance_ohm=circuit.shunt_resistance_ohm,
-        minimum_current_a=OPEN_SHARE * least_v / (high_ohm + circuit.shunt_resistance_ohm),
+        minimum_current_a=OPEN_FRACTION * least_v / (high_ohm + circuit.shunt_resistance_ohm),
         maximum_current_a=CURRENT_MARGIN * circuit.maximum_voltage_v / low_ohm,
         maximum_power_w=POWER_MARGIN * circuit.maximum_voltage_v**2 / low_ohm,
         resistance_low_ohm=low_ohm,
         resistance_high_ohm=high_ohm,
-        jump_share=min(JUMP_SHARE * max(1.0, circuit.sample_period_s / JUMP_PERIOD_S), LARGEST_JUMP_SHARE),
+        jump_share=min(JUMP_FRACTION * max(1.0, circuit.sample_period_s / JUMP_PERIOD_S), MAX_JUMP_FRACTION),
         wire_range_v=circuit.wire_range_v,
         shunt_range_v=circuit.shunt_range_v,
         readings_noisy=float(circuit.readings_noisy),

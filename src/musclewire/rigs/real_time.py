@@ -16,7 +16,7 @@ PRIORITY = 40
 PR_SET_TIMERSLACK = 29
 # Memory in use now, each page from when it is touched. Not memory to come: beyond the limit, allocating would fail.
 MCL_CURRENT, MCL_ONFAULT = 1, 4
-LEAST_SLACK_NS = 1
+MIN_SLACK_NS = 1
 
 
 def wake_on_time() -> None:
@@ -26,7 +26,7 @@ def wake_on_time() -> None:
     Elsewhere nothing happens.
     """
     if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, LEAST_SLACK_NS, 0, 0, 0)
+        ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, MIN_SLACK_NS, 0, 0, 0)
 
 
 def pin_to_cpu(cpu: int) -> None:

@@ -24,7 +24,7 @@ __all__ = ["Spool", "force_limit_n", "simulated_limits", "wires_of"]
 
 # Noise in steps of the converter times the root of the readings in a mean: from here two means in a row are equal in
 # less than a tenth of all cases, and eight times in a row once in a hundred million.
-LEAST_SPREAD_STEPS = 3.0
+MIN_SPREAD_STEPS = 3.0
 
 # How the kernel of two wires calls pulls and supplies.
 DIRECTIONS = {Pull.ALONG: 1.0, Pull.AGAINST: -1.0, Pull.APART: APART}
@@ -104,8 +104,7 @@ def simulated_limits(
         sample_period_s=bench["sample_period_s"],
         wire_range_v=bench["acquisition_range_v"],
         shunt_range_v=bench["acquisition_range_v"],
-        readings_noisy=bench["acquisition_noise_v"] / step_v * bench["acquisition_readings"] ** 0.5
-        >= LEAST_SPREAD_STEPS,
+        readings_noisy=bench["acquisition_noise_v"] / step_v * bench["acquisition_readings"] ** 0.5 >= MIN_SPREAD_STEPS,
         in_series=2 if supply is Supply.SERIES else 1,
         in_parallel=2 if supply is Supply.PARALLEL else 1,
     )

@@ -16,11 +16,11 @@ __all__ = ["Air", "Surroundings", "Weather"]
 STRONGEST = 3.0
 STREAM = 7919
 # The convection table stands at the bench's own air; further from it the table would no longer be of that air.
-LARGEST_SWING_K = 20.0
+MAX_SWING_K = 20.0
 
 
 Seconds = Annotated[float, measured_in("s"), Field(gt=0.0, allow_inf_nan=False)]
-Kelvins = Annotated[float, measured_in("K", difference=True), Field(ge=0.0, le=LARGEST_SWING_K, allow_inf_nan=False)]
+Kelvins = Annotated[float, measured_in("K", difference=True), Field(ge=0.0, le=MAX_SWING_K, allow_inf_nan=False)]
 
 
 class Surroundings(BaseModel):

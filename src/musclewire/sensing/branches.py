@@ -15,7 +15,7 @@ __all__ = ["Branch", "checked_branch", "single_valued"]
 
 
 # Longest smoothing window as a share of the branch, so that a bend of the loop is never ironed out.
-LONGEST_WINDOW_SHARE = 0.03
+MAX_WINDOW_FRACTION = 0.03
 # Below this rank agreement between position and resistance the samples are not in the order of the branch.
 IN_ORDER = 0.5
 
@@ -96,7 +96,7 @@ def single_valued(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str = "this
 
 
 def _window(resistance: FloatArray, quantity: FloatArray) -> int:
-    longest = int(LONGEST_WINDOW_SHARE * resistance.size)
+    longest = int(MAX_WINDOW_FRACTION * resistance.size)
     return max(
         smoothing_window(noise_level(column), float(np.ptp(column)), longest) for column in (resistance, quantity)
     )

@@ -47,9 +47,9 @@ CANDIDATES = 40 * PLACES_PER_SAMPLE
 # The wire has begun to contract once its resistance has fallen by this share of the range from its highest.
 BEGUN = 0.04
 # Before that it must take this share of the power that holds it where contraction begins.
-LEAST_POWER_SHARE = 0.5
+MIN_POWER_FRACTION = 0.5
 # How well theta and m describe a free closing: share of the power, independent from sample to sample.
-MODEL_POWER_SHARE = 0.01
+MODEL_POWER_FRACTION = 0.01
 NO_FLOATS = np.empty(0)
 
 
@@ -174,7 +174,7 @@ class ContactDetector:
         seen = state._replace(normalised=here, power_w=power_w)
         if not state.following:
             # With little current resistance is mostly noise, and a wire that contracts takes more.
-            powered = power_w > LEAST_POWER_SHARE * float(evaluate(free.holding_power_w, free.normalised_max))
+            powered = power_w > MIN_POWER_FRACTION * float(evaluate(free.holding_power_w, free.normalised_max))
             seen = seen._replace(highest=max(state.highest, here) if powered else state.highest)
             if not (powered and here < min(free.normalised_max, seen.highest - BEGUN)):
                 return seen
@@ -234,7 +234,7 @@ class ContactDetector:
         kept = exp(-dt_s / self.air.draught_time_s)
         forward = np.array([[1.0, dt_s], [0.0, 1.0]])
         wind_w2 = (self.air.draught_share * interval.holding_w) ** 2 * (1.0 - kept * kept)
-        drift = np.diag([(MODEL_POWER_SHARE * interval.taken_w * dt_s) ** 2, wind_w2])
+        drift = np.diag([(MODEL_POWER_FRACTION * interval.taken_w * dt_s) ** 2, wind_w2])
         responses = forward @ np.hstack([state.responses, np.zeros((2, PLACES_PER_SAMPLE))])[:, -CANDIDATES:]
         return forward @ state.level, forward @ state.covariance @ forward.T + drift, responses
 

@@ -32,15 +32,15 @@ __all__ = ["fit_branches", "fit_loop", "fit_segments"]
 AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
 
 # g_a must fall over at least this share of the range of the data to be of use as a sensor.
-LEAST_FALLING_SHARE = 0.6
+MIN_FALLING_FRACTION = 0.6
 LARGE_GAP = 0.05
 # Segment A-B usually takes 5 to 25 % of the stroke. Less costs nothing: the simulated finger even goes back by a
 # percent before it bends.
-LARGE_COLD_SHARE = 0.25
+LARGE_COLD_FRACTION = 0.25
 # Cold strain of more than this share of the stroke means that the sensor was not zeroed.
-UNZEROED_SHARE = 0.05
+UNZEROED_FRACTION = 0.05
 # No wire contracts by more; 3.5 instead of 0.035 is percent.
-LARGEST_STRAIN = 0.2
+MAX_STRAIN = 0.2
 KEPT_SAMPLES = 200
 RMSE_SLICES = 100
 
@@ -247,7 +247,7 @@ def _check_arguments(order: int | str, quantity: str) -> None:
 
 def _check_units(branches: tuple[Branch, Branch], quantity: str) -> None:
     largest = max(float(branch.quantity.max()) for branch in branches)
-    if quantity == "strain" and largest > LARGEST_STRAIN:
+    if quantity == "strain" and largest > MAX_STRAIN:
         raise RecordingError(
             f"strain reaches {largest:.3g}: strain is a fraction (0.035 is 3.5 %), divide percent by 100, "
             "or take off what the sensor reads cold (--zero), "
@@ -298,10 +298,10 @@ def _falling_range(coefficients: tuple[float, ...], shared: tuple[float, float])
         stretches.append((stretches.pop()[0], end) if joined else (begin, end))
     longest = max(stretches, key=lambda stretch: stretch[1] - stretch[0], default=(low, low))
     share = (longest[1] - longest[0]) / (high - low)
-    if share < LEAST_FALLING_SHARE:
+    if share < MIN_FALLING_FRACTION:
         raise FitRejectedError(
             f"the average polynomial of order {len(coefficients) - 1} falls over only {100 * share:.0f} % of "
-            f"the data ({100 * LEAST_FALLING_SHARE:.0f} % needed), so it cannot be inverted: lower the "
+            f"the data ({100 * MIN_FALLING_FRACTION:.0f} % needed), so it cannot be inverted: lower the "
             "order, or check that contraction is positive"
         )
     return longest
@@ -364,7 +364,7 @@ def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
     at_b = segments.strain_cold + cold_share * stroke
     if not segments.returns_cold:
         warnings.append("the loop does not come back to cold: B is where it turns, resistances above it are unknown")
-    elif cold_share > LARGE_COLD_SHARE:
+    elif cold_share > LARGE_COLD_FRACTION:
         warnings.append(
             f"segment A-B takes {100 * cold_share:.1f} % of the stroke (usually 5 to 25 %): {quantity} below "
             f"{factor * at_b:.3g} {unit} cannot be told from resistance"
@@ -375,7 +375,7 @@ def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
             f"{quantity} above {factor * segments.strain_max:.3g} {unit} is unknown; harmless where more drive adds no "
             "stroke, otherwise raise the amplitude if the wire's temperature allows"
         )
-    if segments.returns_cold and abs(segments.strain_cold) > UNZEROED_SHARE * stroke:
+    if segments.returns_cold and abs(segments.strain_cold) > UNZEROED_FRACTION * stroke:
         warnings.append(f"{quantity} at cold is {factor * segments.strain_cold:.3g} {unit}, not zero: zero the sensor")
     return tuple(warnings)
 

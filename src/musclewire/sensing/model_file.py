@@ -18,12 +18,12 @@ from musclewire.sensing.fit_report import FittedCurve
 if TYPE_CHECKING:
     from os import PathLike
 
-__all__ = ["LARGEST_FILE_BYTES", "MODEL_FORMAT", "MODEL_VERSION", "read_fields", "save_model"]
+__all__ = ["MAX_FILE_BYTES", "MODEL_FORMAT", "MODEL_VERSION", "read_fields", "save_model"]
 
 MODEL_FORMAT = "musclewire-sensing-model"
 MODEL_VERSION = 1
 
-LARGEST_FILE_BYTES = 1_000_000
+MAX_FILE_BYTES = 1_000_000
 # The range of the quantity is written for the file's reader; on loading it must agree with the polynomials.
 RANGE_AGREEMENT = 1e-6
 
@@ -76,7 +76,7 @@ def save_model(model: FittedCurve, path: str | PathLike[str]) -> None:
     """Write the model as JSON, whole or not at all; CallerError when the folder cannot be written."""
     target = Path(path)
     text = json.dumps(_contents(model), indent=1, allow_nan=False) + "\n"
-    if len(text) > LARGEST_FILE_BYTES:
+    if len(text) > MAX_FILE_BYTES:
         raise CallerError(f"model file {target} would take {len(text)} bytes: shorten the wire notes")
     temporary = target.with_name(f".{target.name}.{secrets.token_hex(6)}.part")
     try:
@@ -118,11 +118,11 @@ def _document(source: Path) -> dict[str, Any]:
     """The JSON object in the file, after checks of size, format and version."""
     try:
         with source.open("rb") as file:
-            data = file.read(LARGEST_FILE_BYTES + 1)
+            data = file.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise CallerError(f"cannot read model file {source}: {error.strerror or error}") from error
-    if len(data) > LARGEST_FILE_BYTES:
-        raise CallerError(f"model file {source} is larger than {LARGEST_FILE_BYTES} bytes: this is no sensing model")
+    if len(data) > MAX_FILE_BYTES:
+        raise CallerError(f"model file {source} is larger than {MAX_FILE_BYTES} bytes: this is no sensing model")
     try:
         document = json.loads(data.decode("utf-8"))
     except (ValueError, RecursionError) as error:

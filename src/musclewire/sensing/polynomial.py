@@ -42,10 +42,10 @@ MISMATCH_FRACTION = 0.15
 AMBIGUOUS_ABOVE = 0.8
 # A move of the smoothed resistance counts from this share of the span. At the sense voltage the current is small and
 # one sample's noise is a share of one to two hundredths; a mean over eight samples brings it well below.
-LEAST_MOVE = 0.02
+MIN_MOVE = 0.02
 SMOOTHING_SAMPLES = 8.0
 # A change of power counts from this share.
-LEAST_POWER_CHANGE = 0.02
+MIN_POWER_CHANGE = 0.02
 
 
 class SegmentState(NamedTuple):
@@ -87,7 +87,7 @@ class SegmentTracker:
         """Take R_min and R_max of the wire's model."""
         span = resistance_max_ohm - resistance_min_ohm
         self._ambiguous_above_ohm = resistance_min_ohm + AMBIGUOUS_ABOVE * span
-        self._least_move_ohm = LEAST_MOVE * span
+        self._least_move_ohm = MIN_MOVE * span
 
     def start(self, resistance_ohm: float, power_w: float) -> SegmentState:
         """Return the state for a first sample: near R_max a wire is taken for cold until it shows otherwise.
@@ -126,10 +126,10 @@ class SegmentTracker:
         smoothed += (resistance_ohm - smoothed) / SMOOTHING_SAMPLES
         if heating:
             extreme = max(extreme, power_w)
-            turned = power_w < extreme * (1.0 - LEAST_POWER_CHANGE)
+            turned = power_w < extreme * (1.0 - MIN_POWER_CHANGE)
         else:
             extreme = min(extreme, power_w)
-            turned = power_w > extreme * (1.0 + LEAST_POWER_CHANGE)
+            turned = power_w > extreme * (1.0 + MIN_POWER_CHANGE)
         if turned:
             heating, extreme, anchor = not heating, power_w, smoothed
         # The anchor goes along in the direction this segment explains; a move the other way is the other segment's.

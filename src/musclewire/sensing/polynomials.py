@@ -14,7 +14,7 @@ from musclewire.sensing.branch_equations import normalised_resistance
 from musclewire.sensing.branches import Branch
 
 __all__ = [
-    "LARGEST_ORDER",
+    "MAX_ORDER",
     "FitPoints",
     "PolynomialFit",
     "choose_order",
@@ -24,11 +24,11 @@ __all__ = [
 
 
 # Beyond this order power coefficients lose their digits.
-LARGEST_ORDER = 15
+MAX_ORDER = 15
 # A branch of more points than this is averaged in so many equal slices of normalised resistance.
 SLICES = 200
 # A point at the rim of a hole in the data may not stand for more than this many ordinary ones.
-LARGEST_WEIGHT = 4.0
+MAX_WEIGHT = 4.0
 FOLDS = 5
 BLOCKS_PER_FOLD = 6
 
@@ -74,7 +74,7 @@ def fit_points(curve: Branch, resistance_min_ohm: float, resistance_max_ohm: flo
         quantity = np.add.reduceat(quantity, starts) / counts
     step = np.diff(share)
     stretch = (np.append(step[:1], step) + np.append(step, step[-1:])) / 2
-    stretch = np.minimum(stretch, LARGEST_WEIGHT * np.median(stretch))
+    stretch = np.minimum(stretch, MAX_WEIGHT * np.median(stretch))
     return FitPoints(share, quantity, stretch / stretch.mean())
 
 
@@ -108,8 +108,8 @@ def fit_polynomial(points: FitPoints, order: int, name: str = "this") -> Polynom
 
 def check_order(order: int) -> None:
     """Raise CallerError unless the order is a whole number from 1 to 15."""
-    if not isinstance(order, int) or isinstance(order, bool) or not 1 <= order <= LARGEST_ORDER:
-        raise CallerError(f"polynomial order is {order!r}: use a whole number from 1 to {LARGEST_ORDER}, or 'auto'")
+    if not isinstance(order, int) or isinstance(order, bool) or not 1 <= order <= MAX_ORDER:
+        raise CallerError(f"polynomial order is {order!r}: use a whole number from 1 to {MAX_ORDER}, or 'auto'")
 
 
 def choose_order(branches: Sequence[FitPoints], largest: int = 9) -> int:

@@ -11,23 +11,23 @@ import numpy.typing as npt
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.sensing.branch_equations import check_resistance_range
-from musclewire.sensing.branches import LONGEST_WINDOW_SHARE
+from musclewire.sensing.branches import MAX_WINDOW_FRACTION
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
 __all__ = ["ResistanceExtremes", "find_resistance_extremes", "recalibrated"]
 
 
-LEAST_SAMPLES = 20
+MIN_SAMPLES = 20
 # A fall smaller than this share of the resistance is drift; the transformation takes about a tenth.
-LEAST_FALL_SHARE = 0.01
-LEAST_FALL_NOISES = 10.0
+MIN_FALL_FRACTION = 0.01
+MIN_FALL_NOISES = 10.0
 BUMP_NOISES = 6.0
-BUMP_SHARE = 0.005
+BUMP_FRACTION = 0.005
 # A span of resistance so different from the model's is another wire, or a sweep that did not complete.
 ODD_SPAN = 0.2
 # How long after the largest drive the sweep still counts, as a share of the way up.
-LAG_SHARE = 0.15
+LAG_FRACTION = 0.15
 
 
 class ResistanceExtremes(NamedTuple):
@@ -94,12 +94,12 @@ def find_resistance_extremes(
     resistance, left = _smoothed(measured)
     b, c = _largest_fall(resistance)
     fall = float(resistance[b] - resistance[c])
-    if fall < max(LEAST_FALL_SHARE * float(resistance[b]), LEAST_FALL_NOISES * left):
+    if fall < max(MIN_FALL_FRACTION * float(resistance[b]), MIN_FALL_NOISES * left):
         raise RecordingError(
             f"no transformation: the resistance falls by {fall:.3g} ohm from {resistance[b]:.4g} ohm (noise "
-            f"{left:.2g} ohm; {100 * LEAST_FALL_SHARE:g} % and ten times the noise are needed): heat further"
+            f"{left:.2g} ohm; {100 * MIN_FALL_FRACTION:g} % and ten times the noise are needed): heat further"
         )
-    bump = max(BUMP_NOISES * left, BUMP_SHARE * fall)
+    bump = max(BUMP_NOISES * left, BUMP_FRACTION * fall)
     return ResistanceExtremes(
         resistance_min_ohm=float(resistance[c]),
         resistance_max_ohm=float(resistance[b]),
@@ -162,7 +162,7 @@ def _largest_fall(resistance: FloatArray) -> tuple[int, int]:
 def _smoothed(measured: FloatArray) -> tuple[FloatArray, float]:
     """Return resistances smoothed as far as their noise requires, and the noise that is left [ohm]."""
     noise = noise_level(measured)
-    window = smoothing_window(noise, float(np.ptp(measured)), int(LONGEST_WINDOW_SHARE * measured.size))
+    window = smoothing_window(noise, float(np.ptp(measured)), int(MAX_WINDOW_FRACTION * measured.size))
     return smooth(measured, window), smoothed_noise(noise, window)
 
 
@@ -178,10 +178,10 @@ def _heating(
     if drive is not None and drive.size:
         hottest = np.flatnonzero(drive == drive.max())[-1]
         # Temperature follows the drive with a lag, so the least resistance comes a little after the largest drive.
-        mask = mask & (np.arange(drive.size) <= hottest * (1.0 + LAG_SHARE))
+        mask = mask & (np.arange(drive.size) <= hottest * (1.0 + LAG_FRACTION))
     place = np.flatnonzero(mask)
-    if place.size < LEAST_SAMPLES:
-        raise RecordingError(f"{place.size} usable samples in the sweep, at least {LEAST_SAMPLES} are needed")
+    if place.size < MIN_SAMPLES:
+        raise RecordingError(f"{place.size} usable samples in the sweep, at least {MIN_SAMPLES} are needed")
     bad = ~(np.isfinite(resistance[place]) & (resistance[place] > 0.0))
     if bad.any():
         raise RecordingError(

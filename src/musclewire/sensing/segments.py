@@ -14,7 +14,7 @@ from musclewire.sensing.branches import Branch
 from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.smoothing import noise_level
 from musclewire.sensing.turning import (
-    LEAST_SWING,
+    MIN_SWING,
     Run,
     Smoothed,
     branch_runs,
@@ -25,20 +25,20 @@ from musclewire.sensing.turning import (
 __all__ = ["LoopSegments", "find_loops", "find_segments"]
 
 
-LEAST_SAMPLES = 20
-LEAST_BRANCH_SAMPLES = 8
+MIN_SAMPLES = 20
+MIN_BRANCH_SAMPLES = 8
 # A cycle is complete when it returns to within this share of its stroke of where it began.
 CLOSURE = 0.15
 # The stroke must be this many times the strain noise (white noise alone spans 8), the fall of resistance this
 # many times its own.
-LEAST_STROKE_NOISES = 20.0
-LEAST_SIGNAL = 10.0
+MIN_STROKE_NOISES = 20.0
+MIN_SIGNAL = 10.0
 # From B to C the strain must gain at least this share of the stroke, or the two are unrelated.
-LEAST_STRAIN_SHARE = 0.3
+MIN_STRAIN_FRACTION = 0.3
 # Correlation of strain and resistance over the middle of the stroke beyond which the sign is settled.
 SETTLED_SIGN = 0.5
 # Heating without transformation raises the resistance by less than this; a flipped loop moves it by more.
-THERMAL_SHARE = 0.05
+THERMAL_FRACTION = 0.05
 # What reads each quantity, and how its whole change is called.
 INSTRUMENTS = {"strain": "strain sensor", "displacement": "displacement sensor", "force": "load cell"}
 SPANS = {"strain": "a stroke", "displacement": "a stroke", "force": "a change"}
@@ -217,7 +217,7 @@ class _Signals:
     ) -> _Signals:
         place, resistance, contraction = _usable(resistance_ohm, strain, valid, quantity)
         _check_stroke(contraction, quantity)
-        swing = max(LEAST_SWING * float(np.ptp(contraction)), LEAST_SIGNAL * noise_level(contraction))
+        swing = max(MIN_SWING * float(np.ptp(contraction)), MIN_SIGNAL * noise_level(contraction))
         turns, starts_low = turning_points(contraction, swing)
         curves = smoothed(resistance, contraction, len(turns) - 1)
         _check_fall(curves, quantity)
@@ -283,9 +283,9 @@ def _usable(
             "give one wire, columns of equal length"
         )
     place = np.flatnonzero(mask)
-    if place.size < LEAST_SAMPLES:
+    if place.size < MIN_SAMPLES:
         raise RecordingError(
-            f"{place.size} usable samples of {mask.size}: a loop needs at least {LEAST_SAMPLES}, better 200"
+            f"{place.size} usable samples of {mask.size}: a loop needs at least {MIN_SAMPLES}, better 200"
         )
     resistance, contraction = resistance[place], contraction[place]
     _check_values(resistance, contraction, place, quantity)
@@ -309,10 +309,10 @@ def _shown(value: float, quantity: str) -> str:
 
 def _check_stroke(strain: FloatArray, quantity: str) -> None:
     stroke, noise = float(np.ptp(strain)), noise_level(strain)
-    if stroke <= 0.0 or stroke < LEAST_STROKE_NOISES * noise:
+    if stroke <= 0.0 or stroke < MIN_STROKE_NOISES * noise:
         raise RecordingError(
             f"no transformation: the {quantity} moves by {_shown(stroke, quantity)}, its noise is "
-            f"{_shown(noise, quantity)}, and at least {LEAST_STROKE_NOISES:g} times that are needed: raise the drive "
+            f"{_shown(noise, quantity)}, and at least {MIN_STROKE_NOISES:g} times that are needed: raise the drive "
             f"or check the {INSTRUMENTS[quantity]}"
         )
 
@@ -324,7 +324,7 @@ def _check_fall(curves: Smoothed, quantity: str) -> None:
     if sign < -SETTLED_SIGN:
         return
     span = f"{SPANS[quantity]} of {_shown(float(np.ptp(strain)), quantity)}"
-    if sign > SETTLED_SIGN and change >= THERMAL_SHARE:
+    if sign > SETTLED_SIGN and change >= THERMAL_FRACTION:
         backwards = "pulling must read" if quantity == "force" else "contraction must be"
         option = "" if quantity == "force" else " (--invert)"
         raise RecordingError(
@@ -424,7 +424,7 @@ def _check_branch(run: Run, points: _Points, curves: Smoothed, quantity: str) ->
     name = "heating" if run.rising else "cooling"
     fall = float(resistance[points.b] - resistance[points.c])
     gain = float((strain[points.c] - strain[points.b]) / np.ptp(strain[run.first : run.last + 1]))
-    if fall < LEAST_SIGNAL * curves.resistance_noise_ohm or gain < LEAST_STRAIN_SHARE:
+    if fall < MIN_SIGNAL * curves.resistance_noise_ohm or gain < MIN_STRAIN_FRACTION:
         raise RecordingError(
             f"no transformation: on the {name} branch the resistance falls by {fall:.3g} ohm (its noise is "
             f"{curves.resistance_noise_ohm:.2g} ohm after smoothing) while the {quantity} gains "
@@ -436,8 +436,8 @@ def _check_branch(run: Run, points: _Points, curves: Smoothed, quantity: str) ->
             "the least resistance: contraction must be positive and zero when cold, check drive voltage, sign and zero"
         )
     samples = abs(points.c - points.b) + 1
-    if samples < LEAST_BRANCH_SAMPLES:
+    if samples < MIN_BRANCH_SAMPLES:
         raise RecordingError(
-            f"{samples} samples between B and C on the {name} branch, at least {LEAST_BRANCH_SAMPLES} are "
+            f"{samples} samples between B and C on the {name} branch, at least {MIN_BRANCH_SAMPLES} are "
             "needed: sample faster or drive more slowly"
         )

@@ -15,7 +15,7 @@ __all__ = ["noise_level", "smooth", "smoothed_noise", "smoothing_window"]
 NOISE_GOAL = 1e-3
 # A local parabola over w samples leaves about sqrt(2.25 / w) of the noise in the middle of the window.
 PARABOLA_VARIANCE = 2.25
-SHORTEST_WINDOW = 5
+MIN_WINDOW = 5
 # Standard deviation of a fourth difference of unit white noise: sqrt(1 + 16 + 36 + 16 + 1).
 FOURTH_DIFFERENCE_STD = sqrt(70.0)
 MEDIAN_TO_STD = 0.6744897501960817
@@ -48,7 +48,7 @@ def smoothing_window(noise: float, span: float, longest: int) -> int:
     if noise <= 0.0 or span <= 0.0:
         return 1
     window = int(min(PARABOLA_VARIANCE * (noise / (NOISE_GOAL * span)) ** 2, longest))
-    if window < SHORTEST_WINDOW:
+    if window < MIN_WINDOW:
         return 1
     return window if window % 2 else window - 1
 

@@ -8,19 +8,19 @@ from itertools import pairwise
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.sensing.branches import LONGEST_WINDOW_SHARE
+from musclewire.sensing.branches import MAX_WINDOW_FRACTION
 from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
 __all__ = ["Run", "Smoothed", "branch_runs", "smoothed", "turning_points"]
 
 
 # A swing of less than this share of the whole stroke is a wobble of a branch and not a cycle of its own.
-LEAST_SWING = 0.2
+MIN_SWING = 0.2
 # Samples within this share of the stroke of an end may belong to the dwell there.
-END_SHARE = 0.02
+END_FRACTION = 0.02
 # A bump of the resistance counts when it is this many times the noise and this share of the whole range.
 BUMP_NOISES = 6.0
-BUMP_SHARE = 0.005
+BUMP_FRACTION = 0.005
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,14 +45,14 @@ class Run:
 
 def smoothed(resistance_ohm: FloatArray, strain: FloatArray, branches: int) -> Smoothed:
     """Smooth both columns over at most 3 % of one of ``branches`` equal branches."""
-    longest = int(LONGEST_WINDOW_SHARE * resistance_ohm.size / max(branches, 1))
+    longest = int(MAX_WINDOW_FRACTION * resistance_ohm.size / max(branches, 1))
     columns, noises = [], []
     for column in (resistance_ohm, strain):
         noise = noise_level(column)
         window = smoothing_window(noise, float(np.ptp(column)), longest)
         columns.append(smooth(column, window))
         noises.append(smoothed_noise(noise, window))
-    bump = max(BUMP_NOISES * noises[0], BUMP_SHARE * float(np.ptp(columns[0])))
+    bump = max(BUMP_NOISES * noises[0], BUMP_FRACTION * float(np.ptp(columns[0])))
     return Smoothed(columns[0], columns[1], noises[0], noises[1], bump)
 
 
@@ -101,7 +101,7 @@ def _refined_turn(curves: Smoothed, turns: list[int], k: int, cold: bool) -> int
     height = sign * curves.strain[inner_first : inner_last + 1]
     extreme = height[turns[k] - inner_first]
     neighbours = [sign * curves.strain[turns[j]] for j in (k - 1, k + 1) if 0 <= j < len(turns)]
-    tolerance = max(END_SHARE * (min(neighbours) - extreme), 4.0 * curves.strain_noise)
+    tolerance = max(END_FRACTION * (min(neighbours) - extreme), 4.0 * curves.strain_noise)
     near = np.flatnonzero(height <= extreme + tolerance) + inner_first
     if k == 0:
         return int(near[0])

@@ -31,7 +31,7 @@ SENT_EVERY_S = 0.1
 # Linux's largest pipe for ordinary users: at 1 kHz and 15 columns what a disk may stall for is eight seconds.
 PIPE_BYTES = 1 << 20
 READY = b"ready\n"
-LONGEST_CLOSING_S = 60.0
+MAX_CLOSING_S = 60.0
 
 
 class WriterProcess:
@@ -99,9 +99,9 @@ class WriterProcess:
         self._send(CLOSE, json.dumps({"ended": ended, "metadata": dict(checked_metadata(metadata))}).encode())
         self._input.close()
         try:
-            code = self._process.wait(LONGEST_CLOSING_S)
+            code = self._process.wait(MAX_CLOSING_S)
         except subprocess.TimeoutExpired:
-            raise OSError(f"{self._path}: the disk takes nothing for {LONGEST_CLOSING_S:g} s") from None
+            raise OSError(f"{self._path}: the disk takes nothing for {MAX_CLOSING_S:g} s") from None
         if code != 0:
             raise OSError(self._complaint())
         self._let_go_of_pipes()
@@ -127,7 +127,7 @@ class WriterProcess:
 
     def _complaint(self) -> str:
         """Return the last line the process said before it ended."""
-        self._process.wait(LONGEST_CLOSING_S)
+        self._process.wait(MAX_CLOSING_S)
         assert self._process.stderr is not None
         said = self._process.stderr.read().decode("utf-8", "replace").strip().splitlines()
         self._let_go_of_pipes()

@@ -46,7 +46,7 @@ def test_an_inert_wire_warms_as_the_heat_balance_says() -> None:
 
 def test_the_result_does_not_depend_on_the_step(monkeypatch: pytest.MonkeyPatch) -> None:
     coarse = run_catalogue_test(ALLOY, WIRE, BENCH, 0.41)
-    monkeypatch.setattr(check, "STEP_SHARE", 0.002)
+    monkeypatch.setattr(check, "STEP_FRACTION", 0.002)
     fine = run_catalogue_test(ALLOY, WIRE, BENCH, 0.41)
     assert coarse.contraction_share == pytest.approx(fine.contraction_share, abs=0.01)
     assert coarse.cooling_s == pytest.approx(fine.cooling_s, rel=0.01)

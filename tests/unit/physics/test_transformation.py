@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from musclewire.physics.material import advantage_k, cooled_grain, fraction_beyond, heated_grain
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=300)
-SHARES = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)).map(lambda s: (s[0], (1.0 - s[0]) * s[1]))
+FRACTIONS = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)).map(lambda s: (s[0], (1.0 - s[0]) * s[1]))
 DRIVES = st.tuples(*[st.floats(-60.0, 60.0)] * 3)
 PER_WIDTHS = st.tuples(*[st.floats(0.05, 50.0)] * 3)
 # A few sums and differences of numbers of size 1.
@@ -28,7 +28,7 @@ def test_a_grain_two_kelvin_wide_changes_over_two_kelvin(force_k: float, fractio
 
 
 @SETTINGS
-@given(fractions=SHARES, drives=DRIVES, per_widths=PER_WIDTHS, grain=st.sampled_from([cooled_grain, heated_grain]))
+@given(fractions=FRACTIONS, drives=DRIVES, per_widths=PER_WIDTHS, grain=st.sampled_from([cooled_grain, heated_grain]))
 def test_fractions_stay_fractions(fractions, drives, per_widths, grain) -> None:
     martensite, r_phase = grain(*fractions, *drives, *per_widths)
     assert -ROUNDING <= martensite <= 1.0 + ROUNDING
@@ -37,7 +37,7 @@ def test_fractions_stay_fractions(fractions, drives, per_widths, grain) -> None:
 
 
 @SETTINGS
-@given(fractions=SHARES, drives=DRIVES, per_widths=PER_WIDTHS, grain=st.sampled_from([cooled_grain, heated_grain]))
+@given(fractions=FRACTIONS, drives=DRIVES, per_widths=PER_WIDTHS, grain=st.sampled_from([cooled_grain, heated_grain]))
 def test_doing_it_again_changes_nothing(fractions, drives, per_widths, grain) -> None:
     once = grain(*fractions, *drives, *per_widths)
     twice = grain(*once, *drives, *per_widths)
@@ -45,7 +45,7 @@ def test_doing_it_again_changes_nothing(fractions, drives, per_widths, grain) ->
 
 
 @SETTINGS
-@given(fractions=SHARES, drives=DRIVES, per_widths=PER_WIDTHS)
+@given(fractions=FRACTIONS, drives=DRIVES, per_widths=PER_WIDTHS)
 def test_cooling_never_takes_martensite_nor_gives_austenite(fractions, drives, per_widths) -> None:
     martensite, r_phase = cooled_grain(*fractions, *drives, *per_widths)
     assert martensite >= fractions[0] - ROUNDING
@@ -53,7 +53,7 @@ def test_cooling_never_takes_martensite_nor_gives_austenite(fractions, drives, p
 
 
 @SETTINGS
-@given(fractions=SHARES, drives=DRIVES, per_widths=PER_WIDTHS)
+@given(fractions=FRACTIONS, drives=DRIVES, per_widths=PER_WIDTHS)
 def test_heating_never_gives_martensite_nor_takes_austenite(fractions, drives, per_widths) -> None:
     martensite, r_phase = heated_grain(*fractions, *drives, *per_widths)
     assert martensite <= fractions[0] + ROUNDING
@@ -62,8 +62,8 @@ def test_heating_never_gives_martensite_nor_takes_austenite(fractions, drives, p
 
 @SETTINGS
 @given(
-    one=SHARES,
-    other=SHARES,
+    one=FRACTIONS,
+    other=FRACTIONS,
     drives=DRIVES,
     per_widths=PER_WIDTHS,
     grain=st.sampled_from([cooled_grain, heated_grain]),

@@ -94,7 +94,7 @@ def test_a_file_of_the_users_folder_takes_the_place_of_no_module(
 def test_a_disk_that_takes_nothing_is_an_error_with_the_samples(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("musclewire.signals.hdf5_process.LONGEST_CLOSING_S", 0.2)
+    monkeypatch.setattr("musclewire.signals.hdf5_process.MAX_CLOSING_S", 0.2)
     recorder = Recorder(COLUMNS, {}, tmp_path / "run.h5", apart_period_s=1e-3)
     recorder.append(dict.fromkeys(COLUMNS, 1.0))
     writer = recorder._writer

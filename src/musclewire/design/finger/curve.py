@@ -29,7 +29,7 @@ __all__ = [
     "travel_for_endpoint_m",
 ]
 
-CURVE_STEP_M, LEAST_STEPS, MOST_STEPS = 0.025e-3, 20, 400
+CURVE_STEP_M, MIN_STEPS, MAX_STEPS = 0.025e-3, 20, 400
 # Where the tendon's force is 0, friction's share is that of a travel so small.
 SMALL_TRAVEL_M = 1e-7
 BISECTIONS = 60
@@ -103,7 +103,7 @@ def travel_for_endpoint_m(chain: Chain, stiffness_n_m2: float, endpoint_m: float
 
     Raises CallerError where that takes more travel than ``longest_m``.
     """
-    steps = min(max(int(np.ceil(longest_m / (2.0 * CURVE_STEP_M))), 2), MOST_STEPS)
+    steps = min(max(int(np.ceil(longest_m / (2.0 * CURVE_STEP_M))), 2), MAX_STEPS)
     low = equilibrium(chain, stiffness_n_m2, 0.0)
     for travel in np.linspace(0.0, longest_m, steps + 1)[1:]:
         high = equilibrium(chain, stiffness_n_m2, float(travel), start=low)
@@ -138,7 +138,7 @@ def longest_free_travel_m(geometry: FingerGeometry, longest_m: float) -> float:
     """Return the travel [m] up to which the endpoint rises and no two columns touch, at most ``longest_m``."""
     chain = finger_chain(geometry)
     before = equilibrium(chain, geometry.stiffness_n_m2, 0.0)
-    steps = min(max(round(longest_m / CURVE_STEP_M), LEAST_STEPS), MOST_STEPS)
+    steps = min(max(round(longest_m / CURVE_STEP_M), MIN_STEPS), MAX_STEPS)
     for travel in np.linspace(0.0, longest_m, steps + 1)[1:]:
         at = equilibrium(chain, geometry.stiffness_n_m2, float(travel), start=before)
         if at.endpoint_displacement_m <= before.endpoint_displacement_m or column_gap_m(geometry, at) <= 0.0:

@@ -24,7 +24,7 @@ from musclewire.design.finger.curve import (
     touch_curve,
     travel_for_endpoint_m,
 )
-from musclewire.design.finger.friction import ASSUMED_FRICTION, MOST_FRICTION, Friction, friction_at
+from musclewire.design.finger.friction import ASSUMED_FRICTION, MAX_FRICTION, Friction, friction_at
 from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.plane_stress import finger_body, plane_stress_path
 from musclewire.design.finger.sizing import FingerRequest, design_finger, finger_stiffness_n_per_m
@@ -156,8 +156,8 @@ def require_valid(study: FingerStudy) -> None:
             raise CallerError(f"{name} is {value:g}: give a number above 0")
     if foam is not None and not 0.0 <= foam.clearance_m < math.inf:
         raise CallerError(f"the clearance is {foam.clearance_m:g} m: give 0 or more")
-    if not 0.0 <= study.friction <= MOST_FRICTION:
-        raise CallerError(f"a friction coefficient of {study.friction:g} is not one of 0 to {MOST_FRICTION:g}")
+    if not 0.0 <= study.friction <= MAX_FRICTION:
+        raise CallerError(f"a friction coefficient of {study.friction:g} is not one of 0 to {MAX_FRICTION:g}")
 
 
 def geometry_for(study: FingerStudy) -> FingerGeometry:

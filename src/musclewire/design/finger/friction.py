@@ -20,7 +20,7 @@ from musclewire.errors import CallerError, NumericsError
 __all__ = [
     "ASSUMED_FRICTION",
     "FRICTION_SOURCE",
-    "MOST_FRICTION",
+    "MAX_FRICTION",
     "Friction",
     "chord_tensions",
     "friction_at",
@@ -29,7 +29,7 @@ __all__ = [
 
 ASSUMED_FRICTION = 0.15
 # Rubber on dry glass; no tendon runs so.
-MOST_FRICTION = 1.0
+MAX_FRICTION = 1.0
 FRICTION_SOURCE = (
     "acetal copolymer on steel, 0.15: Shackelford (ed.), Materials Science and Engineering Handbook 2001, table 399, "
     "after Lynch, CRC Handbook of Materials Science 3, 1975; a steel tendon is assumed, the paper names none"

@@ -30,11 +30,11 @@ UNITS = {
     "plate_thickness_m": "m",
     "youngs_modulus_pa": "Pa",
 }
-MOST_COLUMNS = 40
+MAX_COLUMNS = 40
 # Holes for the two legs of the tendon: as fine as is drilled by hand, 0.3 mm.
 HOLE_RADIUS_M = 0.15e-3
 # Beyond this the unloaded finger already points backwards.
-MOST_INWARD_RAD = 0.5 * math.pi
+MAX_INWARD_RAD = 0.5 * math.pi
 
 
 @dataclass(frozen=True)
@@ -64,8 +64,8 @@ class FingerGeometry:
             value = getattr(self, field.name)
             if not (math.isfinite(value) and (value > 0.0 or (field.name == "inward_angle_rad" and value >= 0.0))):
                 raise CallerError(f"{field.name} is {value:g}: give a number above 0")
-        if not 1 <= self.columns <= MOST_COLUMNS or self.columns != int(self.columns):
-            raise CallerError(f"a finger has 1 to {MOST_COLUMNS} columns, not {self.columns:g}")
+        if not 1 <= self.columns <= MAX_COLUMNS or self.columns != int(self.columns):
+            raise CallerError(f"a finger has 1 to {MAX_COLUMNS} columns, not {self.columns:g}")
         if self.segment_length_m <= 0.0:
             taken = self.columns * self.column_width_m + self.plate_length_m
             raise CallerError(
@@ -77,7 +77,7 @@ class FingerGeometry:
 
     def _check_tendon(self) -> None:
         """Refuse a tendon that would run inside the beam or outside the columns, and plates that lean too far."""
-        if self.inward_angle_rad > MOST_INWARD_RAD:
+        if self.inward_angle_rad > MAX_INWARD_RAD:
             raise CallerError(f"inward_angle_rad is {self.inward_angle_rad:g}: at most a right angle, 1.57")
         if self.tendon_offset_m <= 0.5 * self.beam_thickness_m:
             raise CallerError(

@@ -28,21 +28,21 @@ __all__ = ["FingerRequest", "design_finger", "finger_stiffness_n_per_m", "geomet
 
 ROUNDED_M = 1e-5
 # The finger reaches its endpoint with this share of the travel there is; the rest is reserve.
-TRAVEL_SHARE = 0.95
+TRAVEL_FRACTION = 0.95
 # Beyond a right angle and a half the endpoint only comes back.
-MOST_ANGLE_RAD = 0.75 * math.pi
+MAX_ANGLE_RAD = 0.75 * math.pi
 # Least wall between a hole and the beam.
 WALL_M = 0.1e-3
 # Two legs of tendon side by side want this depth.
-LEAST_DEPTH_M = 2e-3
+MIN_DEPTH_M = 2e-3
 # From one section to the next: a hundredth of a millimetre, or this share of a thick beam.
-SECTION_SHARE = 0.01
+SECTION_FRACTION = 0.01
 # Columns stand out twice as far as their holes: the holes are in the middle, the outer half is the isolator.
 COLUMN_HEIGHT_OFFSETS = 2.0
 # The search for an offset begins so much further out than an even arc says, and goes inward in such steps.
 FURTHEST_GUESS, NEAREST_GUESS, GUESS_STEP = 1.6, 0.4, 1.08
 # Where the endpoint moves by less than this share of what is asked for, the travel is of another order.
-LEAST_SHARE = 0.05
+MIN_FRACTION = 0.05
 # Plates this much thicker than the beam bend a thousandth of what the beam does.
 PLATE_THICKNESSES = 5.0
 
@@ -116,7 +116,7 @@ def offset_for(request: FingerRequest) -> float:
     shape_of(request, request.overall_length_m, 1.0)
     flexible = request.overall_length_m - request.plate_length_m
     # Columns spread the bend, so an even arc over segments and columns is close.
-    angles = np.linspace(0.0, MOST_ANGLE_RAD - request.inward_angle_rad, 400) + request.inward_angle_rad
+    angles = np.linspace(0.0, MAX_ANGLE_RAD - request.inward_angle_rad, 400) + request.inward_angle_rad
     across = np.array([pure_moment_tip_m(float(angle), flexible, request.plate_length_m)[1] for angle in angles])
     reached = across - across[0]
     if reached.max() < request.endpoint_m:
@@ -127,7 +127,7 @@ def offset_for(request: FingerRequest) -> float:
         )
     rising = slice(int(np.argmax(reached)) + 1)
     turn = float(np.interp(request.endpoint_m, reached[rising], angles[rising]) - angles[0])
-    return bracketed_offset(request, TRAVEL_SHARE * request.travel_m, TRAVEL_SHARE * request.travel_m / turn)
+    return bracketed_offset(request, TRAVEL_FRACTION * request.travel_m, TRAVEL_FRACTION * request.travel_m / turn)
 
 
 def bracketed_offset(request: FingerRequest, travel_m: float, guess_m: float) -> float:
@@ -153,7 +153,7 @@ def bracketed_offset(request: FingerRequest, travel_m: float, guess_m: float) ->
         if missing >= 0.0 or request.endpoint_m + missing < most:
             break
         further, most = nearer, request.endpoint_m + missing
-    if most <= LEAST_SHARE * request.endpoint_m:
+    if most <= MIN_FRACTION * request.endpoint_m:
         raise CallerError(
             f"a travel of {1e3 * request.travel_m:g} mm bends no such finger: its tendon would have to run about "
             f"{1e3 * guess_m:.2g} mm from the middle of the beam; "
@@ -225,10 +225,10 @@ def section_for(request: FingerRequest, material: Material, shape: FingerGeometr
 
     Raises CallerError where no section is thick enough to make, shallow enough, and unyielding at the endpoint.
     """
-    if request.most_depth_m < LEAST_DEPTH_M:
+    if request.most_depth_m < MIN_DEPTH_M:
         raise CallerError(
             f"a depth of at most {1e3 * request.most_depth_m:g} mm has no room for two tendon legs side by side: "
-            f"{1e3 * (LEAST_DEPTH_M - request.most_depth_m):g} mm more are needed"
+            f"{1e3 * (MIN_DEPTH_M - request.most_depth_m):g} mm more are needed"
         )
     found = sections(request, shape)
     if not found:
@@ -256,11 +256,11 @@ def no_section(request: FingerRequest, shape: FingerGeometry) -> CallerError:
     """Return the error for a stiffness that no section between the thinnest and the thickest beam has."""
     thinnest = rounded(request.least_thickness_m, up=True)
     depth = depth_at(request, shape.with_(beam_thickness_m=thinnest))
-    if depth < LEAST_DEPTH_M:
+    if depth < MIN_DEPTH_M:
         return CallerError(
             f"a beam of {1e3 * thinnest:.2f} mm, the thinnest to be made, would have to be {1e3 * depth:.3f} mm deep "
-            f"for {request.stiffness_n_per_m:g} N/m; two tendon legs want {1e3 * LEAST_DEPTH_M:g} mm, "
-            f"{LEAST_DEPTH_M / depth:.1f} times that: another process, a softer material, or a stiffer finger"
+            f"for {request.stiffness_n_per_m:g} N/m; two tendon legs want {1e3 * MIN_DEPTH_M:g} mm, "
+            f"{MIN_DEPTH_M / depth:.1f} times that: another process, a softer material, or a stiffer finger"
         )
     thickest = max(rounded(2.0 * (shape.tendon_offset_m - WALL_M - HOLE_RADIUS_M), down=True), thinnest)
     depth = depth_at(request, shape.with_(beam_thickness_m=thickest))
@@ -292,11 +292,11 @@ def sections(request: FingerRequest, shape: FingerGeometry) -> list[Section]:
     thickness = max(thinnest, rounded(thinnest * float(needless)))
     while thickness < 2.0 * shape.tendon_offset_m:
         depth = depth_at(request, shape.with_(beam_thickness_m=thickness))
-        if depth < LEAST_DEPTH_M:
+        if depth < MIN_DEPTH_M:
             break
         if depth <= 1.2 * request.most_depth_m:
             found.append(section_at(request, shape.with_(beam_thickness_m=thickness, beam_depth_m=rounded(depth))))
-        thickness = rounded(thickness + max(ROUNDED_M, SECTION_SHARE * thickness))
+        thickness = rounded(thickness + max(ROUNDED_M, SECTION_FRACTION * thickness))
     return found
 
 

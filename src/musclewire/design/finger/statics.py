@@ -23,7 +23,7 @@ NEWTON_STEPS = 40
 # Of the largest moment in the chain, and of the length of the tendon between the guides.
 CLOSE_ENOUGH = 1e-10
 # No element may turn by more than this in one step of Newton's method: further than that it would lose its way.
-LARGEST_TURN_RAD = 0.3
+MAX_TURN_RAD = 0.3
 
 
 class Foam(NamedTuple):
@@ -172,7 +172,7 @@ def solved(
             system[-1, -1] = -1.0 / touched.stiffness_n_per_m
         step = solve_system(system, -np.append(out, missing), travel_m)
         largest = np.abs(problem.chain.turns @ step[:count]).max()
-        step *= min(1.0, LARGEST_TURN_RAD / largest) if largest > 0.0 else 1.0
+        step *= min(1.0, MAX_TURN_RAD / largest) if largest > 0.0 else 1.0
         angles, force_n = angles + step[:count], force_n + float(step[count])
         push_n += float(step[-1]) if touched is not None else 0.0
     raise lost(travel_m)

@@ -25,7 +25,7 @@ __all__ = ["WireOnFinger", "wire_on_finger"]
 # Where no wire's martensite is left; heating further would only expand the metal.
 HOT_K = 480.0
 HEATING_S, SAMPLES = 2.0, 1000
-FIRST_CURRENT_A_PER_M2, LARGEST_CURRENT_A_PER_M2, CURRENT_STEP = 1e7, 1e9, 1.25
+FIRST_CURRENT_A_PER_M2, MAX_CURRENT_A_PER_M2, CURRENT_STEP = 1e7, 1e9, 1.25
 BISECTIONS = 16
 Stroke = Callable[[float, float | None], tuple[float, float]]
 
@@ -114,7 +114,7 @@ def heated_stroke(constants: WireConstants, current_a: float | None) -> tuple[fl
     """
     area = constants.area_m2
     current = FIRST_CURRENT_A_PER_M2 * area if current_a is None else current_a
-    while current <= LARGEST_CURRENT_A_PER_M2 * area:
+    while current <= MAX_CURRENT_A_PER_M2 * area:
         drive: FloatArray = np.full(SAMPLES, current)
         path, state = drive_path(
             constants,

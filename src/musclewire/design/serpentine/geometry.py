@@ -31,11 +31,11 @@ from musclewire.errors import CallerError
 __all__ = ["Arc", "Envelope", "Fittings", "SerpentineGeometry", "Straight"]
 
 # A strip shorter than this many thicknesses is no beam: closed forms and intuition end there.
-SHORTEST_HALF_BEAM = 2.0
+MIN_HALF_BEAM = 2.0
 # Inner radius of a corner over the thickness.
 USUAL_CORNER = 0.25
 # More are no longer made in one piece, and their finite elements take minutes.
-MOST_BEAMS = 60
+MAX_BEAMS = 60
 
 
 class Straight(NamedTuple):
@@ -105,8 +105,8 @@ class SerpentineGeometry:
             value = getattr(self, name)
             if not 0.0 < value < math.inf:
                 raise CallerError(f"a serpentine's {words(name)} is {1e3 * value:g} mm: it must be above 0")
-        if not 1 <= self.beams <= MOST_BEAMS:
-            raise CallerError(f"a serpentine has 1 to {MOST_BEAMS} beams, not {self.beams}")
+        if not 1 <= self.beams <= MAX_BEAMS:
+            raise CallerError(f"a serpentine has 1 to {MAX_BEAMS} beams, not {self.beams}")
         if not 0.0 <= self.corner_radius_m < math.inf:
             raise CallerError(
                 f"a serpentine's corner radius is {1e3 * self.corner_radius_m:g} mm: it must be 0 or more"
@@ -126,8 +126,8 @@ class SerpentineGeometry:
                 f"a corner radius of {1e3 * self.corner_radius_m:g} mm does not fit between beams "
                 f"{1e3 * widest:.3g} mm apart: pitch less thickness must be twice the radius at least"
             )
-        if self.half_length_m < SHORTEST_HALF_BEAM * self.thickness_m + self.centre_radius_m:
-            least = SHORTEST_HALF_BEAM * self.thickness_m + self.centre_radius_m
+        if self.half_length_m < MIN_HALF_BEAM * self.thickness_m + self.centre_radius_m:
+            least = MIN_HALF_BEAM * self.thickness_m + self.centre_radius_m
             raise CallerError(
                 f"a half length of {1e3 * self.half_length_m:g} mm is too short for beams of "
                 f"{1e3 * self.thickness_m:g} mm: it is no flexure below {1e3 * least:.3g} mm"

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from musclewire.design.serpentine import closed_form
 from musclewire.design.serpentine.analysis import WANTED_TOLERANCE, Check, Duty, Pretensioner, analyse, finger_problem
 from musclewire.design.serpentine.geometry import (
-    SHORTEST_HALF_BEAM,
+    MIN_HALF_BEAM,
     USUAL_CORNER,
     Envelope,
     Fittings,
@@ -32,9 +32,9 @@ __all__ = ["PretensionerRequest", "design_pretensioner"]
 
 STEP_M = 1e-5
 BEAM_NUMBERS = (*range(4, 41, 2), 2)
-WIDTH_SHARES = (1.0, 0.85, 0.7, 0.55, 0.4, 0.3)
+WIDTH_FRACTIONS = (1.0, 0.85, 0.7, 0.55, 0.4, 0.3)
 # Where the usual corners have too much stress, gentler ones are tried.
-CORNER_SHARES = (USUAL_CORNER, 0.5, 1.0)
+CORNER_FRACTIONS = (USUAL_CORNER, 0.5, 1.0)
 # Thinner than a hair is out of every process's reach; it only bounds the search.
 THINNEST_M = 5e-6
 
@@ -76,7 +76,7 @@ def design_pretensioner(request: PretensionerRequest) -> Pretensioner:
     require_sense(request)
     closest: Candidate | None = None
     almost: list[Pretensioner] = []
-    for corner_share in CORNER_SHARES:
+    for corner_share in CORNER_FRACTIONS:
         for form in forms(corner_share):
             for candidate in tried(request, form):
                 made = made_of(request, candidate) if candidate.excess <= 0.0 else None
@@ -130,7 +130,7 @@ class Form(NamedTuple):
 
 def forms(corner_share: float) -> list[Form]:
     """Return all forms with such corners, the simplest and widest first."""
-    return [Form(beams, share, corner_share) for beams in BEAM_NUMBERS for share in WIDTH_SHARES]
+    return [Form(beams, share, corner_share) for beams in BEAM_NUMBERS for share in WIDTH_FRACTIONS]
 
 
 def shape(request: PretensionerRequest, form: Form, thickness_m: float) -> SerpentineGeometry:
@@ -150,7 +150,7 @@ def thickest_m(request: PretensionerRequest, form: Form) -> float:
     across = request.envelope.across_m
     if across < max(fittings.pad_width_m, fittings.connector_width_m):
         return 0.0
-    beam = form.width_share * across / (2.0 * (SHORTEST_HALF_BEAM + form.corner_share + 0.5) + form.width_share)
+    beam = form.width_share * across / (2.0 * (MIN_HALF_BEAM + form.corner_share + 0.5) + form.width_share)
     return min(slots, beam) * (1.0 - 1e-9)
 
 

@@ -37,7 +37,7 @@ FINEST = MESHES[-1]
 # Elements of a straight piece are about this many times as long as wide, but no more than so many per element across:
 # bending that runs evenly along a slender strip needs few. A corner has two per element across, and two more: its sides
 # are chords, and few of them would cut it.
-SLENDER, MOST_ALONG, ARC_ELEMENTS, ARC_MORE = 2.0, 8, 2, 2
+SLENDER, MAX_ALONG, ARC_ELEMENTS, ARC_MORE = 2.0, 8, 2, 2
 CURVE_STEPS, FURTHEST = 8, 2.5
 
 
@@ -102,7 +102,7 @@ def sections(geometry: SerpentineGeometry, across: int) -> tuple[FloatArray, Flo
             tangent = math.copysign(1.0, piece.turn_rad) * np.stack([-np.sin(angle), np.cos(angle)], axis=1)
         else:
             count = math.ceil(piece.length_m * across / (SLENDER * geometry.thickness_m))
-            count = min(count, MOST_ALONG * across)
+            count = min(count, MAX_ALONG * across)
             share = np.linspace(0.0, 1.0, max(count, 2) + 1)
             way = (np.array(piece.end_m) - np.array(piece.start_m)) / piece.length_m
             tangent = np.broadcast_to(way, (share.size, 2))

@@ -11,7 +11,7 @@ from musclewire.experiment.doctor.probing import Level
 __all__ = ["ChannelCalibration", "calibrations"]
 
 # A meter and a channel that differ by more do not measure the same thing.
-MOST_GAIN_ERROR = 0.2
+MAX_GAIN_ERROR = 0.2
 
 
 class ChannelCalibration(NamedTuple):
@@ -44,9 +44,9 @@ def gain_of(channel: str, offset_v: float, at_sense: Level | None, meter_v: floa
         raise CallerError(f"the sense voltage was not put out, so --meter-{channel} cannot be used: mend what is wrong")
     reading = float(getattr(at_sense, f"{channel}_voltage_v").mean()) - offset_v
     gain = meter_v / reading if reading else 0.0
-    if not abs(gain - 1.0) <= MOST_GAIN_ERROR:
+    if not abs(gain - 1.0) <= MAX_GAIN_ERROR:
         raise CallerError(
-            f"--meter-{channel} {meter_v:g} V beside a reading of {reading:g} V: over {MOST_GAIN_ERROR:.0%} apart, so "
+            f"--meter-{channel} {meter_v:g} V beside a reading of {reading:g} V: over {MAX_GAIN_ERROR:.0%} apart, so "
             "they do not measure the same: check where the meter was"
         )
     return gain

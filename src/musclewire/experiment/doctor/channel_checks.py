@@ -14,10 +14,10 @@ from musclewire.experiment.doctor.probing import Level
 __all__ = ["finite_check", "hum_check", "moving_checks", "offset_checks", "quiet_checks", "range_check"]
 
 # An offset may be this share of what the channel reads at the sense voltage: it shifts resistance by as much there.
-OFFSET_SHARE = 0.01
+OFFSET_FRACTION = 0.01
 # Noise may be this share of it; resistance then scatters by about a fifth of a percent of strain. Judged as the mean
 # over 50 ms: no wire moves in less, and a rig that samples faster is not worse for it.
-NOISE_SHARE, JUDGED_S = 0.01, 0.05
+NOISE_FRACTION, JUDGED_S = 0.01, 0.05
 # A mean is known this many standard errors well.
 SIGMAS = 4.0
 # Lan and Fan 2010, Table 2 and section III: 16.737 ohm at 1.506 %, 15.577 ohm at 3.034 %, R_max 17.4945 ohm. Strain
@@ -25,7 +25,7 @@ SIGMAS = 4.0
 STRAIN_PER_RELATIVE_RESISTANCE = (0.03034 - 0.01506) / ((16.737 - 15.577) / 17.4945)
 # Of a full stroke of about 4 %.
 STRAIN_NOISE_BAR = 0.0025
-LEAST_BITS = 4.0
+MIN_BITS = 4.0
 HUMS_HZ = (50.0, 60.0)
 # A spectrum shows 60 Hz only from twice as many samples a second, with room for the filter of the converter.
 HUM_RATE_HZ = 150.0
@@ -64,7 +64,7 @@ def offset_check(name: str, zero_v: FloatArray, at_sense_v: float, evidence: Evi
     reading = at_sense_v if evidence.carries else evidence.sense_voltage_v
     error = SIGMAS * float(zero_v.std()) / math.sqrt(len(zero_v))
     share = abs(offset) / reading
-    ok = abs(offset) <= OFFSET_SHARE * reading + error
+    ok = abs(offset) <= OFFSET_FRACTION * reading + error
     advice = f"{100 * share:.2g} % of the reading at the sense voltage"
     if not ok:
         advice += ": write it into the rig file (--write), or a shunt with more ohm and a smaller input range"
@@ -92,7 +92,7 @@ def quiet_checks(evidence: Evidence, at_sense: Level | None, sample_period_s: fl
 def noise_check(name: str, rms_v: float, at_sense_v: float, calmer: float) -> Check:
     """Check the noise of one channel against its reading at the sense voltage; ``calmer`` is what averaging leaves."""
     share = rms_v * calmer / at_sense_v
-    ok = share <= NOISE_SHARE
+    ok = share <= NOISE_FRACTION
     advice = (
         f"rms of a sample; {100 * share:.2g} % of the reading at the sense voltage in a mean over 50 ms or a sample"
     )
@@ -111,7 +111,7 @@ def bits_check(evidence: Evidence, wire_noise_v: float, shunt_noise_v: float) ->
         math.log2(max(reading_v / max(rms_v * math.sqrt(12.0), smallest_step_v(levels, name)), 1.0))
         for reading_v, rms_v, levels, name in pairs
     )
-    ok = bits >= LEAST_BITS
+    ok = bits >= MIN_BITS
     advice = "effective bits of the poorer channel at the sense voltage, from its noise and its smallest step"
     if not ok:
         advice += ": use a smaller input range, an amplifier, a larger shunt, or more readings in a sample"
@@ -208,7 +208,7 @@ def hum_check(evidence: Evidence, sample_period_s: float) -> Findings:
     found = {hertz: tone_rms_v(times, readings, hertz) for hertz in HUMS_HZ}
     hertz = max(found, key=lambda one: found[one])
     share = found[hertz] / evidence.shunt_at_sense_v
-    ok = share <= NOISE_SHARE
+    ok = share <= NOISE_FRACTION
     advice = f"at {hertz:g} Hz, {100 * share:.2g} % of the shunt's reading at the sense voltage"
     if not ok:
         advice += ": twist and shield the pairs, one ground point, or average over whole mains periods"

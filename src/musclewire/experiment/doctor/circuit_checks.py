@@ -11,15 +11,15 @@ from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
 __all__ = ["ExpectedWire", "circuit_findings"]
 
 # Eq. 1 takes less than 1 mA for no current; a sense current has twice of it.
-LEAST_SENSE_CURRENT_A = 2e-3
+MIN_SENSE_CURRENT_A = 2e-3
 # Spools, length measured by a ruler, pretension and the R-phase: a right wire is this close to the catalogue's.
-RESISTANCE_SHARE = 0.15
+RESISTANCE_FRACTION = 0.15
 # A shunt that takes less is hard to read, one that takes more wastes the drive and warms up.
-LEAST_SHUNT_SHARE, MOST_SHUNT_SHARE = 0.001, 0.3
+MIN_SHUNT_FRACTION, MAX_SHUNT_FRACTION = 0.001, 0.3
 # How far the output may be from what is commanded.
-GAIN_SHARE, OUTPUT_OFFSET_SHARE = 0.1, 0.1
+GAIN_FRACTION, OUTPUT_OFFSET_FRACTION = 0.1, 0.1
 # Leads, clamps, switch and amplifier between the output and the measured voltages, as a share of the wire.
-OUTSIDE_SHARE = 0.05
+OUTSIDE_FRACTION = 0.05
 # Shunts are mistaken by factors of the usual steps of values.
 USUAL_FACTORS = (0.001, 0.01, 0.1, 0.22, 0.47, 1 / 2.2, 2.2, 4.7, 10.0, 100.0, 1000.0)
 NAMED_WITHIN = 0.12
@@ -50,7 +50,7 @@ def output_at_zero_check(evidence: Evidence) -> Check:
     """Check that 0 V is 0 V: an output that stays on heats whatever software says."""
     level = evidence.zero
     volts = float((level.wire_voltage_v + level.shunt_voltage_v).mean())
-    ok = abs(volts) <= OUTPUT_OFFSET_SHARE * evidence.sense_voltage_v
+    ok = abs(volts) <= OUTPUT_OFFSET_FRACTION * evidence.sense_voltage_v
     advice = "what wire and shunt carry together at 0 V"
     if not ok:
         advice = (
@@ -63,15 +63,15 @@ def output_at_zero_check(evidence: Evidence) -> Check:
 def output_gain_check(evidence: Evidence) -> Check:
     """Check that what arrives at wire and shunt grows as the command does."""
     gain = abs(evidence.wire.slope) + abs(evidence.shunt.slope)
-    ok = abs(gain - 1.0) <= GAIN_SHARE
+    ok = abs(gain - 1.0) <= GAIN_FRACTION
     advice = "volts at wire and shunt for each volt commanded"
     if gain < 0.5:
         advice = "the drive does not arrive: check supply, fuse, emergency switch, amplifier and the clamps"
-    elif gain < 1.0 - GAIN_SHARE:
+    elif gain < 1.0 - GAIN_FRACTION:
         advice += (
             ": too few; leads, clamps or switch take the rest, or the amplifier's gain is not as the rig file says"
         )
-    elif gain > 1.0 + GAIN_SHARE:
+    elif gain > 1.0 + GAIN_FRACTION:
         advice += ": too many; the amplifier's gain or a channel's range is not as the rig file says"
     return Check("output_gain", ok, gain, "V/V", advice)
 
@@ -79,10 +79,10 @@ def output_gain_check(evidence: Evidence) -> Check:
 def current_check(evidence: Evidence) -> Check:
     """Check that enough current flows at the sense voltage for a resistance to be had."""
     current = abs(evidence.sense_current_a) if evidence.shunt.moves else 0.0
-    ok = current >= LEAST_SENSE_CURRENT_A
+    ok = current >= MIN_SENSE_CURRENT_A
     advice = "at the sense voltage, by the shunt's slope"
     if not ok and current > 0.0:
-        advice += f": below {1e3 * LEAST_SENSE_CURRENT_A:g} mA; raise the sense voltage"
+        advice += f": below {1e3 * MIN_SENSE_CURRENT_A:g} mA; raise the sense voltage"
     elif not ok and evidence.wire.moves:
         advice = (
             "the voltage arrives at the wire's terminals and no current flows: the wire is broken or a clamp is open, "
@@ -134,7 +134,7 @@ def resistance_findings(evidence: Evidence, expected: ExpectedWire) -> Findings:
 def resistance_check(measured_ohm: float, right_ohm: float, evidence: Evidence) -> Check:
     """Check the wire's resistance against that of a cold wire of its length, and guess what is wrong."""
     ratio = measured_ohm / right_ohm
-    ok = abs(ratio - 1.0) <= RESISTANCE_SHARE
+    ok = abs(ratio - 1.0) <= RESISTANCE_FRACTION
     advice = f"the wire file's ohm per metre times the length is {right_ohm:.4g} ohm"
     if not ok:
         advice += "; " + likely_cause(ratio, evidence)
@@ -153,7 +153,7 @@ def likely_cause(ratio: float, evidence: Evidence) -> str:
         return "the wire is bridged, or the pair at the wire does not reach its ends"
     if ratio < 1.0:
         return "too small: a shorter or thicker wire, one leg only, a wire still hot, or a shunt of more ohm than said"
-    if ratio < 2.0 and evidence.circuit.slope > 1.0 - OUTSIDE_SHARE:
+    if ratio < 2.0 and evidence.circuit.slope > 1.0 - OUTSIDE_FRACTION:
         return (
             "too large and nothing is lost outside: leads or clamps count as wire (two-wire connection), take a pair "
             "of their own to the crimps; or a longer or thinner wire"
@@ -164,9 +164,9 @@ def likely_cause(ratio: float, evidence: Evidence) -> str:
 def shunt_share_check(evidence: Evidence) -> Check:
     """Check that the shunt takes enough to be read and not so much that it wastes the drive."""
     share = abs(evidence.shunt.slope / evidence.wire.slope)
-    ok = LEAST_SHUNT_SHARE <= share <= MOST_SHUNT_SHARE
+    ok = MIN_SHUNT_FRACTION <= share <= MAX_SHUNT_FRACTION
     advice = "the shunt's voltage over the wire's"
-    if share > MOST_SHUNT_SHARE:
+    if share > MAX_SHUNT_FRACTION:
         advice += ": the shunt takes much of the drive and warms up; a smaller one (musclewire simulate says which)"
     elif not ok:
         advice += ": hard to read; a larger shunt (musclewire simulate says which)"
@@ -177,7 +177,7 @@ def outside_check(evidence: Evidence) -> Check:
     """Check what lies between the output and the measured voltages: leads, clamps, switch, amplifier."""
     lost = 1.0 - abs(evidence.wire.slope) - abs(evidence.shunt.slope)
     outside = evidence.shunt_resistance_ohm * lost / abs(evidence.shunt.slope)
-    ok = outside <= OUTSIDE_SHARE * abs(evidence.resistance_ohm)
+    ok = outside <= OUTSIDE_FRACTION * abs(evidence.resistance_ohm)
     advice = "leads, clamps and amplifier outside the measured voltages, if the output is as commanded"
     if not ok:
         advice += ": too much; shorter or thicker leads, clean clamps, or the output's gain is not as the rig file says"

@@ -14,7 +14,7 @@ from musclewire.experiment.doctor.probing import Level
 __all__ = ["Evidence", "Line", "evidence_of", "noise_v"]
 
 # Fewer volts than this per volt of drive are nothing, whatever the statistics say.
-LEAST_SLOPE = 1e-5
+MIN_SLOPE = 1e-5
 SIGMAS = 6.0
 
 
@@ -28,7 +28,7 @@ class Line(NamedTuple):
     @property
     def moves(self) -> bool:
         """Whether the channel follows the drive, upward or downward, beyond chance."""
-        return abs(self.slope) > max(SIGMAS * self.slope_error, LEAST_SLOPE)
+        return abs(self.slope) > max(SIGMAS * self.slope_error, MIN_SLOPE)
 
 
 class Evidence(NamedTuple):

@@ -20,7 +20,7 @@ from musclewire.experiment.doctor.channel_checks import (
 from musclewire.experiment.doctor.circuit_checks import ExpectedWire, circuit_findings
 from musclewire.experiment.doctor.evidence import Evidence, evidence_of
 from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
-from musclewire.experiment.doctor.probing import LOW_SHARES, Level, OnProbe, Probe
+from musclewire.experiment.doctor.probing import LOW_FRACTIONS, Level, OnProbe, Probe
 from musclewire.experiment.doctor.sense_checks import clock_findings, protection_findings, warmth_findings
 from musclewire.parameters.library import load_wire
 from musclewire.parameters.schema import Wire
@@ -84,7 +84,7 @@ class Subject(NamedTuple):
 
 def examination_s(hold_s: float = SENSE_S) -> float:
     """Return about how long an examination takes on a rig with a real clock."""
-    return ZERO_S + LOW_S * len(LOW_SHARES) + hold_s
+    return ZERO_S + LOW_S * len(LOW_FRACTIONS) + hold_s
 
 
 def examine(
@@ -193,7 +193,7 @@ def look_low(probe: Probe, rig: Rig) -> tuple[Level, ...]:
     out_v = abs(float((zero.wire_voltage_v + zero.shunt_voltage_v).mean()))
     if out_v > rig.sense_voltage_v:
         return tuple(probe.levels)  # an output that does not obey is not asked for more
-    for share in LOW_SHARES:
+    for share in LOW_FRACTIONS:
         if probe.hold(share * rig.sense_voltage_v, LOW_S) is None:
             break
     return tuple(probe.levels)

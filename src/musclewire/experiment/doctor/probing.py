@@ -16,16 +16,16 @@ from musclewire.errors import CallerError, RigError
 from musclewire.rigs.protocol import Rig
 from musclewire.signals.exchange import RawSample
 
-__all__ = ["LOW_SHARES", "Level", "OnProbe", "Probe", "samples_of"]
+__all__ = ["LOW_FRACTIONS", "Level", "OnProbe", "Probe", "samples_of"]
 
 Clock = Callable[[], float]
 OnProbe = Callable[[RawSample], None]
 
 # Shares of the sense voltage below the protection's threshold for "driven", which is half of it.
-LOW_SHARES = (0.25, 0.45)
+LOW_FRACTIONS = (0.25, 0.45)
 # After a step the first readings may be from before it: a filter, a frame that was under way.
 SETTLING_S, SETTLING_SAMPLES = 0.1, 2
-LEAST_SAMPLES = 20
+MIN_SAMPLES = 20
 
 
 class Level(NamedTuple):
@@ -44,7 +44,7 @@ class Level(NamedTuple):
 
 def samples_of(rig: Rig, seconds: float) -> int:
     """Return how many samples a level of this many seconds has: never fewer than statistics need."""
-    return max(round(seconds / rig.sample_period_s), LEAST_SAMPLES)
+    return max(round(seconds / rig.sample_period_s), MIN_SAMPLES)
 
 
 class Probe:

@@ -15,12 +15,12 @@ from musclewire.parameters.schema import Wire
 __all__ = ["clock_findings", "protection_findings", "warmth_findings"]
 
 # A sense voltage is no heater.
-MOST_RISE_K = 8.0
+MAX_RISE_K = 8.0
 # Resistance at the sense voltage has come to rest within this over the time it was held.
-DRIFT_SHARE, SIGMAS = 0.005, 4.0
-PERIOD_SHARE, RATE_SHARE, LATE_SHARE = 1e-3, 0.02, 0.5
+DRIFT_FRACTION, SIGMAS = 0.005, 4.0
+PERIOD_FRACTION, RATE_FRACTION, LATE_FRACTION = 1e-3, 0.02, 0.5
 # A step is another than the usual from this share on, and one in a hundred of those may be.
-STEP_SHARE, OFF_SHARE = 0.5, 0.01
+STEP_FRACTION, OFF_FRACTION = 0.5, 0.01
 
 
 def warmth_findings(
@@ -35,7 +35,7 @@ def warmth_findings(
         return Findings((drift,), (Unchecked("sense_warming_k", "the rig names no wire that is known, or no length"),))
     power_w = float(np.mean(at_sense.wire_voltage_v * at_sense.shunt_voltage_v)) / evidence.shunt_resistance_ohm
     rise = settled_temperature_k(max(power_w, 0.0) / length_m, wire, ambient_k) - ambient_k
-    ok = rise <= MOST_RISE_K
+    ok = rise <= MAX_RISE_K
     advice = f"by {1e3 * power_w:.2g} mW in still air, computed from the wire file, not measured"
     if not ok:
         advice += ": the sense voltage heats; lower it"
@@ -53,7 +53,7 @@ def drift_check(evidence: Evidence, at_sense: Level) -> Check:
     first, last = resistance[:third], resistance[-third:]
     drift = float(last.mean() / first.mean() - 1.0)
     error = SIGMAS * float(np.std(resistance) / abs(resistance.mean())) * (2.0 / third) ** 0.5
-    ok = abs(drift) <= DRIFT_SHARE + error
+    ok = abs(drift) <= DRIFT_FRACTION + error
     advice = "change of resistance while the sense voltage was held"
     if not ok:
         advice += (
@@ -66,8 +66,8 @@ def clock_findings(levels: tuple[Level, ...], sample_period_s: float, paced: boo
     """Return the checks of the sample clock: its own steps and, where it is a real one, the host's beside it."""
     steps = np.concatenate([np.diff(level.time_s) for level in levels])
     usual = float(np.median(steps))
-    off = float(np.mean(np.abs(steps / sample_period_s - 1.0) > STEP_SHARE))
-    ok = bool(np.all(steps > 0.0)) and abs(usual / sample_period_s - 1.0) <= PERIOD_SHARE and off <= OFF_SHARE
+    off = float(np.mean(np.abs(steps / sample_period_s - 1.0) > STEP_FRACTION))
+    ok = bool(np.all(steps > 0.0)) and abs(usual / sample_period_s - 1.0) <= PERIOD_FRACTION and off <= OFF_FRACTION
     advice = f"usual step of the sample clock; {sample_period_s:g} s is what the rig says"
     if off > 0.0:
         advice += f"; {100 * off:.2g} % of the steps are others: samples lost or late, take load off the machine"
@@ -85,8 +85,8 @@ def host_checks(level: Level, sample_period_s: float) -> tuple[Check, Check]:
     late: FloatArray = level.host_s - level.time_s
     late = late - np.median(late)
     jitter = float(np.percentile(np.abs(late), 99.0))
-    right = abs(rate - 1.0) <= RATE_SHARE
-    even = jitter <= LATE_SHARE * sample_period_s
+    right = abs(rate - 1.0) <= RATE_FRACTION
+    even = jitter <= LATE_FRACTION * sample_period_s
     off_pace = "" if right else ": the samples do not keep the pace that the rig file says"
     uneven = "" if even else ": take load off the machine, or a longer sample period"
     return (

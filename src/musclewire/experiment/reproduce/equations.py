@@ -20,7 +20,7 @@ __all__ = ["checks"]
 
 RATIO_OF = {"proportional_gain": "kp", "integral_gain": "ki", "derivative_gain": "kd"}
 UNITS = {"proportional_gain": "1", "integral_gain": "1/s", "derivative_gain": "s"}
-REACH_SHARE = 0.05
+REACH_FRACTION = 0.05
 
 
 def checks() -> list[Check]:
@@ -130,7 +130,7 @@ def gain_checks() -> list[Check]:
         for end, place, side in sides
     ] + [
         Check(f"eq6.{gain}_reach[{end}]", printed[gain][place], UNITS[gain],
-            REACH_SHARE * (printed[gain][1] - printed[gain][0]), reach, "printed",
+            REACH_FRACTION * (printed[gain][1] - printed[gain][0]), reach, "printed",
             partial(gain_reach, gain=gain, end=end, low=printed[gain][0], high=printed[gain][1]))
         for gain in RATIO_OF
         for end, place, _ in sides

@@ -13,9 +13,9 @@ from musclewire.export.c.reference import Outcome, ReferenceTick
 __all__ = ["FAULTS", "Tick", "exercise"]
 
 # Share of the model's span that the resistance walks in a control period at most, and of the range that a target does.
-WALK_SHARE = 0.02
+WALK_FRACTION = 0.02
 TARGET_CHANGES_EACH_S = 2.0
-LONGEST_FAULT_S = 0.6
+MAX_FAULT_S = 0.6
 NOISE_V = 2e-4
 
 
@@ -85,7 +85,7 @@ def exercise(
         wire_v, shunt_v = bench.read(ticks_a_control)
         if fault_left == 0 and random.random() < fault_share:
             fault = str(random.choice(list(FAULTS)))
-            fault_left = int(random.integers(1, max(2, int(LONGEST_FAULT_S / tick_s))))
+            fault_left = int(random.integers(1, max(2, int(MAX_FAULT_S / tick_s))))
         if fault_left:
             fault_left -= 1
             wire_v, shunt_v = (_single(v) for v in FAULTS[fault](bench.voltages(wire_v, shunt_v)))
@@ -114,7 +114,7 @@ class _Bench:
     def read(self, ticks_a_control: int) -> tuple[float, float]:
         """Return both voltages of the drive that is out, with noise."""
         model, limits = self._reference.model, self._reference.protection_limits
-        step = WALK_SHARE / ticks_a_control
+        step = WALK_FRACTION / ticks_a_control
         self._share = min(max(self._share + self._random.uniform(-step, step), -0.01), 1.01)
         resistance = model.resistance_min_ohm + self._share * (model.resistance_max_ohm - model.resistance_min_ohm)
         current = self._reference.drive_voltage_v / (resistance + limits.shunt_resistance_ohm)

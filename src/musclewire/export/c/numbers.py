@@ -13,7 +13,7 @@ from musclewire.errors import CallerError
 
 __all__ = ["check_single", "literal", "rows"]
 
-SMALLEST_NORMAL = float(np.finfo(np.float32).tiny)
+MIN_NORMAL = float(np.finfo(np.float32).tiny)
 # The bits of a double that single precision drops, when the double lies half-way between two of its numbers.
 DROPPED_BITS, HALF_WAY = (1 << 29) - 1, 1 << 28
 
@@ -42,7 +42,7 @@ def check_single(name: str, value: float) -> None:
         raise CallerError(
             f"{name} is {value!r}, more than single precision holds (3.4e38): check its unit, or export with --double"
         )
-    if value != 0.0 and abs(single) < SMALLEST_NORMAL:
+    if value != 0.0 and abs(single) < MIN_NORMAL:
         raise CallerError(
             f"{name} is {value!r}, less than single precision holds (1.2e-38): check its unit, or export with --double"
         )

@@ -13,12 +13,12 @@ from musclewire.export.c.constants import Constants, numbers_of
 from musclewire.export.c.numbers import check_single
 from musclewire.sensing.model import SensingModel
 
-__all__ = ["LARGEST_ERROR", "check_precision", "single_estimates", "single_error_share"]
+__all__ = ["MAX_ERROR", "check_precision", "single_estimates", "single_error_share"]
 
 # An estimate in single precision may differ from one in double by this share of the full scale.
-LARGEST_ERROR = 2e-4
+MAX_ERROR = 2e-4
 CHECKED_RESISTANCES = 4001
-SHORTEST_TICK_S = 1e-4
+MIN_TICK_S = 1e-4
 # Numbers that must stay apart, the lower first.
 ORDERED = (
     ("SENSE_VOLTAGE_V", "MAXIMUM_VOLTAGE_V"),
@@ -49,13 +49,13 @@ def _check_products(constants: Constants) -> None:
     value = constants.value
     range_ = value("QUANTITY_MAX") - value("QUANTITY_MIN")
     unit, scale = value("ERROR_UNIT"), value("INPUT_SCALE")
-    rate = range_ / SHORTEST_TICK_S
+    rate = range_ / MIN_TICK_S
     for name, result in {
         "the quantity's range / error_unit / error_range": range_ / unit / value("ERROR_RANGE"),
         "the quantity's fastest rate / error_unit / change_range": rate / unit / value("CHANGE_RANGE"),
         "input_scale * kp * the quantity's range": scale * value("KP_MAXIMUM") * range_,
         "input_scale * kp * the quantity's range / error_unit": scale * value("KP_MAXIMUM") * range_ / unit,
-        "ki * shortest tick * the quantity's range": value("KI_MAXIMUM") * SHORTEST_TICK_S * range_,
+        "ki * shortest tick * the quantity's range": value("KI_MAXIMUM") * MIN_TICK_S * range_,
         "kd * the quantity's fastest rate": value("KD_MAXIMUM") * rate,
         "heat_loss / heat_capacity": value("HEAT_LOSS_W_PER_K") / value("HEAT_CAPACITY_J_PER_K"),
     }.items():
@@ -64,7 +64,7 @@ def _check_products(constants: Constants) -> None:
 
 def _check_estimate(model: SensingModel, constants: Constants) -> None:
     share = single_error_share(model, constants)
-    if share <= LARGEST_ERROR:
+    if share <= MAX_ERROR:
         return
     low, high = constants.value("NORMALISED_MIN"), constants.value("NORMALISED_MAX")
     reach = max(abs(low), abs(high))
@@ -86,7 +86,7 @@ def _check_estimate(model: SensingModel, constants: Constants) -> None:
         value = getattr(model, f"{branch}_coefficients")[power]
         culprit = f"{branch}_coefficients[{power}], {value!r}, is cancelled by its neighbours"
     raise CallerError(
-        f"in single precision the estimate is off by {share:.2g} of full scale, more than {LARGEST_ERROR:g}: "
+        f"in single precision the estimate is off by {share:.2g} of full scale, more than {MAX_ERROR:g}: "
         f"{culprit}; fit a lower order, or export with --double"
     )
 

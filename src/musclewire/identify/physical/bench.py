@@ -45,7 +45,7 @@ SETTABLE: dict[str, str] = {
 # Diameters that differ by less than this share are one wire's.
 SAME_DIAMETER = 0.01
 # A load cell that begins below this share of what it goes through was tared.
-TARED_SHARE = 0.02
+TARED_FRACTION = 0.02
 
 
 def checked_settings(given: Mapping[str, float | str]) -> dict[str, float]:
@@ -127,7 +127,7 @@ def load_line(recording: Recording, missing: set[str]) -> dict[str, float]:
             "force_n and displacement_m"
         )
     force = recording["force_n"]
-    if "pretension_n" in missing and force[0] < TARED_SHARE * np.ptp(force):
+    if "pretension_n" in missing and force[0] < TARED_FRACTION * np.ptp(force):
         raise CallerError(
             f"force_n begins at {force[0]:.3g} N: a load cell that was tared does not tell the pretension: "
             "give --set pretension_n='1.9 N'"

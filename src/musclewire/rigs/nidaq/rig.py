@@ -28,7 +28,7 @@ BUFFER_S = 30.0
 # The guardian hears of the host at least so often while the host waits for readings [s].
 BEAT_S = 0.02
 # Readings fetched at once where many wait; more would not fit into one message of gRPC.
-LARGEST_FETCH = 20_000
+MAX_FETCH = 20_000
 # Clocks of one card are divided from one oscillator: their ratio is exact, or it is another one.
 RATIO_TOLERANCE = 1e-9
 
@@ -233,7 +233,7 @@ class NiDaqDevice:
 
     def _piece(self) -> int:
         """Return how many readings are fetched at once."""
-        return min(LARGEST_FETCH, max(1, round(BEAT_S * self._of.reading_rate)))
+        return min(MAX_FETCH, max(1, round(BEAT_S * self._of.reading_rate)))
 
     def _sample(self, means_v: list[float]) -> RawSample:
         """Return a sample from the means of all inputs."""

@@ -20,10 +20,10 @@ __all__ = ["Frame", "FrameParser", "LinkErrors", "MAXIMUM_BODY_BYTES", "PROTOCOL
 
 HEADER = struct.Struct("<BBH")
 CHECKSUM = struct.Struct("<I")
-SMALLEST_BODY_BYTES = HEADER.size + CHECKSUM.size
+MIN_BODY_BYTES = HEADER.size + CHECKSUM.size
 # One code byte for each started 254 bytes: a body of 96 bytes grows by one.
-LONGEST_ON_THE_LINE_BYTES = MAXIMUM_BODY_BYTES + 1
-LONGEST_RUN = 0xFF
+MAX_ON_THE_LINE_BYTES = MAXIMUM_BODY_BYTES + 1
+MAX_RUN = 0xFF
 
 
 class Frame(NamedTuple):
@@ -55,9 +55,9 @@ def stuff(body: bytes) -> bytes:
     stuffed = bytearray()
     for part in body.split(b"\0"):
         start = 0
-        while len(part) - start >= LONGEST_RUN - 1:
-            stuffed += bytes([LONGEST_RUN]) + part[start : start + LONGEST_RUN - 1]
-            start += LONGEST_RUN - 1
+        while len(part) - start >= MAX_RUN - 1:
+            stuffed += bytes([MAX_RUN]) + part[start : start + MAX_RUN - 1]
+            start += MAX_RUN - 1
         stuffed += bytes([len(part) - start + 1]) + part[start:]
     return bytes(stuffed)
 
@@ -72,7 +72,7 @@ def unstuff(stuffed: bytes) -> bytes | None:
         if code == 0 or end > len(stuffed):
             return None
         body += stuffed[at + 1 : end]
-        if code != LONGEST_RUN and end < len(stuffed):
+        if code != MAX_RUN and end < len(stuffed):
             body.append(0)
         at = end
     return bytes(body)
@@ -115,7 +115,7 @@ class FrameParser:
     def _keep(self, piece: bytes) -> None:
         """Keep bytes of the frame under way; noise without any zero counts once per frame's length, as on the board."""
         at = 0
-        while len(piece) - at > (room := LONGEST_ON_THE_LINE_BYTES - len(self._under_way)):
+        while len(piece) - at > (room := MAX_ON_THE_LINE_BYTES - len(self._under_way)):
             self.errors.too_long += 1
             self._overflowed = True
             self._under_way.clear()
@@ -137,7 +137,7 @@ class FrameParser:
         return self._checked(body)
 
     def _checked(self, body: bytes) -> Frame | None:
-        if len(body) < SMALLEST_BODY_BYTES:
+        if len(body) < MIN_BODY_BYTES:
             self.errors.too_short += 1
             return None
         (checksum,) = CHECKSUM.unpack_from(body, len(body) - CHECKSUM.size)

@@ -35,7 +35,7 @@ __all__ = ["SERIAL", "SerialDevice"]
 # Samples the board sends in a sample period, as far as the period divides: one that is lost then costs a fifth.
 FRAMES_PER_SAMPLE = (5, 4, 3, 2, 1)
 # A command is sent again after this share of the patience.
-REPEAT_SHARE = 0.1
+REPEAT_FRACTION = 0.1
 ATTEMPTS = 5
 TICKS = 1 << 32
 # Shunt and voltages that a rig file gives with three digits agree with the board's to this share.
@@ -232,7 +232,7 @@ class SerialDevice:
     def _samples_after(self, command: Command) -> list[BoardSample]:
         """Collect the samples that carry a command's number until the period is over."""
         sequence = self._send(command)
-        repeat_s = REPEAT_SHARE * self._configuration.patience
+        repeat_s = REPEAT_FRACTION * self._configuration.patience
         start_s = heard_s = asked_s = self._clock_s()
         found: list[BoardSample] = []
         while True:
@@ -341,7 +341,7 @@ class SerialDevice:
 
     def _command(self, kind: MessageKind, payload: bytes) -> None:
         """Send a command that must be acknowledged. Raises RigError where it is not or is refused."""
-        patience_s = max(REPEAT_SHARE * self._configuration.patience, 0.02)
+        patience_s = max(REPEAT_FRACTION * self._configuration.patience, 0.02)
         answer = self._board.command(kind, payload, patience_s, ATTEMPTS * 2)
         if answer is None or answer.result != AcknowledgementResult.DONE:
             said = "did not answer" if answer is None else f"answered {answer.result}"
@@ -371,7 +371,7 @@ class SerialDevice:
 
     def _answers_off(self) -> bool:
         """Order 0 V and return whether the board says that it is out."""
-        patience_s = REPEAT_SHARE * self._configuration.patience
+        patience_s = REPEAT_FRACTION * self._configuration.patience
         try:
             answer = self._board.command(MessageKind.OFF, b"", patience_s, ATTEMPTS)
         except RigError:
