@@ -194,7 +194,7 @@ def test_of_unknown_stiffness_the_force_is_nearly_right_in_the_mean_over_objects
 
 def test_a_closing_above_the_rigs_voltage_names_the_setting_and_the_number_that_serves() -> None:
     configuration, _ = rig_configuration("gripper")
-    low = configuration.model_copy(update={"settings": {"drive_amplitude_v": 3.5, "maximum_voltage_v": 4.05}})
+    low = configuration.model_copy(update={"drive_amplitude": 3.5, "maximum_voltage": 4.05})
     with open_rig(low) as rig, pytest.raises(CallerError, match=r"maximum_voltage_v = 4.6 under \[settings\]"):
         close_fingers(rig)
 
