@@ -131,7 +131,24 @@ def body(material: Mapping[str, float], spool: Mapping[str, float], bench: Mappi
 
 
 def with_pretension(constants: WireConstants, pretension_n: float) -> WireConstants:
-    """Return the constants for another setting of the linear stage; contraction counts from cold there."""
+    """Return the constants for another setting of the linear stage; contraction counts from cold there.
+
+    Parameters
+    ----------
+    constants
+        Those of the wire on its load at any pretension.
+    pretension_n
+        Force of the cold wire [N], 0 or more.
+
+    Returns
+    -------
+    Constants with that pretension, and with the cold strain and the stress-free length that it implies.
+
+    Raises
+    ------
+    CallerError
+        For a pretension below 0 or not finite: a wire cannot be pushed.
+    """
     if not 0.0 <= pretension_n < math.inf:
         raise CallerError(f"pretension is {pretension_n} N: a wire cannot be pushed, give 0 or more")
     stress = pretension_n / (constants.legs * constants.area_m2)

@@ -14,7 +14,17 @@ __all__ = ["GrainSpread", "signed_power", "spread_grains"]
 
 
 class GrainSpread(NamedTuple):
-    """Grains as intervals in units of the spread that leave no gap: edges (n_grains + 1,), the rest (n_grains,)."""
+    """Grains as intervals in units of the spread that leave no gap between them.
+
+    Parameters
+    ----------
+    edges
+        Edges of the intervals, ascending, (n_grains + 1,).
+    middle
+        Middle of each interval, (n_grains,).
+    width
+        Width of each interval, (n_grains,).
+    """
 
     edges: FloatArray
     middle: FloatArray
@@ -32,7 +42,23 @@ def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> Float
     Flexinol isobars have a sharp core with long tails (tail near 1), which a normal distribution (tail 0) or a cosine
     law has not.
 
-    Raises CallerError for a tail below 0 or a skew outside -1 to 1, with which it would fold back.
+    Parameters
+    ----------
+    normal_quantile
+        z, quantiles of the standard normal distribution, of any shape.
+    skew
+        Stretches the upper half by 1 + skew and the lower one by 1 - skew; between -1 and 1, 0 is symmetric.
+    tail
+        How heavy both tails are, 0 or more; 0 is the normal distribution.
+
+    Returns
+    -------
+    Places in units of the spread, in the shape of ``normal_quantile``.
+
+    Raises
+    ------
+    CallerError
+        For a tail below 0 or a skew outside -1 to 1, with which the places would not increase.
     """
     if not (0.0 <= tail < np.inf and -1.0 < skew < 1.0):
         raise CallerError(f"grain_tail {tail} must be 0 or more and grain_skew {skew} between -1 and 1")
@@ -45,6 +71,24 @@ def spread_grains(grains: int, skew: float, tail: float) -> GrainSpread:
 
     Class j reaches from the quantile j/n to (j + 1)/n; the outermost two, whose true reach is endless, reach as
     far outwards from the quantile in their middle as inwards.
+
+    Parameters
+    ----------
+    grains
+        Number of classes, at least 2.
+    skew
+        Skew of the distribution, between -1 and 1: see :func:`signed_power`.
+    tail
+        Tail of the distribution, 0 or more.
+
+    Returns
+    -------
+    Edges, middles and widths of the classes in units of the spread.
+
+    Raises
+    ------
+    CallerError
+        For fewer than two grains, or a skew or tail out of range.
     """
     if grains < 2:
         raise CallerError(f"grains is {grains}: an ensemble needs at least 2")

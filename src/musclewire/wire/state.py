@@ -83,7 +83,15 @@ def field(unit: str, meaning: str, length: int | str | None = None) -> Any:
 class Row:
     """A row of named numbers. A subclass lists its fields, ``name: float = field(unit, meaning)``, and nothing else.
 
-    ``row`` is an array of one record, (1,), which is what compiled code takes; a batch is a longer one.
+    ``row`` is an array of one record, (1,), which is what compiled code takes; a batch is a longer one. Make a row by
+    ``of``, ``zeros`` or ``replace``.
+
+    Parameters
+    ----------
+    numbers
+        The bare numbers of the row in the order of its fields, one-dimensional; they belong to the row from here on.
+    layout
+        What is where in them: ``layout(grains)``.
     """
 
     fields: ClassVar[tuple[Field, ...]] = ()
@@ -163,7 +171,15 @@ NO_LOAD_TABLE = np.zeros((2, 2))
 
 
 class WireState(Row):
-    """All that a wire remembers from one step to the next."""
+    """All that a wire remembers from one step to the next.
+
+    Parameters
+    ----------
+    numbers
+        The bare numbers of the row in the order of its fields, one-dimensional.
+    layout
+        What is where in them: ``WireState.layout(grains)``.
+    """
 
     time_s: float = field("s", "time since the wire was first at rest")
     temperature_k: float = field("K", "temperature")
@@ -194,9 +210,16 @@ class WireState(Row):
 class WireConstants(Row):
     """Everything that does not change while a wire runs, built by ``wire.building``.
 
-    ``load_table_n``, (2, n_points), is not in the row, as its length differs from load to load: what the load pulls
-    beyond pretension and spring, and its friction beyond the guide's, at displacements of 0, 1, 2... times
-    ``load_step_m``.
+    Parameters
+    ----------
+    numbers
+        The bare numbers of the row in the order of its fields, one-dimensional.
+    layout
+        What is where in them: ``WireConstants.layout(grains)``.
+    load_table_n
+        What the load pulls beyond pretension and spring, and its friction beyond the guide's [N], (2, n_points), at
+        displacements of 0, 1, 2... times ``load_step_m``; by default neither. It is not in the row, as its length
+        differs from load to load.
     """
 
     load_table_n: FloatArray
@@ -275,7 +298,17 @@ class WireConstants(Row):
 
 
 class Shakedown(NamedTuple):
-    """How much of a new wire's shakedown is left: 1 before its first cycle, 0 in the end, and what that does."""
+    """How much of a new wire's shakedown is left, and its effects.
+
+    Parameters
+    ----------
+    remaining
+        Fraction that is still to come: 1 before the first cycle, 0 in the end.
+    residual_strain
+        Strain that the wire has gained since it was new.
+    barrier_factor
+        By which the barrier between austenite and martensite is multiplied, 1 or more.
+    """
 
     remaining: float
     residual_strain: float

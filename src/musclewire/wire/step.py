@@ -62,7 +62,30 @@ NO_RISE_K = 1e-9
 def strain_at(
     constants: WireConstants, stress_pa: float, martensite: float, r_phase: float, temperature_k: float
 ) -> tuple[float, float, float]:
-    """Return transformation strain, elastic strain and thermal strain of the wire."""
+    """Return transformation strain, elastic strain and thermal strain of the wire.
+
+    Parameters
+    ----------
+    constants
+        The wire's constants, one record.
+    stress_pa
+        Stress of a leg [Pa].
+    martensite
+        Volume fraction of martensite, 0 to 1.
+    r_phase
+        Volume fraction of R-phase, 0 to 1 - ``martensite``.
+    temperature_k
+        Temperature of the wire [K].
+
+    Returns
+    -------
+    The three strains, each positive for a longer wire. Transformation strain is 0 in austenite, elastic strain is 0
+    without stress, thermal strain is 0 at 20 C.
+
+    References
+    ----------
+    Transformation strain after Lagoudas et al. 2012, doi 10.1016/j.ijplas.2011.10.009; modulus after Reuss.
+    """
     orientable = maximum_transformation_strain(
         stress_pa, constants.strain_at_no_stress, constants.strain_saturated, constants.strain_stress_scale_pa
     )
@@ -78,7 +101,25 @@ def strain_at(
 def total_strain(
     constants: WireConstants, stress_pa: float, martensite: float, r_phase: float, temperature_k: float
 ) -> float:
-    """Return the whole strain of the wire against stress-free austenite at 20 C."""
+    """Return the whole strain of the wire against stress-free austenite at 20 C.
+
+    Parameters
+    ----------
+    constants
+        The wire's constants, one record.
+    stress_pa
+        Stress of a leg [Pa].
+    martensite
+        Volume fraction of martensite, 0 to 1.
+    r_phase
+        Volume fraction of R-phase, 0 to 1 - ``martensite``.
+    temperature_k
+        Temperature of the wire [K].
+
+    Returns
+    -------
+    The sum of transformation, elastic and thermal strain, without the residual strain of shakedown.
+    """
     transformation, elastic, thermal = strain_at(constants, stress_pa, martensite, r_phase, temperature_k)
     return transformation + elastic + thermal
 
@@ -88,6 +129,17 @@ def contraction_of(constants: WireConstants, strain: float) -> float:
     """Return how much shorter the wire is than cold under pretension, as a fraction of that length.
 
     Strain counts from stress-free austenite, contraction from the longer wire that one lays a ruler on.
+
+    Parameters
+    ----------
+    constants
+        The wire's constants, one record; its ``cold_strain`` is the strain cold under pretension.
+    strain
+        Whole strain against stress-free austenite at 20 C, residual strain included.
+
+    Returns
+    -------
+    The contraction, positive if the wire is shorter than cold; for a finger's wire, 0.04 is 4 % of stroke.
     """
     return (constants.cold_strain - strain) / (1.0 + constants.cold_strain)
 
@@ -148,11 +200,31 @@ def friction_limit_n(constants: WireConstants, load_table_n: FloatArray, displac
 def equilibrium_stress_pa(wire: RunningWire, push_n: float, push_n_per_m: float) -> float:
     """Return the leg stress [Pa] at which wire and load agree: one Newton step from the wire's, on a kink a few.
 
-    F_T = F_p + k S l_leg + what the load's table adds + friction, sigma = F_T / (legs A); a slack wire carries
-    nothing. ``push_n`` is a further force on the connector at the wire's displacement, and how it grows with it.
+    The balance is F_T = F_p + k S l_leg + what the load's table adds + friction + push, with sigma = F_T / (legs A); a
+    slack wire carries nothing.
+
+    Parameters
+    ----------
+    wire
+        The wire with its load, its phases and temperature already those after the step's heat.
+    push_n
+        A further force on the connector at the wire's displacement [N]: that of a second wire; 0 without one.
+    push_n_per_m
+        How that force grows with the displacement [N/m].
+
+    Returns
+    -------
+    Stress of a leg [Pa], 0 or more.
+
+    Notes
+    -----
     The function is almost linear in stress, so that one step leaves an error of second order. Where the table bends
     within that step, the steps go on, kept between stresses known to be too low and too high: from a wall a single
     step would go far out of it, and the next one far into it.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 8, F_T = F_p + F.
     """
     state, constants, load_table_n = wire.state, wire.constants, wire.load_table_n
     martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
@@ -196,7 +268,28 @@ def resistance_of(
     temperature_k: float,
     shakedown_remaining: float,
 ) -> float:
-    """Return the wire's resistance [ohm]: phases mixed by volume, then the change of shape."""
+    """Return the wire's resistance [ohm]: phases mixed by volume, then the change of shape.
+
+    Parameters
+    ----------
+    constants
+        The wire's constants, one record.
+    stress_pa
+        Stress of a leg [Pa], for transformation strain and elastic strain.
+    martensite
+        Volume fraction of martensite, 0 to 1.
+    r_phase
+        Volume fraction of R-phase, 0 to 1 - ``martensite``.
+    temperature_k
+        Temperature of the wire [K].
+    shakedown_remaining
+        Fraction of the shakedown that is still to come: 1 for a new wire, 0 in the end. It raises the resistivity of
+        martensite by ``shakedown_resistivity``.
+
+    Returns
+    -------
+    Resistance of the whole wire [ohm], without leads and shunt.
+    """
     transformation, elastic, thermal = strain_at(constants, stress_pa, martensite, r_phase, temperature_k)
     martensite_resistivity = constants.martensite_resistivity_ohm_m * (
         1.0 + constants.shakedown_resistivity * shakedown_remaining
@@ -231,7 +324,21 @@ def convection_w_per_m2_k(constants: WireConstants, temperature_k: float) -> flo
 
 
 class EnthalpyStep(NamedTuple):
-    """What a step's heat has done to a wire: its phases, the capacity it showed, and the rise its grains followed."""
+    """What a step's heat has done to a wire: its phases, the capacity it showed, and the rise its grains followed.
+
+    Parameters
+    ----------
+    temperature_k
+        Temperature after the step [K].
+    martensite
+        Volume fraction of martensite after the step.
+    r_phase
+        Volume fraction of R-phase after the step.
+    capacity_j_per_k
+        Heat over rise in the last part of the step, latent heat included [J/K]; at least the wire's own.
+    rise_k
+        Rise of temperature that the grains followed [K].
+    """
 
     temperature_k: float
     martensite: float
@@ -242,7 +349,25 @@ class EnthalpyStep(NamedTuple):
 
 @compiled
 def shakedown_of(constants: WireConstants, cycles: float) -> Shakedown:
-    """Return the state of a wire's shakedown after some cycles."""
+    """Return the state of a wire's shakedown after a number of cycles.
+
+    Parameters
+    ----------
+    constants
+        The wire's constants, one record.
+    cycles
+        Full transformations there and back since the wire was new, 0 or more; half a cycle counts as half.
+
+    Returns
+    -------
+    The fraction that is left, exp(-cycles / shakedown_cycles), and its effects. In a wire whose shakedown was over at
+    the start it has no effects: its constants are 0.
+
+    References
+    ----------
+    The form is assumed; the signs are those of Churchill and Shaw, SMASIS2009-48968, and Hartwich et al. 2021,
+    doi 10.3390/s21206804.
+    """
     remaining = math.exp(-cycles / constants.shakedown_cycles)
     return Shakedown(
         remaining, constants.shakedown_strain * (1.0 - remaining), 1.0 + constants.shakedown_barrier * remaining
@@ -261,6 +386,17 @@ def enthalpy_step(wire: RunningWire, heat_j: float) -> EnthalpyStep:
 
     A rise is tried with the last known capacity, the grains follow it, and enthalpy gives the rise that is left.
     Stress goes along by its slope in the step before. Energy is kept to rounding.
+
+    Parameters
+    ----------
+    wire
+        The wire before the step. Its grains move in place; its other numbers stay.
+    heat_j
+        Heat into the wire during the step [J]: electrical less that given to the air.
+
+    Returns
+    -------
+    Temperature and phases after the step, the capacity that the wire showed, and the rise that its grains followed.
     """
     state, constants = wire.state, wire.constants
     own = constants.heat_capacity_j_per_k

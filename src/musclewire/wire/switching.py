@@ -56,7 +56,28 @@ class DrivingForces(NamedTuple):
 def driving_forces_at(
     constants: WireConstants, temperature_k: float, stress_pa: float, barrier_factor: float
 ) -> DrivingForces:
-    """Return the six driving forces at a temperature and a stress."""
+    """Return the six driving forces at a temperature and a stress.
+
+    Parameters
+    ----------
+    constants
+        The wire's constants, one record.
+    temperature_k
+        Temperature of the wire [K].
+    stress_pa
+        Stress of a leg [Pa].
+    barrier_factor
+        By which the barrier between austenite and martensite is multiplied: above 1 in a new wire, 1 after shakedown.
+
+    Returns
+    -------
+    The forces for a grain of offset 0 [K], with the stress; a change is due from 0 on.
+
+    References
+    ----------
+    Threshold switching as in Preisach's operator: Mayergoyz 1986, doi 10.1103/PhysRevLett.56.1518. The phase boundaries
+    are those of Brinson 1993, doi 10.1177/1045389X9300400213.
+    """
     martensite = advantage_k(
         temperature_k,
         stress_pa,
@@ -90,6 +111,18 @@ def spreads(constants: WireConstants, stress_pa: float) -> tuple[float, float, f
 
     Load pulls grains apart: each is turned differently to the wire's axis and feels its own part of the stress.
     A spread under a microkelvin counts as that: a switch rather than a ramp.
+
+    Parameters
+    ----------
+    constants
+        The wire's constants, one record.
+    stress_pa
+        Stress of a leg [Pa].
+
+    Returns
+    -------
+    The three spreads: of martensite against austenite, of R-phase against austenite, and of martensite against R-phase,
+    which is negative if the R-phase's is the larger one.
     """
     spread_m = constants.martensite_spread_k + constants.martensite_spread_per_pa * stress_pa
     spread_r = constants.r_phase_entropy_ratio * constants.r_phase_spread_k
@@ -232,7 +265,27 @@ def follow(
 ) -> tuple[float, float, int]:
     """Let the grains of a row follow a temperature and a stress.
 
-    Returns by how much the sums of martensite and of R-phase over the grains have changed, and the number of grains.
+    Parameters
+    ----------
+    state
+        The wire's state, one record, written in place: its grains, and the driving forces that they have followed.
+    constants
+        The wire's constants, one record.
+    temperature_k
+        New temperature of the wire [K].
+    stress_pa
+        New stress of a leg [Pa].
+    barrier_factor
+        By which the barrier between austenite and martensite is multiplied: above 1 in a new wire, 1 after shakedown.
+
+    Returns
+    -------
+    By how much the sums of martensite and of R-phase over the grains have changed, and the number of grains.
+
+    References
+    ----------
+    Mayergoyz 1986, doi 10.1103/PhysRevLett.56.1518, and Sethna et al. 1993, doi 10.1103/PhysRevLett.70.3347, for the
+    return-point memory of such an ensemble.
     """
     forces = driving_forces_at(constants, temperature_k, stress_pa, barrier_factor)
     kept = state.followed_force_k
