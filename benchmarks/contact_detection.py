@@ -23,7 +23,7 @@ from musclewire.experiment.grip import grip
 from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
 from musclewire.rigs.surroundings import Surroundings
 from musclewire.sensing.branch_equations import evaluate
-from musclewire.sensing.contact import THRESHOLD, ContactDetector
+from musclewire.sensing.contact_detection import THRESHOLD, ContactDetector
 from musclewire.signals.recording import Recording
 
 BAR_N, BAR_FREE = 0.15, 20

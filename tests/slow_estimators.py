@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from musclewire.sensing.estimator import EstimatorSetup
-from musclewire.sensing.polynomial import PolynomialEstimator, PolynomialState
+from musclewire.sensing.polynomial_estimator import PolynomialEstimator, PolynomialState
 from musclewire.signals.exchange import EstimatorStep, Reason, WireSample
 
 

@@ -4,9 +4,9 @@ A controller takes a number, so it runs alike on a sensor and on an estimate fro
 """
 
 from musclewire.controllers.controller import CONTROLLERS, Controller, ControllerFactory, ControllerSetup
+from musclewire.controllers.drive_limits import DriveLimits
 from musclewire.controllers.fuzzy import FuzzyRatios, RatioSurface, infer_ratios, infer_surface
 from musclewire.controllers.fuzzy_pid import ControllerState, FuzzyPid, FuzzyPidController, FuzzyPidSettings, StepResult
-from musclewire.controllers.limits import DriveLimits
 from musclewire.controllers.pid import PidController, PidSettings
 from musclewire.controllers.plots import plot_rule_surfaces
 from musclewire.controllers.references import (

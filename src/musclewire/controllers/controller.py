@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from musclewire.controllers.limits import DriveLimits
+from musclewire.controllers.drive_limits import DriveLimits
 from musclewire.errors import CallerError
 from musclewire.registry import Registry
 from musclewire.signals.exchange import ControlStep, QuantityEstimate

@@ -39,8 +39,8 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
 from musclewire.controllers.controller import PERCENT_STRAIN, ControllerSetup, settings_of_kind
+from musclewire.controllers.drive_limits import DriveLimits
 from musclewire.controllers.fuzzy import packed_rules
-from musclewire.controllers.limits import DriveLimits
 from musclewire.controllers.rules import DEFAULT_RULE_BASE, RuleBase, load_rule_base
 from musclewire.controllers.schema import StrictModel
 from musclewire.errors import CallerError, NumericsError

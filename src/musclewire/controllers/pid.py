@@ -15,7 +15,7 @@ from typing import Annotated, NamedTuple
 from pydantic import Field
 
 from musclewire.controllers.controller import PERCENT_STRAIN, ControllerSetup, settings_of_kind
-from musclewire.controllers.limits import DriveLimits
+from musclewire.controllers.drive_limits import DriveLimits
 from musclewire.controllers.schema import StrictModel
 from musclewire.errors import CallerError, NumericsError
 from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate, Reason

@@ -18,8 +18,8 @@ from musclewire.controllers.controller import (
     ControllerFactory,
     ControllerSetup,
 )
+from musclewire.controllers.drive_limits import DriveLimits
 from musclewire.controllers.fuzzy_pid import FuzzyPidSettings, with_error_unit
-from musclewire.controllers.limits import DriveLimits
 from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.metrics import ControlRun, control_metrics

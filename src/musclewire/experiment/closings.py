@@ -17,7 +17,7 @@ from musclewire.identify.contact import KnownGrip, fit_free_closing, fit_grip_cu
 from musclewire.rigs.configuration import RigConfiguration, open_rig, simulated_configuration
 from musclewire.rigs.load_part import Obstacle, Pull
 from musclewire.rigs.protocol import Rig
-from musclewire.sensing.contact import FreeClosing
+from musclewire.sensing.contact_detection import FreeClosing
 from musclewire.sensing.grip_force import GripCurve
 from musclewire.signals.recording import MetadataValue, Recording
 from musclewire.signals.run_facts import RunFacts

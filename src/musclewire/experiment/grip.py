@@ -19,7 +19,7 @@ from musclewire.experiment.run import Decision, RunOptions, run_on_rig
 from musclewire.physics.resistance import wire_resistance
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.branch_equations import evaluate
-from musclewire.sensing.contact import AirMoves, ContactDetector
+from musclewire.sensing.contact_detection import AirDisturbance, ContactDetector
 from musclewire.sensing.estimator import dropout_failure
 from musclewire.sensing.grip_force import fall_by_cooling
 from musclewire.signals.exchange import Command, Drive, RawSample
@@ -184,7 +184,7 @@ def grip(
     *,
     target_n: float = TARGET_N,
     stiffness_n_per_m: float | None = None,
-    air: AirMoves | None = None,
+    air: AirDisturbance | None = None,
     closing_s: float = CLOSING_S,
     hold_s: float = HOLD_S,
     **run: Unpack[RunOptions],
@@ -263,5 +263,5 @@ def judged(recording: Recording, policy: GripPolicy, knowledge: GripperKnowledge
         held=held,
         estimated_force_n=float(recording["estimated_grip_force_n"][end].mean()),
         true_force_n=None if force is None else float(force[end].mean()),
-        most_force_n=knowledge.curve.most_force_n(knowledge.free.normalised(resistance), policy.contact),
+        most_force_n=knowledge.curve.max_force_n(knowledge.free.normalised(resistance), policy.contact),
     )

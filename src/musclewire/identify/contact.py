@@ -13,7 +13,7 @@ from musclewire.errors import RecordingError
 from musclewire.identify.recordings import resistance_reading
 from musclewire.parameters.library import load_alloy
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
-from musclewire.sensing.contact import AirMoves, ContactDetector, FreeClosing
+from musclewire.sensing.contact_detection import AirDisturbance, ContactDetector, FreeClosing
 from musclewire.sensing.grip_force import GripCurve
 from musclewire.signals.recording import Recording
 
@@ -202,7 +202,7 @@ def noise_of(free: FreeClosing, recordings: Sequence[Recording]) -> float:
 
 def surprises_of(free: FreeClosing, closing: Closing) -> list[float]:
     """Return the detector's surprises over a closing, each over its expected size."""
-    detector, found = ContactDetector(free, AirMoves()), []
+    detector, found = ContactDetector(free, AirDisturbance()), []
     state = detector.start()._replace(highest=1.0)
     span = free.resistance_max_ohm - free.resistance_min_ohm
     for place, power_w in zip(closing.normalised, closing.power_w, strict=True):

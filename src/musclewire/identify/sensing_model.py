@@ -21,7 +21,7 @@ from musclewire.physics.resistance import ArrayReading
 from musclewire.sensing.estimator import ESTIMATORS, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
-from musclewire.sensing.polynomial import AMBIGUOUS_ABOVE, SegmentTracker
+from musclewire.sensing.polynomial_estimator import AMBIGUOUS_ABOVE, SegmentTracker
 from musclewire.sensing.slow_corrections import estimates
 from musclewire.signals.exchange import WireSample
 from musclewire.signals.recording import Recording

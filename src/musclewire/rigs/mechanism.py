@@ -12,7 +12,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve
 from musclewire.rigs.load_part import LoadPart, Obstacle
-from musclewire.wire.loads import Load, spring_load, with_table
+from musclewire.wire.loads import ConnectorLoad, spring_load, with_table
 
 __all__ = ["Mechanism", "Tendon", "mechanism_of"]
 
@@ -73,7 +73,7 @@ class Mechanism:
     ``added_n`` is the pull of hanging weights, and of a tendon that its own stage has drawn taut.
     """
 
-    load: Load
+    load: ConnectorLoad
     added_n: float
     stage: bool
     tendon: Tendon | None
@@ -125,7 +125,7 @@ def load_of(
     tendon: Tendon | None,
     obstacle: Obstacle | None,
     reach_m: float,
-) -> Load:
+) -> ConnectorLoad:
     """Return a spring for parts that are no more than that, otherwise one with tables of what they add beside it."""
     nowhere = np.zeros(1)
     bent = any(part.force_n(nowhere) is not None or part.friction_n(nowhere) is not None for part in parts)

@@ -23,7 +23,7 @@ from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_building import Spool, force_limit_n, simulated_limits, wires_of
 from musclewire.rigs.surroundings import Surroundings, Weather
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
-from musclewire.simulate.wires import Means
+from musclewire.simulate.wires import SampleMeans
 from musclewire.wire.loads import spring_load
 from musclewire.wire.state import WireState
 
@@ -294,10 +294,10 @@ class SimulatedDevice:
             self._pacer.wait()
         return self._read(means)
 
-    def _advance(self, drive_voltage_v: float) -> Means:
+    def _advance(self, drive_voltage_v: float) -> SampleMeans:
         return self._wires.advance(drive_voltage_v, self._bench["time_step_s"], self._steps)
 
-    def _advance_faulty(self, faults: Faults) -> Means:
+    def _advance_faulty(self, faults: Faults) -> SampleMeans:
         """Let the wire have the current that the faulty circuit leaves it; return what is at its terminals."""
         time_s, shunt_ohm = self._wires.state.time_s, self._facts.limits.shunt_resistance_ohm
         output_v = faults.output_v(self._drive_voltage_v, time_s)
@@ -308,7 +308,7 @@ class SimulatedDevice:
         seen = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s)
         return means._replace(wire_voltage_v=seen.wire_voltage_v, shunt_voltage_v=seen.shunt_voltage_v)
 
-    def _read(self, means: Means) -> RawSample:
+    def _read(self, means: SampleMeans) -> RawSample:
         """Return what the instruments say of a sample."""
         wire_voltage, shunt_voltage = self._instruments.voltages_v(means.wire_voltage_v, means.shunt_voltage_v)
         time_s = self._wires.state.time_s
@@ -333,7 +333,7 @@ class SimulatedDevice:
             endpoint_displacement_m=endpoint_m, endpoint_force_n=endpoint_force_n if touches else None
         )
 
-    def _endpoint(self, means: Means) -> tuple[float, float]:
+    def _endpoint(self, means: SampleMeans) -> tuple[float, float]:
         """Return where the finger's endpoint truly is [m] and what pushes it back [N]."""
         tendon = self._mechanism.tendon
         assert tendon is not None

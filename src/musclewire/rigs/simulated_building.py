@@ -17,7 +17,7 @@ from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, Mechanism, 
 from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
 from musclewire.simulate.wires import OneWire, SimulatedWires, TwoWires
 from musclewire.wire.building import constants_from
-from musclewire.wire.loads import Load, spring_load
+from musclewire.wire.loads import ConnectorLoad, spring_load
 from musclewire.wire.state import WireConstants
 
 __all__ = ["Spool", "force_limit_n", "simulated_limits", "wires_of"]
@@ -119,7 +119,7 @@ class Spool(NamedTuple):
     bench: Bench
     new_wire: bool = False
 
-    def pulling(self, load: Load | None, pretension_n: float) -> WireConstants:
+    def pulling(self, load: ConnectorLoad | None, pretension_n: float) -> WireConstants:
         """Return the constants of this wire at a cold pull; without a load it only shares another wire's connector.
 
         Raises CallerError for a pull that the wire does not allow.

@@ -15,13 +15,13 @@ from musclewire.physics.resistance import (
 )
 from musclewire.sensing.branch_equations import evaluate, normalised_resistance
 from musclewire.sensing.branches import Branch, single_valued
-from musclewire.sensing.curve import ArrayEstimate, Estimate, ResistanceCurve
+from musclewire.sensing.curve import ArrayEstimate, CurveEstimate, ResistanceCurve
 from musclewire.sensing.estimator import ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup, SlowPart
 from musclewire.sensing.fitting import fit_branches, fit_loop, fit_segments
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 from musclewire.sensing.known_load import KnownSpring
 from musclewire.sensing.model import SensingModel, load_model
-from musclewire.sensing.polynomial import PolynomialEstimator, SegmentState, SegmentTracker
+from musclewire.sensing.polynomial_estimator import PolynomialEstimator, SegmentState, SegmentTracker
 from musclewire.sensing.recalibration import ResistanceExtremes, find_resistance_extremes, recalibrated
 from musclewire.sensing.segments import LoopSegments, find_loops, find_segments
 
@@ -48,7 +48,7 @@ __all__ = [
     "evaluate",
     "SensingModel",
     "ResistanceCurve",
-    "Estimate",
+    "CurveEstimate",
     "ArrayEstimate",
     "fit_loop",
     "fit_segments",

@@ -22,7 +22,7 @@ __all__ = [
     "QUANTITY_UNITS",
     "SHOWN_AS",
     "ArrayEstimate",
-    "Estimate",
+    "CurveEstimate",
     "ResistanceCurve",
 ]
 
@@ -42,7 +42,7 @@ DERIVATIVE_CHECKS = 201
 MAX_NUMBER = 1e12
 
 
-class Estimate(NamedTuple):
+class CurveEstimate(NamedTuple):
     """The estimate of one resistance.
 
     Parameters
@@ -178,12 +178,12 @@ class ResistanceCurve:
         return low, self.resistance_min_ohm + self.normalised_max * span
 
     @overload
-    def estimate(self, resistance_ohm: float, resistance_std_ohm: float | None = ...) -> Estimate: ...
+    def estimate(self, resistance_ohm: float, resistance_std_ohm: float | None = ...) -> CurveEstimate: ...
     @overload
     def estimate(self, resistance_ohm: FloatArray, resistance_std_ohm: float | None = ...) -> ArrayEstimate: ...
     def estimate(
         self, resistance_ohm: float | FloatArray, resistance_std_ohm: float | None = None
-    ) -> Estimate | ArrayEstimate:
+    ) -> CurveEstimate | ArrayEstimate:
         """Estimate the quantity from one resistance or from an array.
 
         The value is g_a (Eq. 5) with the resistance clipped to the valid range. The standard deviation adds
@@ -217,20 +217,20 @@ class ResistanceCurve:
             cooling = cooling * inside + c
         return heating, cooling, slope
 
-    def _estimate_one(self, resistance_ohm: float, noise_ohm: float) -> Estimate:
+    def _estimate_one(self, resistance_ohm: float, noise_ohm: float) -> CurveEstimate:
         """Return the estimate of one resistance, in plain floats."""
         per_ohm = self._per_ohm
         fraction = (resistance_ohm - self.resistance_min_ohm) * per_ohm
         low, high = self.normalised_min, self.normalised_max
         valid = low - MARGIN <= fraction <= high + MARGIN
         if not isfinite(fraction):
-            return Estimate(self.quantity_max, self.quantity_max - self.quantity_min, False)
+            return CurveEstimate(self.quantity_max, self.quantity_max - self.quantity_min, False)
         inside = low if fraction < low else high if fraction > high else fraction
         heating, cooling, slope = self._branches(inside)
         half = (heating - cooling) / 2.0
         strayed = slope / 2.0 * (abs(fraction - inside) + noise_ohm * per_ohm)
         std = sqrt(half * half + self._residual_variance + strayed * strayed)
-        return Estimate((heating + cooling) / 2.0, min(std, self.quantity_max - self.quantity_min), valid)
+        return CurveEstimate((heating + cooling) / 2.0, min(std, self.quantity_max - self.quantity_min), valid)
 
     def _estimate_many(self, resistance_ohm: FloatArray, noise_ohm: float) -> ArrayEstimate:
         """Return the estimates of an array: the same arithmetic as for one resistance, so the same bits."""

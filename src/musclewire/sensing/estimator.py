@@ -162,7 +162,7 @@ EstimatorFactory = Callable[[EstimatorSetup], Estimator]
 ESTIMATORS: Registry[EstimatorFactory] = Registry(
     "estimator",
     "musclewire.estimators",
-    {"polynomial": "musclewire.sensing.polynomial:polynomial_estimator"},
+    {"polynomial": "musclewire.sensing.polynomial_estimator:polynomial_estimator"},
 )
 
 

@@ -17,7 +17,7 @@ from musclewire.sensing.branches import Branch, checked_branch, single_valued
 from musclewire.sensing.curve import QUANTITY_UNITS, SHOWN_AS
 from musclewire.sensing.gaps import hysteresis_gap
 from musclewire.sensing.model import SensingModel
-from musclewire.sensing.polynomials import (
+from musclewire.sensing.polynomial_fit import (
     FitPoints,
     PolynomialFit,
     check_order,
@@ -360,7 +360,7 @@ def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
     warnings = []
     factor, unit = SHOWN_AS[quantity]
     stroke = segments.strain_max - segments.strain_cold
-    cold_share = 1.0 - segments.transformation_share
+    cold_share = 1.0 - segments.transformation_fraction
     at_b = segments.strain_cold + cold_share * stroke
     if not segments.returns_cold:
         warnings.append("the loop does not come back to cold: B is where it turns, resistances above it are unknown")

@@ -22,7 +22,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.sensing.branch_equations import evaluate
-from musclewire.sensing.contact import ContactState
+from musclewire.sensing.contact_detection import ContactState
 
 __all__ = ["GripCurve", "fall_by_cooling"]
 
@@ -79,7 +79,7 @@ class GripCurve:
         travel_m = self.closed_m(normalised) - self.closed_m(contact)
         return max(travel_m, 0.0) / (1.0 / stiffness_n_per_m + self.compliance_m_per_n(normalised))
 
-    def most_force_n(self, normalised: float, contact: float) -> float:
+    def max_force_n(self, normalised: float, contact: float) -> float:
         """Return the grip force on a rigid object [N]: no softer one can have more."""
         return self.force_n(normalised, contact, STIFFEST_N_PER_M)
 

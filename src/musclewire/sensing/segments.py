@@ -13,11 +13,11 @@ from musclewire.errors import CallerError, RecordingError
 from musclewire.sensing.branches import Branch
 from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.smoothing import noise_level
-from musclewire.sensing.turning import (
+from musclewire.sensing.turning_points import (
     MIN_SWING,
-    Run,
-    Smoothed,
-    branch_runs,
+    HalfCycle,
+    SmoothedRecording,
+    half_cycles,
     smoothed,
     turning_points,
 )
@@ -77,7 +77,7 @@ class LoopSegments:
         Smoothed strain (or displacement [m], force [N]) at A.
     strain_max
         The largest on heating, smoothed.
-    transformation_share
+    transformation_fraction
         Fraction of that stroke from B to C on heating; the paper's is about 0.85.
     returns_cold
         Whether the loop comes back to cold.
@@ -105,7 +105,7 @@ class LoopSegments:
     resistance_max_ohm: float
     strain_cold: float
     strain_max: float
-    transformation_share: float
+    transformation_fraction: float
     returns_cold: bool
     complete: bool
     resistance_noise_ohm: float
@@ -115,7 +115,7 @@ class LoopSegments:
 
 
 @dataclass(frozen=True)
-class _Points:
+class _SegmentPoints:
     """A, B, C of one run as indices into the compressed recording, from cold to hot."""
 
     a: int
@@ -202,7 +202,7 @@ class _Signals:
     place: npt.NDArray[np.intp]
     resistance_ohm: FloatArray
     strain: FloatArray
-    curves: Smoothed
+    curves: SmoothedRecording
     turns: list[int]
     starts_low: bool
     quantity: str
@@ -223,9 +223,9 @@ class _Signals:
         _check_fall(curves, quantity)
         return cls(place, resistance, contraction, curves, turns, starts_low, quantity)
 
-    def cycles(self) -> list[tuple[Run, Run]]:
+    def cycles(self) -> list[tuple[HalfCycle, HalfCycle]]:
         """Complete cycles as (heating, cooling); cooling may come first when no cycle starts cold."""
-        runs = branch_runs(self.curves, self.turns, self.starts_low)
+        runs = half_cycles(self.curves, self.turns, self.starts_low)
         neighbours = list(pairwise(runs))
         closed = [pair for pair in neighbours if _is_closed(pair, self.curves.strain)]
         from_cold = [pair for pair in closed if pair[0].rising]
@@ -235,7 +235,7 @@ class _Signals:
             return [(after, before) for before, after in closed]
         raise RecordingError(_no_cycle(runs, self.curves.strain, self.quantity))
 
-    def segments(self, pairs: list[tuple[Run, Run]], number: int) -> LoopSegments:
+    def segments(self, pairs: list[tuple[HalfCycle, HalfCycle]], number: int) -> LoopSegments:
         heating, cooling = pairs[number]
         curves, place = self.curves, self.place
         up, down = _points(heating, curves), _points(cooling, curves)
@@ -256,7 +256,7 @@ class _Signals:
             resistance_max_ohm=float(curves.resistance_ohm[up.b]),
             strain_cold=cold,
             strain_max=float(curves.strain[heating.first : heating.last + 1].max()),
-            transformation_share=(warm - at_b) / (warm - cold),
+            transformation_fraction=(warm - at_b) / (warm - cold),
             returns_cold=up.returns_cold,
             complete=up.complete or down.complete,
             resistance_noise_ohm=noise_level(self.resistance_ohm),
@@ -317,7 +317,7 @@ def _check_stroke(strain: FloatArray, quantity: str) -> None:
         )
 
 
-def _check_fall(curves: Smoothed, quantity: str) -> None:
+def _check_fall(curves: SmoothedRecording, quantity: str) -> None:
     """Resistance must fall while strain rises, over the middle of the stroke."""
     strain, resistance = curves.strain, curves.resistance_ohm
     sign, change = _middle_trend(strain, resistance)
@@ -361,7 +361,7 @@ def _middle_trend(strain: FloatArray, resistance: FloatArray) -> tuple[float, fl
     return float(np.corrcoef(np.flatnonzero(filled), mean)[0, 1]), change
 
 
-def _is_closed(pair: tuple[Run, Run], strain: FloatArray) -> bool:
+def _is_closed(pair: tuple[HalfCycle, HalfCycle], strain: FloatArray) -> bool:
     """Whether the second run ends where the first began, seen against the stroke of the larger of the two."""
     before, after = pair
     begin, turn, end = strain[before.first], strain[before.last], strain[after.last]
@@ -369,7 +369,7 @@ def _is_closed(pair: tuple[Run, Run], strain: FloatArray) -> bool:
     return bool(stroke > 0.0 and abs(begin - end) <= CLOSURE * stroke)
 
 
-def _no_cycle(runs: list[Run], strain: FloatArray, quantity: str) -> str:
+def _no_cycle(runs: list[HalfCycle], strain: FloatArray, quantity: str) -> str:
     factor, unit = SHOWN_AS[quantity]
     story = ", ".join(
         f"{'heating' if run.rising else 'cooling'} from {factor * strain[run.first]:.3g} to "
@@ -382,7 +382,7 @@ def _no_cycle(runs: list[Run], strain: FloatArray, quantity: str) -> str:
     )
 
 
-def _chosen(cycle: str | int, pairs: list[tuple[Run, Run]], curves: Smoothed) -> int:
+def _chosen(cycle: str | int, pairs: list[tuple[HalfCycle, HalfCycle]], curves: SmoothedRecording) -> int:
     """Number of the cycle asked for."""
     if cycle == "last":
         return len(pairs) - 1
@@ -397,7 +397,7 @@ def _chosen(cycle: str | int, pairs: list[tuple[Run, Run]], curves: Smoothed) ->
     return cycle % len(pairs)
 
 
-def _points(run: Run, curves: Smoothed) -> _Points:
+def _points(run: HalfCycle, curves: SmoothedRecording) -> _SegmentPoints:
     """A, B, C on one run: B and C span the largest fall of resistance, A is the last of the cold before B.
 
     A cooling run read backwards looks like a heating run, so both take the same path.
@@ -411,14 +411,14 @@ def _points(run: Run, curves: Smoothed) -> _Points:
     rise = float(resistance[b]) - coldest
     tolerance = min(3.0 * curves.resistance_noise_ohm, 0.02 * rise)
     a = int(np.flatnonzero(resistance[: b + 1] <= coldest + tolerance)[-1])
-    returns_cold = rise > curves.least_bump_ohm
-    complete = float(resistance[c:].max() - resistance[c]) > curves.least_bump_ohm
+    returns_cold = rise > curves.min_bump_ohm
+    complete = float(resistance[c:].max() - resistance[c]) > curves.min_bump_ohm
     origin, step = (run.first, 1) if run.rising else (run.last, -1)
     at_a, at_b, at_c = (origin + step * index for index in (a if returns_cold else b, b, c))
-    return _Points(at_a, at_b, at_c, returns_cold, complete)
+    return _SegmentPoints(at_a, at_b, at_c, returns_cold, complete)
 
 
-def _check_branch(run: Run, points: _Points, curves: Smoothed, quantity: str) -> None:
+def _check_branch(run: HalfCycle, points: _SegmentPoints, curves: SmoothedRecording, quantity: str) -> None:
     """A fall of resistance that stands out of the noise, with much of the strain, over enough samples."""
     resistance, strain = curves.resistance_ohm, curves.strain
     name = "heating" if run.rising else "cooling"

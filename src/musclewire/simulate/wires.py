@@ -15,7 +15,7 @@ from musclewire.wire.building import resting_state
 from musclewire.wire.state import Rows, WireConstants, WireState
 from musclewire.wire.step import resistance_ahead_ohm, running, step
 
-__all__ = ["WireMeans", "advance", "advance_rows", "Means", "OneWire", "SimulatedWires", "TwoWires"]
+__all__ = ["WireMeans", "advance", "advance_rows", "SampleMeans", "OneWire", "SimulatedWires", "TwoWires"]
 
 
 class WireMeans(NamedTuple):
@@ -69,7 +69,7 @@ def advance_rows(
     return wire_voltage_sum / steps, shunt_voltage_sum / steps, displacement_sum / steps, force_sum / steps
 
 
-class Means(NamedTuple):
+class SampleMeans(NamedTuple):
     """Means over a sample: what averaging instruments see; ``grip_n`` is None with one wire.
 
     Force is that of both wires where they pull together, of the first one otherwise.
@@ -95,7 +95,7 @@ class SimulatedWires(Protocol):
         """State of the second wire; None if there is one wire."""
         ...
 
-    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> Means:
+    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> SampleMeans:
         """Go on by some steps at one drive voltage.
 
         Parameters
@@ -156,10 +156,10 @@ class OneWire:
         self.state = resting_state(constants)
         self._still_factor = constants.convection_factor
 
-    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> Means:
+    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> SampleMeans:
         """Go on by some steps at one drive voltage."""
         self.state, means = advance(self.state, self.constants, drive_voltage_v, dt_s, steps)
-        return Means(*means)
+        return SampleMeans(*means)
 
     def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
         """Change the air from here on."""
@@ -192,13 +192,13 @@ class TwoWires:
         """State of the second wire."""
         return self._states[1]
 
-    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> Means:
+    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> SampleMeans:
         """Go on by some steps at one drive voltage."""
         self._states, means = advance_pair(
             self._states, self._both, self._pair, self._grip, drive_voltage_v, dt_s, steps
         )
         together_n = means.force_n + means.partner_force_n if self._pair.direction > 0.0 else means.force_n
-        return Means(
+        return SampleMeans(
             means.wire_voltage_v,
             means.shunt_voltage_v,
             means.displacement_m,

@@ -14,7 +14,7 @@ from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
 from musclewire.wire.grains import spread_grains
-from musclewire.wire.loads import Load, spring_load
+from musclewire.wire.loads import ConnectorLoad, spring_load
 from musclewire.wire.state import CONVECTION_POINTS, WireConstants, WireState
 from musclewire.wire.step import resistance_of, total_strain
 from musclewire.wire.switching import cool_from_hot
@@ -34,7 +34,7 @@ def convection_table(diameter_m: float, ambient_temperature_k: float) -> FloatAr
 
 
 def constants_from(
-    alloy: Alloy, wire: Wire, rig: Bench, *, load: Load | None = None, new_wire: bool = False
+    alloy: Alloy, wire: Wire, rig: Bench, *, load: ConnectorLoad | None = None, new_wire: bool = False
 ) -> WireConstants:
     """Return the constants of a wire on a rig; the cold reference strain is found by cooling it there.
 
@@ -50,7 +50,7 @@ def constants_of(
     spool: Mapping[str, float],
     bench: Mapping[str, float],
     *,
-    load: Load | None = None,
+    load: ConnectorLoad | None = None,
     new_wire: bool = False,
 ) -> WireConstants:
     """Do the work of :func:`constants_from` on bare numbers by name: a search tries thousands of them."""
@@ -84,7 +84,7 @@ def constants_of(
 
 
 def require_a_wire(
-    material: Mapping[str, float], spool: Mapping[str, float], bench: Mapping[str, float], load: Load
+    material: Mapping[str, float], spool: Mapping[str, float], bench: Mapping[str, float], load: ConnectorLoad
 ) -> None:
     """Raise CallerError for numbers that cannot belong to a wire, or that a step cannot follow."""
     if min(bench["wire_length_m"], bench["legs"], spool["diameter_m"]) <= 0.0:

@@ -13,12 +13,12 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = ["Load", "spring_load", "with_table"]
+__all__ = ["ConnectorLoad", "spring_load", "with_table"]
 
 NOTHING = np.zeros(2)
 
 
-class Load(NamedTuple):
+class ConnectorLoad(NamedTuple):
     """A load over the connector's displacement, beyond the pretension.
 
     ``force_n`` and ``friction_n``, (n_points,), are at displacements of 0, 1, 2... times ``step_m`` and add to the
@@ -35,9 +35,9 @@ class Load(NamedTuple):
         return np.stack((self.force_n, self.friction_n))
 
 
-def spring_load(stiffness_n_per_m: float) -> Load:
+def spring_load(stiffness_n_per_m: float) -> ConnectorLoad:
     """Return a plain spring."""
-    return Load(stiffness_n_per_m, 1.0, NOTHING, NOTHING)
+    return ConnectorLoad(stiffness_n_per_m, 1.0, NOTHING, NOTHING)
 
 
 def with_table(
@@ -47,7 +47,7 @@ def with_table(
     *,
     reach_m: float,
     points: int = 2001,
-) -> Load:
+) -> ConnectorLoad:
     """Return a spring and next to it two functions of displacement [m], tabulated from 0 to ``reach_m``.
 
     Straight lines join the points, so that a kink lies at most ``reach_m / (points - 1)`` from its place.
@@ -59,4 +59,6 @@ def with_table(
     force, friction = force_n(displacement), friction_n(displacement)
     if not (np.isfinite(force).all() and np.isfinite(friction).all()):
         raise CallerError(f"a load is not finite somewhere between 0 and {1e3 * reach_m:g} mm")
-    return Load(stiffness_n_per_m, float(displacement[1]), np.ascontiguousarray(force), np.ascontiguousarray(friction))
+    return ConnectorLoad(
+        stiffness_n_per_m, float(displacement[1]), np.ascontiguousarray(force), np.ascontiguousarray(friction)
+    )

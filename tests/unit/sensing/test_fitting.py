@@ -85,7 +85,7 @@ def test_a_short_segment_a_to_b_costs_nothing_and_is_no_warning() -> None:
     for share in (0.01, 0.03):
         loop = LoopMaker(a_to_b=share).record()
         segments = find_segments(loop.resistance_ohm, loop.strain)
-        assert segments.transformation_share > 0.95
+        assert segments.transformation_fraction > 0.95
         assert fit_segments(segments).warnings == ()
 
 

@@ -36,7 +36,7 @@ def test_a_clean_loop_is_cut_where_it_was_made_to_turn(samples: int) -> None:
 
 
 def test_b_to_c_is_the_papers_share_of_the_strain() -> None:
-    assert found(MAKER.record(4000)).transformation_share == pytest.approx(0.85, abs=0.005)
+    assert found(MAKER.record(4000)).transformation_fraction == pytest.approx(0.85, abs=0.005)
 
 
 @pytest.mark.parametrize("samples", [400, 2000, 20_000])
@@ -79,7 +79,7 @@ def test_a_minor_loop_that_stays_warm_has_b_where_it_turns() -> None:
     assert s.heating_a == s.heating_b
     assert s.heating_b == pytest.approx(1500, abs=2)
     assert s.cooling_b == 2999
-    assert s.transformation_share == pytest.approx(1.0)
+    assert s.transformation_fraction == pytest.approx(1.0)
 
 
 def test_of_several_cycles_the_last_complete_one_is_taken() -> None:
@@ -114,7 +114,7 @@ def test_a_recording_that_starts_hot_gives_its_one_loop() -> None:
 def test_two_cycles_from_any_phase_hold_one_complete_loop(start: float) -> None:
     loop = noisy(MAKER.record(3600, cycles=2, start=start), 5e-4, 2e-3)
     s = found(loop)
-    assert s.transformation_share == pytest.approx(0.85, abs=0.03)
+    assert s.transformation_fraction == pytest.approx(0.85, abs=0.03)
     assert s.complete
 
 
@@ -250,7 +250,7 @@ def test_units_of_neither_axis_matter(scale: float, stroke: float, samples: int,
     scaled = find_segments(scale * loop.resistance_ohm, stroke * loop.strain)
     assert scaled.heating_b == pytest.approx(plain.heating_b, abs=2)
     assert scaled.cooling_c == pytest.approx(plain.cooling_c, abs=2)
-    assert scaled.transformation_share == pytest.approx(plain.transformation_share, abs=0.02)
+    assert scaled.transformation_fraction == pytest.approx(plain.transformation_fraction, abs=0.02)
 
 
 @settings(deadline=None, max_examples=60)

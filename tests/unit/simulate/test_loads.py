@@ -16,7 +16,7 @@ from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.published_ranges import published_ranges
 from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state
-from musclewire.wire.loads import Load, spring_load, with_table
+from musclewire.wire.loads import ConnectorLoad, spring_load, with_table
 from musclewire.wire.state import WireConstants, WireState
 from musclewire.wire.step import friction_limit_n, load_beyond_spring
 
@@ -31,7 +31,7 @@ def nothing(displacement_m: Array) -> Array:
 
 def tabulated(
     stiffness_n_per_m: float, force_n: Callable[[Array], Array], friction_n: Callable[[Array], Array] = nothing
-) -> Load:
+) -> ConnectorLoad:
     return with_table(stiffness_n_per_m, force_n, friction_n, reach_m=REACH_M)
 
 
@@ -51,19 +51,19 @@ LOADS = {
 WIRES = {name: constants(load=load) for name, load in LOADS.items()}
 
 
-def load_n(load: Load, displacement_m: float) -> float:
+def load_n(load: ConnectorLoad, displacement_m: float) -> float:
     """Return what a load asks beyond the pretension, from its table by NumPy."""
     at = load.step_m * np.arange(load.force_n.size)
     return load.stiffness_n_per_m * displacement_m + float(np.interp(displacement_m, at, load.force_n))
 
 
-def missing_n(state: WireState, wire: WireConstants, load: Load, friction_n: float) -> float:
+def missing_n(state: WireState, wire: WireConstants, load: ConnectorLoad, friction_n: float) -> float:
     """Return F_T - F_p - k x - table(x) - friction, of numbers that the state shows."""
     pulled_n = state.stress_pa * wire.legs * wire.area_m2
     return pulled_n - wire.pretension_n - load_n(load, state.contraction * wire.leg_length_m) - friction_n
 
 
-def balanced_stress_pa(state: WireState, wire: WireConstants, load: Load, friction_n: float) -> float:
+def balanced_stress_pa(state: WireState, wire: WireConstants, load: ConnectorLoad, friction_n: float) -> float:
     """Solve strain and balance, both written out, for the stress of one leg."""
     x_m, x_r = float(state.grain_martensite.mean()), float(state.grain_r_phase.mean())
 

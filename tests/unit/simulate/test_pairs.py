@@ -23,7 +23,7 @@ from musclewire.simulate.pairs import (
 )
 from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state, with_pretension
-from musclewire.wire.loads import Load, spring_load, with_table
+from musclewire.wire.loads import ConnectorLoad, spring_load, with_table
 from musclewire.wire.state import WireConstants, WireState
 
 SMOOTH = {"guide_friction_n": 0.0}
@@ -39,11 +39,11 @@ FOAM_N_PER_M, CLEARANCE_M = 150.0, 3e-3
 REACH_M, POINTS = 7e-3, 701
 
 
-def wire(load: Load = ALONE, pretension_n: float = 0.9, **bench_values: float) -> WireConstants:
+def wire(load: ConnectorLoad = ALONE, pretension_n: float = 0.9, **bench_values: float) -> WireConstants:
     return constants(load=load, bench_values={**SMOOTH, "pretension_n": pretension_n, **bench_values})
 
 
-def thick(load: Load = ALONE, pretension_n: float = 0.9) -> WireConstants:
+def thick(load: ConnectorLoad = ALONE, pretension_n: float = 0.9) -> WireConstants:
     """Return a wire of twice the section, otherwise the same."""
     spool = changed(wire_100um(), diameter_m=100e-6 * 2**0.5)
     return constants_from(alloy(), spool, bench(**SMOOTH, pretension_n=pretension_n), load=load)
@@ -79,7 +79,7 @@ def moved_m(state: WireState, of: WireConstants) -> float:
     return state.contraction * of.leg_length_m
 
 
-def finger_load(contact_n_per_m: float = 0.0, clearance_m: float = 0.0) -> Load:
+def finger_load(contact_n_per_m: float = 0.0, clearance_m: float = 0.0) -> ConnectorLoad:
     """Return finger and pretensioner, with an object in the endpoint's way."""
 
     def force_n(x: Array) -> Array:

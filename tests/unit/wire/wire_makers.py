@@ -14,7 +14,7 @@ from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, lo
 from musclewire.simulate.wires import WireMeans, advance
 from musclewire.wire import switching
 from musclewire.wire.building import constants_from
-from musclewire.wire.loads import Load
+from musclewire.wire.loads import ConnectorLoad
 from musclewire.wire.state import WireConstants, WireState
 from musclewire.wire.switching import DrivingForces
 
@@ -90,7 +90,7 @@ def constants(
     *,
     new_wire: bool = False,
     bench_values: dict[str, float] | None = None,
-    load: Load | None = None,
+    load: ConnectorLoad | None = None,
     **alloy_values: float,
 ) -> WireConstants:
     around = bench(**(bench_values or {}))

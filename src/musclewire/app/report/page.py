@@ -33,7 +33,7 @@ def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
         "fitted": parameters_table(result, "fitted"),
         "warnings": warnings_list(result.model.warnings),
         "gap": f"{100 * result.gaps.strain_gap:.2f}",
-        "share": f"{100 * result.gaps.segments.transformation_share:.0f}",
+        "share": f"{100 * result.gaps.segments.transformation_fraction:.0f}",
         "best": f"{result.sweep.best.pretension_n:.2f}",
         "wire": escape(str(metadata["wire"])),
         "seed": escape(str(metadata["seed"])),

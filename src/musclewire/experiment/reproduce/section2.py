@@ -118,7 +118,7 @@ def segment_checks(setup: dict[str, Any]) -> list[Check]:
 
 def segment_ab_pct(runs: Runs) -> float:
     """Return the share of the strain that lies before B on heating [%]."""
-    return 100.0 * (1.0 - runs.main_loop().gaps.segments.transformation_share)
+    return 100.0 * (1.0 - runs.main_loop().gaps.segments.transformation_fraction)
 
 
 def gap_ratio(runs: Runs) -> float:

@@ -24,7 +24,7 @@ from musclewire.controllers.protection import (
     tripped_by,
 )
 from musclewire.sensing.model import SensingModel
-from musclewire.sensing.polynomial import PolynomialEstimator
+from musclewire.sensing.polynomial_estimator import PolynomialEstimator
 from musclewire.signals.exchange import QuantityEstimate, Reason, drive_voltage_of
 
 __all__ = ["Outcome", "ReferenceTick"]

@@ -11,7 +11,7 @@ from musclewire.arrays import FloatArray
 from musclewire.sensing.branches import MAX_WINDOW_FRACTION
 from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
-__all__ = ["Run", "Smoothed", "branch_runs", "smoothed", "turning_points"]
+__all__ = ["HalfCycle", "SmoothedRecording", "half_cycles", "smoothed", "turning_points"]
 
 
 # A swing of less than this share of the whole stroke is a wobble of a branch and not a cycle of its own.
@@ -24,18 +24,18 @@ BUMP_FRACTION = 0.005
 
 
 @dataclass(frozen=True, eq=False)
-class Smoothed:
+class SmoothedRecording:
     """A recording smoothed for finding turns: columns of shape (n,), noise left over, size of a real bump."""
 
     resistance_ohm: FloatArray
     strain: FloatArray
     resistance_noise_ohm: float
     strain_noise: float
-    least_bump_ohm: float
+    min_bump_ohm: float
 
 
 @dataclass(frozen=True)
-class Run:
+class HalfCycle:
     """Samples ``first`` to ``last`` (both included) between two turns; ``rising`` is heating."""
 
     first: int
@@ -43,7 +43,7 @@ class Run:
     rising: bool
 
 
-def smoothed(resistance_ohm: FloatArray, strain: FloatArray, branches: int) -> Smoothed:
+def smoothed(resistance_ohm: FloatArray, strain: FloatArray, branches: int) -> SmoothedRecording:
     """Smooth both columns over at most 3 % of one of ``branches`` equal branches."""
     longest = int(MAX_WINDOW_FRACTION * resistance_ohm.size / max(branches, 1))
     columns, noises = [], []
@@ -53,11 +53,11 @@ def smoothed(resistance_ohm: FloatArray, strain: FloatArray, branches: int) -> S
         columns.append(smooth(column, window))
         noises.append(smoothed_noise(noise, window))
     bump = max(BUMP_NOISES * noises[0], BUMP_FRACTION * float(np.ptp(columns[0])))
-    return Smoothed(columns[0], columns[1], noises[0], noises[1], bump)
+    return SmoothedRecording(columns[0], columns[1], noises[0], noises[1], bump)
 
 
-def turning_points(values: FloatArray, least_swing: float) -> tuple[list[int], bool]:
-    """Return indices of alternating extremes that differ by ``least_swing``, and whether the first is low."""
+def turning_points(values: FloatArray, min_swing: float) -> tuple[list[int], bool]:
+    """Return indices of alternating extremes that differ by ``min_swing``, and whether the first is low."""
     low = high = 0
     rising = starts_low = False
     found: list[int] = []
@@ -67,10 +67,10 @@ def turning_points(values: FloatArray, least_swing: float) -> tuple[list[int], b
             high = index
         if value < sequence[low]:
             low = index
-        if (rising or not found) and sequence[high] - value > least_swing:
+        if (rising or not found) and sequence[high] - value > min_swing:
             rising, low = False, index
             found.append(high)
-        elif (not rising or not found) and value - sequence[low] > least_swing:
+        elif (not rising or not found) and value - sequence[low] > min_swing:
             rising, high = True, index
             starts_low = starts_low or not found
             found.append(low)
@@ -79,7 +79,7 @@ def turning_points(values: FloatArray, least_swing: float) -> tuple[list[int], b
     return found, starts_low
 
 
-def branch_runs(curves: Smoothed, turns: list[int], starts_low: bool) -> list[Run]:
+def half_cycles(curves: SmoothedRecording, turns: list[int], starts_low: bool) -> list[HalfCycle]:
     """Cut the recording into heating and cooling runs at turns placed by strain, then set by resistance.
 
     The strain says that the wire turned, not exactly when: it saturates while the hot wire heats on, rests
@@ -88,11 +88,13 @@ def branch_runs(curves: Smoothed, turns: list[int], starts_low: bool) -> list[Ru
     """
     refined = [_refined_turn(curves, turns, k, starts_low ^ bool(k % 2)) for k in range(len(turns))]
     return [
-        Run(first, last, starts_low ^ bool(k % 2)) for k, (first, last) in enumerate(pairwise(refined)) if last > first
+        HalfCycle(first, last, starts_low ^ bool(k % 2))
+        for k, (first, last) in enumerate(pairwise(refined))
+        if last > first
     ]
 
 
-def _refined_turn(curves: Smoothed, turns: list[int], k: int, cold: bool) -> int:
+def _refined_turn(curves: SmoothedRecording, turns: list[int], k: int, cold: bool) -> int:
     """Turn ``k`` set by the resistance, or at a free end of the recording the far side of its dwell."""
     sign = 1.0 if cold else -1.0
     inner_first = turns[k - 1] + 1 if k > 0 else 0
@@ -111,7 +113,7 @@ def _refined_turn(curves: Smoothed, turns: list[int], k: int, cold: bool) -> int
     inside = -sign * curves.resistance_ohm[first : last + 1]
     (passed, excursion), (turned, dip) = _highest_bump(inside), _highest_bump(-inside)
     # A real excursion beyond C (or back to A) parts the two passes; without one the dip is the turn itself.
-    if excursion > curves.least_bump_ohm or excursion > dip:
+    if excursion > curves.min_bump_ohm or excursion > dip:
         return first + passed
     return first + (turned if dip > 0.0 else int(np.argmin(inside)))
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.sensing.contact import AirMoves, ContactDetector, ContactState, FreeClosing
+from musclewire.sensing.contact_detection import AirDisturbance, ContactDetector, ContactState, FreeClosing
 
 FREE = FreeClosing(
     resistance_min_ohm=15.0,
@@ -76,13 +76,13 @@ def test_air_that_stays_warmer_or_colder_is_not_contact(level: float) -> None:
 @given(st.integers(0, 10_000))
 def test_draughts_and_noise_as_expected_do_not_alarm(seed: int) -> None:
     random = np.random.default_rng(seed)
-    air = AirMoves()
+    air = AirDisturbance()
     kept = np.exp(-DT_S / air.draught_time_s)
     draught = np.empty(PLACES.size)
     draught[0] = random.standard_normal()
     for row in range(1, PLACES.size):
         draught[row] = kept * draught[row - 1] + np.sqrt(1.0 - kept**2) * random.standard_normal()
-    power = powers() + air.draught_share * draught * (0.55 - 0.25 * PLACES)
+    power = powers() + air.draught_fraction * draught * (0.55 - 0.25 * PLACES)
     noisy = PLACES + FREE.normalised_noise * random.standard_normal(PLACES.size)
     assert not states(power, noisy)[-1].touched
 
@@ -124,4 +124,4 @@ def test_a_free_closing_that_cannot_be_is_refused(wrong: dict) -> None:
 
 def test_weather_of_no_strength_is_refused() -> None:
     with pytest.raises(CallerError, match="weather"):
-        ContactDetector(FREE, AirMoves(draught_share=0.0))
+        ContactDetector(FREE, AirDisturbance(draught_fraction=0.0))

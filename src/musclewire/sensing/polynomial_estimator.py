@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
 from musclewire.physics.resistance import ResistanceReading, wire_resistance
-from musclewire.sensing.curve import Estimate, ResistanceCurve
+from musclewire.sensing.curve import CurveEstimate, ResistanceCurve
 from musclewire.sensing.estimator import MAX_DROPOUTS, EstimatorSetup, dropout_failure
 from musclewire.sensing.known_load import KnownSpring
 from musclewire.signals.exchange import EstimatorStep, QuantityEstimate, Reason, WireSample
@@ -286,7 +286,7 @@ class PolynomialEstimator:
         return PolynomialEstimator(curve, self._shunt_resistance_ohm, self.load)
 
     @staticmethod
-    def _reason(own: bool, read: Estimate, segment: SegmentState | None) -> Reason:
+    def _reason(own: bool, read: CurveEstimate, segment: SegmentState | None) -> Reason:
         """Return why a sample with current is valid or not."""
         if not read.valid:
             return Reason.OUT_OF_RANGE if own else Reason.MISMATCH

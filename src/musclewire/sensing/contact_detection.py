@@ -35,7 +35,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.sensing.branch_equations import check_resistance_range, evaluate
 
-__all__ = ["THRESHOLD", "AirMoves", "ContactDetector", "ContactState", "FreeClosing"]
+__all__ = ["THRESHOLD", "AirDisturbance", "ContactDetector", "ContactState", "FreeClosing"]
 
 
 # In standard deviations. Of a Gaussian score 4.5 is passed by chance once in 300,000; a closing has some 40 samples.
@@ -87,22 +87,22 @@ class FreeClosing:
         return (resistance_ohm - self.resistance_min_ohm) / (self.resistance_max_ohm - self.resistance_min_ohm)
 
 
-class AirMoves(NamedTuple):
+class AirDisturbance(NamedTuple):
     """How much the air is expected to change convection, as standard deviations in fractions of the holding power.
 
     Parameters
     ----------
-    draught_share
+    draught_fraction
         By draughts.
     draught_time_s
         How long a draught lasts, about [s].
-    level_share
+    air_temperature_fraction
         By the air's temperature, which stays over one closing: 3 K of some 60 K between wire and air.
     """
 
-    draught_share: float = 0.10
+    draught_fraction: float = 0.10
     draught_time_s: float = 3.0
-    level_share: float = 0.06
+    air_temperature_fraction: float = 0.06
 
 
 class ContactState(NamedTuple):
@@ -147,12 +147,12 @@ class Interval(NamedTuple):
 class ContactDetector:
     """Tells contact from weather while a finger closes; state in, state out."""
 
-    def __init__(self, free: FreeClosing, air: AirMoves | None = None, threshold: float = THRESHOLD) -> None:
+    def __init__(self, free: FreeClosing, air: AirDisturbance | None = None, threshold: float = THRESHOLD) -> None:
         """Take the free closing, the weather to expect, and the score that counts as contact.
 
         Raises CallerError for weather or a threshold not above 0.
         """
-        self.free, self.air, self.threshold = free, air or AirMoves(), threshold
+        self.free, self.air, self.threshold = free, air or AirDisturbance(), threshold
         if not (min(self.air) > 0.0 and threshold > 0.0):
             raise CallerError(f"the weather to expect {tuple(self.air)} and the threshold {threshold} must be above 0")
 
@@ -184,7 +184,7 @@ class ContactDetector:
         holding_w = float(evaluate(free.holding_power_w, middle))
         noise_j = free.normalised_noise * float(evaluate(free.closing_energy_j, middle))
         if not state.following:
-            level = (self.air.draught_share**2 + self.air.level_share**2) * holding_w**2
+            level = (self.air.draught_fraction**2 + self.air.air_temperature_fraction**2) * holding_w**2
             seen = seen._replace(following=True, covariance=np.diag([noise_j**2, level]))
         taken_w = 0.5 * (power_w + state.power_w)
         energy = state.energy_j + (taken_w - holding_w) * dt_s + noise_j / free.normalised_noise * (here - before)
@@ -233,7 +233,7 @@ class ContactDetector:
         dt_s = interval.dt_s
         kept = exp(-dt_s / self.air.draught_time_s)
         forward = np.array([[1.0, dt_s], [0.0, 1.0]])
-        wind_w2 = (self.air.draught_share * interval.holding_w) ** 2 * (1.0 - kept * kept)
+        wind_w2 = (self.air.draught_fraction * interval.holding_w) ** 2 * (1.0 - kept * kept)
         drift = np.diag([(MODEL_POWER_FRACTION * interval.taken_w * dt_s) ** 2, wind_w2])
         responses = forward @ np.hstack([state.responses, np.zeros((2, PLACES_PER_SAMPLE))])[:, -CANDIDATES:]
         return forward @ state.level, forward @ state.covariance @ forward.T + drift, responses
