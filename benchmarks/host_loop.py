@@ -21,7 +21,7 @@ from typing import Any
 import musclewire as mw
 from musclewire.controllers import staircase
 from musclewire.experiment.metrics import ControlRun
-from musclewire.experiment.timing import timing_json
+from musclewire.experiment.run import timing_json
 from musclewire.rigs.real_time import pin_to_cpu, take_priority
 
 PERIOD_S = 1e-3

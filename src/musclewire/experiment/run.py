@@ -1,4 +1,4 @@
-"""The one loop in which a rig, a policy and a recorder meet.
+"""The one loop in which a rig and a policy meet, and what it keeps: the rows of the run, and how punctual it was.
 
 The rig owns the clock, the policy is pure, and the rig ends at its sense voltage whatever a policy, a callback
 or the user's Ctrl-C raises: the first thing that happens on the way out, before anything is written.
@@ -7,21 +7,43 @@ or the user's Ctrl-C raises: the first thing that happens on the way out, before
 from __future__ import annotations
 
 import gc
+import tempfile
+from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from datetime import UTC, datetime
+from importlib.metadata import version
+from math import nan
 from pathlib import Path
 from time import perf_counter_ns
-from typing import NamedTuple, Protocol, TypedDict
+from types import TracebackType
+from typing import Any, NamedTuple, Protocol, Self, TypedDict
 
-from musclewire.errors import CallerError
-from musclewire.experiment.recorder import Recorder
-from musclewire.experiment.timing import LoopTiming
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError, MusclewireError, RecordingNotWrittenError
 from musclewire.rigs.abilities import exchange_times_of, protection_limits_of
 from musclewire.rigs.protocol import Rig
+from musclewire.rigs.real_time import scheduling
 from musclewire.signals.exchange import ELECTRICAL_COLUMNS, REFERENCE_COLUMNS, Command, RawSample
+from musclewire.signals.hdf5 import RecordingWriter
+from musclewire.signals.hdf5_process import WriterProcess
 from musclewire.signals.recording import MetadataValue, Recording
 
-__all__ = ["Decision", "OnSample", "Policy", "RunOptions", "file_in", "refuse_unusable", "run_on_rig"]
+__all__ = [
+    "Decision",
+    "OnSample",
+    "Policy",
+    "RunOptions",
+    "file_in",
+    "refuse_unusable",
+    "run_on_rig",
+    "Recorder",
+    "cause_of",
+    "LoopTiming",
+    "timing_json",
+]
 
 OnSample = Callable[[Mapping[str, float]], None]
 Exchange = Callable[[Command], RawSample]
@@ -29,6 +51,11 @@ Exchange = Callable[[Command], RawSample]
 PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
 # A block takes some milliseconds to write, on a busy machine over ten: in shorter periods another process writes it.
 MIN_PERIOD_FOR_DISK_S = 0.02
+# Files HDF5 has lost hold of: closing one, or letting it be collected, fails again and may crash the process.
+_NEVER_LET_GO: list[object] = []
+PERCENTILES = {"p50": 50.0, "p99": 99.0, "p999": 99.9}
+NO_CLOCK = "none: samples came as fast as they were computed"
+CLOCK = "real time"
 
 
 class RunOptions(TypedDict, total=False):
@@ -255,3 +282,194 @@ def few_collections() -> Iterator[None]:
         yield
     finally:
         gc.unfreeze()
+
+
+def cause_of(error: BaseException | None) -> str:
+    """Return the one line that a recording says about how its run ended."""
+    if error is None:
+        return "done"
+    if isinstance(error, (KeyboardInterrupt, SystemExit)):
+        return "interrupted"
+    return f"{type(error).__name__}: {error}".splitlines()[0]
+
+
+def first_line(problem: BaseException) -> str:
+    """Return the first line of what an error says."""
+    return (str(problem).splitlines() or [type(problem).__name__])[0]
+
+
+def rescued(recording: Recording, name: str) -> Path | None:
+    """Save a recording whose own file failed into the temporary folder; None where that does not work either."""
+    place = Path(tempfile.gettempdir()) / f"{name}-rescued-{datetime.now(UTC):%Y%m%dT%H%M%S}.csv"
+    try:
+        recording.save(place)
+    except (OSError, RuntimeError, MusclewireError):
+        return None
+    return place
+
+
+class Recorder:
+    """Collects rows; with a path every block also goes to disk, where it survives whatever happens next."""
+
+    def __init__(
+        self,
+        columns: Sequence[str],
+        metadata: Mapping[str, MetadataValue],
+        path: str | Path | None = None,
+        *,
+        overwrite: bool = False,
+        block_rows: int = 20,
+        apart_period_s: float | None = None,
+    ) -> None:
+        """Start an empty recording; ``block_rows`` rows go to disk together.
+
+        With ``apart_period_s``, the sample period of a loop too fast to wait for a disk, another process writes.
+        Raises CallerError where ``path`` exists and may not be replaced.
+        """
+        self._columns = tuple(columns)
+        start_time = datetime.now(UTC).isoformat(timespec="seconds")
+        self._metadata = {**metadata, "software_version": version("musclewire"), "start_time": start_time}
+        # Plain numbers in one block: a million rows make no objects for the garbage collector to walk through.
+        self._values = array("d")
+        self._writer: RecordingWriter | WriterProcess | None = None
+        if path is not None and apart_period_s is not None:
+            self._writer = WriterProcess(path, columns, self._metadata, block_rows, overwrite, apart_period_s)
+        elif path is not None:
+            self._writer = RecordingWriter(path, columns, self._metadata, block_rows, overwrite)
+        self._ended = "running"
+        self._lost: Path | None = None
+
+    def append(self, row: Mapping[str, float | None]) -> None:
+        """Keep one row; it gives every column, None where an instrument gave nothing."""
+        kept = [nan if (value := row[name]) is None else value for name in self._columns]
+        self._values.fromlist(kept)
+        if self._writer is None:
+            return
+        try:
+            self._writer.append_values(kept)
+        except (OSError, RuntimeError) as problem:
+            raise self._lose_file(problem) from None
+
+    def describe(self, metadata: Mapping[str, MetadataValue]) -> None:
+        """Add what is known only at the end; it stands in the file once that is closed."""
+        self._metadata.update(metadata)
+
+    def __len__(self) -> int:
+        """Return the number of rows so far."""
+        return len(self._values) // len(self._columns)
+
+    def recording(self) -> Recording:
+        """Return what has been recorded so far."""
+        table = np.array(self._values, dtype=np.float64).reshape(len(self), len(self._columns))
+        columns = {name: table[:, place] for place, name in enumerate(self._columns)}
+        return Recording(columns, {**self._metadata, "ended": self._ended})
+
+    def __enter__(self) -> Self:
+        """Return the recorder itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Write what is left and say why the run ended; an exception takes the partial recording along."""
+        self._ended = cause_of(error)
+        problem = self._close_file()
+        if error is None and problem is not None:
+            error = problem
+            self._take_along(error)
+            raise error
+        if error is not None:
+            self._take_along(error)
+
+    def _close_file(self) -> RecordingNotWrittenError | None:
+        if self._writer is None:
+            return None
+        try:
+            self._writer.close(self._ended, self._metadata)
+        except (OSError, RuntimeError, ValueError) as problem:
+            return self._lose_file(problem)
+        return None
+
+    def _take_along(self, error: BaseException) -> None:
+        """Put the recording on an exception, with a note that says where it is."""
+        recording = self.recording()
+        error.recording = recording  # type: ignore[attr-defined]
+        where = f" and in {self._writer.path}" if self._writer else ""
+        if self._lost is not None:
+            # Only now: by the time a recorder ends, the rig is safe, and a slow disk cannot keep a wire hot.
+            where = f" and in {saved}" if (saved := rescued(recording, self._lost.stem)) else ""
+        error.add_note(f"{len(self)} samples were recorded; they are in error.recording{where}")
+
+    def _lose_file(self, problem: Exception) -> RecordingNotWrittenError:
+        """Give up a file that cannot be written any more and return the error that says so."""
+        path = self._writer.path if self._writer else Path("recording.h5")
+        _NEVER_LET_GO.append(self._writer)
+        self._writer, self._lost = None, path
+        return RecordingNotWrittenError(f"cannot write {path}: {first_line(problem)}")
+
+
+class LoopTiming:
+    """Notes of every sample when it was there and when the next drive was handed over; it reads no clock itself.
+
+    All times in nanoseconds of one clock that never runs back.
+    """
+
+    def __init__(self, sample_period_s: float, paced: bool) -> None:
+        """Watch a run of this sample period; ``paced`` where a real clock sets its pace."""
+        self._period_us = sample_period_s * 1e6
+        self._paced = paced
+        self._samples_ns = array("q")
+        self._latencies_ns = array("q")
+        self._callbacks_ns = array("q")
+        self._callback_ns = 0
+
+    def sampled(self, drive_at_ns: int, sample_at_ns: int) -> None:
+        """Note one exchange: when its drive was handed to the output and when its sample was there."""
+        if self._samples_ns:
+            self._latencies_ns.append(drive_at_ns - self._samples_ns[-1])
+            self._callbacks_ns.append(self._callback_ns)
+        self._samples_ns.append(sample_at_ns)
+        self._callback_ns = 0
+
+    def called_back(self, callback_ns: int) -> None:
+        """Note how long whoever watches the run kept the loop waiting after the last sample."""
+        self._callback_ns = callback_ns
+
+    def metadata(self) -> dict[str, MetadataValue]:
+        """Return what a recording says of its timing; only compute times where no clock paced the run.
+
+        ``jitter`` is how far the time between two samples was from the sample period, ``latency`` from a sample to the
+        next drive at the output, ``compute`` the part of it that is not a callback's: policy, protection, recorder.
+        ``deadline_misses`` counts the sample periods in which no sample came, ``drift_us`` is how much longer the whole
+        run took than its periods.
+        """
+        latencies = np.array(self._latencies_ns, dtype=np.float64) / 1e3
+        compute = latencies - np.array(self._callbacks_ns, dtype=np.float64) / 1e3
+        found: dict[str, MetadataValue] = {"pace": CLOCK if self._paced else NO_CLOCK, "deadline_misses": 0}
+        found |= percentiles("compute", compute)
+        if not self._paced or not latencies.size:
+            return found
+        intervals = np.diff(np.array(self._samples_ns, dtype=np.float64)) / 1e3
+        # A burst after a late sample catches up: only whole periods without a sample are misses.
+        empty = np.rint(intervals / self._period_us) - 1.0
+        found["scheduling"] = scheduling()
+        found["deadline_misses"] = int(empty[empty > 0.0].sum())
+        found["drift_us"] = round(float(intervals.sum() - intervals.size * self._period_us), 1)
+        return found | percentiles("jitter", np.abs(intervals - self._period_us)) | percentiles("latency", latencies)
+
+
+def percentiles(name: str, values_us: FloatArray) -> dict[str, MetadataValue]:
+    """Return the percentiles of some times [us] under the names of metadata; none of no times."""
+    if not values_us.size:
+        return {}
+    found = np.percentile(values_us, list(PERCENTILES.values()))
+    return {f"{name}_{key}_us": round(float(value), 1) for key, value in zip(PERCENTILES, found, strict=True)}
+
+
+def timing_json(metadata: Mapping[str, MetadataValue]) -> dict[str, Any]:
+    """Return what a recording's metadata say of its timing, as programs read it; None for what was not measured."""
+    found: dict[str, Any] = {"deadline_misses": metadata.get("deadline_misses", 0)}
+    for name in ("jitter", "latency", "compute"):
+        parts = {key: metadata.get(f"{name}_{key}_us") for key in PERCENTILES}
+        found[f"{name}_us"] = None if None in parts.values() else parts
+    return {**found, "drift_us": metadata.get("drift_us")}

@@ -9,8 +9,7 @@ import pytest
 
 import musclewire as mw
 from musclewire.experiment.open_loop import WaveformPolicy
-from musclewire.experiment.run import run_on_rig
-from musclewire.experiment.timing import LoopTiming, timing_json
+from musclewire.experiment.run import LoopTiming, run_on_rig, timing_json
 
 PERIOD_NS = 1_000_000
 

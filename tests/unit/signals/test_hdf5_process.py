@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from musclewire.errors import CallerError, RecordingNotWrittenError
-from musclewire.experiment.recorder import Recorder
+from musclewire.experiment.run import Recorder
 from musclewire.signals import read_recording
 from musclewire.signals.hdf5_process import WriterProcess
 

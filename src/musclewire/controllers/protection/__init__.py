@@ -1,6 +1,5 @@
 """What keeps a heated wire safe: one table of states, signals and events, and the functions that follow it."""
 
-from musclewire.controllers.protection.limits import ProtectionLimits
 from musclewire.controllers.protection.protect import (
     ProtectionState,
     allowed_drive_v,
@@ -13,7 +12,14 @@ from musclewire.controllers.protection.protect import (
     rested,
     tripped_by,
 )
-from musclewire.controllers.protection.table import Event, ProtectionTable, Signal, State, protection_table
+from musclewire.controllers.protection.table import (
+    Event,
+    ProtectionLimits,
+    ProtectionTable,
+    Signal,
+    State,
+    protection_table,
+)
 
 __all__ = [
     "Event",

@@ -11,11 +11,11 @@ from __future__ import annotations
 from math import isfinite
 from typing import Generic, NamedTuple, TypeVar
 
-from musclewire.controllers.protection.limits import ProtectionLimits
 from musclewire.controllers.protection.table import (
     Drive,
     Effect,
     Event,
+    ProtectionLimits,
     ProtectionTable,
     Signal,
     State,
