@@ -22,8 +22,8 @@ from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.candidates import Candidates, WireValues
 from musclewire.identify.physical.search import Settings
 from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.priors import load_priors
-from musclewire.parameters.schema import Alloy, Bench, Wire
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.rigs.simulated_building import Spool

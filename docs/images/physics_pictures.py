@@ -19,7 +19,7 @@ from physics_runs import (
 from scipy.special import ndtri
 
 from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER, TARGET
-from musclewire.identify.isobars import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
+from musclewire.identify.isobaric_loops import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.library import read_published
 from musclewire.simulate.paths import isobaric_path

@@ -6,7 +6,7 @@ import re
 from importlib.resources import files
 from pathlib import Path
 
-from musclewire.parameters.schema import Alloy
+from musclewire.parameters.parameter_groups import Alloy
 from paper_wires.unknowns import DIAMETERS_UM, NAMES, FloatArray
 
 SOURCE = (

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from musclewire.identify.isobars import half_transformation_slope_pa_per_k, simulated_isobar, summarize_isobar
+from musclewire.identify.isobaric_loops import half_transformation_slope_pa_per_k, simulated_isobar, summarize_isobar
 from musclewire.parameters.library import read_published
 from musclewire.simulate.paths import drive_path
 from musclewire.wire.building import constants_from

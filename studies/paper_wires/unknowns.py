@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 
 FloatArray = NDArray[np.float64]
 DIAMETERS_UM = (100, 125, 200)

@@ -18,7 +18,7 @@ import pytest
 import musclewire as mw
 from musclewire.app.calibrate_command import read_one
 from musclewire.app.recording_options import ReadingOptions
-from musclewire.identify.isobars import simulated_isobar
+from musclewire.identify.isobaric_loops import simulated_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.wire_file import read_wire_file
 

@@ -115,7 +115,7 @@ def calibrate(
     if output is not None:
         save_wire(found, output)
     if page is not None:
-        from musclewire.identify.physical.report import write_report
+        from musclewire.identify.physical.calibration_report import write_report
 
         write_report(found, page, advice)
     if json:

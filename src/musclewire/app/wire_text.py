@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from musclewire.experiment.supply_sizing import SupplyPlan, SupplySizing
-    from musclewire.identify.catalogue_table import Comparison, Judged
+    from musclewire.identify.catalogue_table import CatalogueComparison, JudgedValue
     from musclewire.parameters.catalogue import CatalogueCell
 
 __all__ = ["answer_json", "answer_text", "comparison_json", "comparison_text", "wires_json", "wires_text"]
@@ -154,7 +154,7 @@ def wires_text() -> str:
     return "\n".join(f"{row['name']:<18} {row['description']}" for row in rows)
 
 
-def comparison_json(compared: Sequence[Comparison]) -> dict[str, Any]:
+def comparison_json(compared: Sequence[CatalogueComparison]) -> dict[str, Any]:
     """Return the comparison with the catalogue: a row for each wire, in order."""
     from musclewire.identify.catalogue_table import BARS
 
@@ -167,7 +167,7 @@ def comparison_json(compared: Sequence[Comparison]) -> dict[str, Any]:
     }
 
 
-def row_json(one: Comparison) -> dict[str, Any]:
+def row_json(one: CatalogueComparison) -> dict[str, Any]:
     """Return one wire of the comparison."""
     return {
         "wire": one.wire,
@@ -175,7 +175,7 @@ def row_json(one: Comparison) -> dict[str, Any]:
         "current_a": one.row.current_a,
         "current_status": one.row.current_ma.status,
         "stroke_pct": 100 * one.run.stroke,
-        "contraction_share_pct": 100 * one.run.contraction_share,
+        "contraction_share_pct": 100 * one.run.contraction_fraction,
         "contraction_ok": one.contraction.ok,
         "true_temperature_degc": one.run.temperature_k - ZERO_DEGC_K,
         "cooling_s": one.run.cooling_s,
@@ -186,7 +186,7 @@ def row_json(one: Comparison) -> dict[str, Any]:
     }
 
 
-def comparison_text(compared: Sequence[Comparison]) -> str:
+def comparison_text(compared: Sequence[CatalogueComparison]) -> str:
     """Return the comparison as a table: a line for each size, 70 C wire and 90 C wire side by side."""
     from musclewire.identify.catalogue_table import BARS
     from musclewire.parameters.catalogue import load_catalogue
@@ -221,7 +221,7 @@ def marked(value: float, cell: CatalogueCell) -> str:
     return f"{value:g}{MARKS[cell.status]}" if MARKS[cell.status] else f"{value:g} "
 
 
-def judged_text(one: Judged, scale: float, digits: int) -> str:
+def judged_text(one: JudgedValue, scale: float, digits: int) -> str:
     """Return a number of ours with its verdict."""
     shown = "-" if one.ours is None else f"{scale * one.ours:.{digits}f}"
     return shown if one.ok is None else f"{shown} {'ok' if one.ok else 'FAIL'}"

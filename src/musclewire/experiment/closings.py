@@ -13,7 +13,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from musclewire.errors import CallerError
 from musclewire.experiment.open_loop import Waveform, WaveformPolicy
 from musclewire.experiment.run import OnSample, run_on_rig
-from musclewire.identify.contact import KnownGrip, fit_free_closing, fit_grip_curve
+from musclewire.identify.contact_fitting import KnownGrip, fit_free_closing, fit_grip_curve
 from musclewire.rigs.configuration import RigConfiguration, open_rig, simulated_configuration
 from musclewire.rigs.load_part import Obstacle, Pull
 from musclewire.rigs.protocol import Rig

@@ -19,18 +19,18 @@ from musclewire.errors import CallerError
 from musclewire.experiment.drive import drive_wire
 from musclewire.experiment.run import OnSample
 from musclewire.identify.catalogue_check import PULL_STRESS_PA, UNCOUNTED_STRAIN
-from musclewire.identify.sizing import (
+from musclewire.identify.electrical_sizing import (
     OVERHEATED_K,
-    OneSecond,
+    OneSecondDrive,
     Shunt,
     one_second_current,
-    relaxing_time_s,
-    settled_temperature_k,
+    relaxation_time_s,
+    steady_temperature_k,
     suggested_shunt,
 )
 from musclewire.parameters.catalogue import CatalogueRow, catalogue_names, catalogue_row, class_of
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.parameters.schema import Bench, Wire
+from musclewire.parameters.parameter_groups import Bench, Wire
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.mounted import LimitsTable
 from musclewire.rigs.simulated_configuration import with_settings
@@ -124,7 +124,7 @@ class SupplySizing:
     recording: Recording
     numbers: DriveNumbers
     settled_k: float
-    one_second: OneSecond
+    one_second: OneSecondDrive
     shunt: Shunt
     warnings: tuple[str, ...]
 
@@ -214,7 +214,7 @@ def chosen_duration_s(request: SupplyRequest, configuration: RigConfiguration, c
     """Return how long to run where nobody said: until the wire has relaxed and somewhat longer."""
     wire, bench = with_settings(load_wire(request.wire), load_bench(BENCH), configuration.settings, "simulate")
     drive = current_a if current_a is not None else request.supply_v or 0.0
-    relaxing = relaxing_time_s(
+    relaxing = relaxation_time_s(
         load_alloy(wire.alloy),
         wire,
         bench,
@@ -242,7 +242,7 @@ def size_supply(
     best = usable_one_second_current(wire, bench, request.ambient_k)
     recording = simulated_drive(plan, path, overwrite, on_sample)
     numbers = drive_numbers(recording, request.on_s, best.stroke)
-    settled = settled_temperature_k(numbers.power_end_w / request.length_m, wire, request.ambient_k)
+    settled = steady_temperature_k(numbers.power_end_w / request.length_m, wire, request.ambient_k)
     shunt = suggested_shunt(wire.resistance_per_metre_ohm_per_m.value * request.length_m, best.current_a)
     warnings = tuple(warnings_for(plan, numbers, settled))
     return SupplySizing(plan, recording, numbers, settled, best, shunt, warnings)
@@ -265,7 +265,7 @@ def simulated_drive(
         )
 
 
-def usable_one_second_current(wire: Wire, bench: Bench, ambient_k: float) -> OneSecond:
+def usable_one_second_current(wire: Wire, bench: Bench, ambient_k: float) -> OneSecondDrive:
     """Return the one-second current. Raises CallerError for a wire that its surroundings have contracted already."""
     best = one_second_current(load_alloy(wire.alloy), wire, bench)
     if best.stroke <= UNCOUNTED_STRAIN:

@@ -14,7 +14,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import NumericsError
-from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.simulate.paths import DrivenPath, drive_path, isobaric_path
 from musclewire.wire.building import constants_from
 from musclewire.wire.state import WireConstants, WireState
@@ -42,7 +42,7 @@ class CatalogueRun(NamedTuple):
 
     stroke: float
     contraction: float
-    contraction_share: float
+    contraction_fraction: float
     cooling_s: float | None
     temperature_k: float
     energy_j: float
@@ -91,7 +91,7 @@ def run_catalogue_test(
     return CatalogueRun(
         stroke=stroke,
         contraction=contraction,
-        contraction_share=contraction / stroke,
+        contraction_fraction=contraction / stroke,
         cooling_s=time_below(curve, step_s, contraction, UNCOUNTED_STRAIN),
         temperature_k=float(heated.temperature_k.max()),
         energy_j=state.heat_in_j,

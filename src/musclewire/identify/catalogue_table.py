@@ -12,7 +12,7 @@ from musclewire.identify.catalogue_check import CatalogueRun, run_catalogue_test
 from musclewire.parameters.catalogue import CLASSES, CatalogueCell, CatalogueRow, load_catalogue
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 
-__all__ = ["BARS", "Comparison", "Judged", "compare_catalogue"]
+__all__ = ["BARS", "CatalogueComparison", "JudgedValue", "compare_catalogue"]
 
 JUDGED_CLASS = "lt"
 JUDGED_SIZES_MM = (0.05, 0.31)
@@ -27,7 +27,7 @@ BARS = (
 )
 
 
-class Judged(NamedTuple):
+class JudgedValue(NamedTuple):
     """One number of ours beside the catalogue's; ``ok`` is None where it is not judged."""
 
     ours: float | None
@@ -37,15 +37,15 @@ class Judged(NamedTuple):
     ok: bool | None
 
 
-class Comparison(NamedTuple):
+class CatalogueComparison(NamedTuple):
     """One wire of the catalogue: its run, and what was made of it."""
 
     wire: str
     row: CatalogueRow
     wire_class: str
     run: CatalogueRun
-    contraction: Judged
-    cooling: Judged
+    contraction: JudgedValue
+    cooling: JudgedValue
 
     @property
     def ok(self) -> bool:
@@ -53,7 +53,7 @@ class Comparison(NamedTuple):
         return self.contraction.ok is not False and self.cooling.ok is not False
 
 
-def compare_catalogue() -> list[Comparison]:
+def compare_catalogue() -> list[CatalogueComparison]:
     """Return all wires of the catalogue through the vendor's test, thinnest first, LT before HT; deterministic."""
     alloy, bench = load_alloy(load_catalogue().wire.alloy), load_bench("dead-weight")
     compared = []
@@ -65,17 +65,17 @@ def compare_catalogue() -> list[Comparison]:
     return compared
 
 
-def judged(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> Comparison:
+def judged(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> CatalogueComparison:
     """Return a wire's run held to the bars."""
     low, high = JUDGED_SIZES_MM
     counts = wire_class == JUDGED_CLASS and low <= row.diameter_mm <= high
     time = row.cooling_cell(wire_class)
-    return Comparison(
+    return CatalogueComparison(
         name,
         row,
         wire_class,
         run,
-        within(run.contraction_share, *CONTRACTION_RANGE, row.current_ma, counts, ROUNDING),
+        within(run.contraction_fraction, *CONTRACTION_RANGE, row.current_ma, counts, ROUNDING),
         within(
             run.cooling_s,
             time.value * (1.0 - COOLING_TOLERANCE),
@@ -87,8 +87,10 @@ def judged(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> 
     )
 
 
-def within(ours: float | None, low: float, high: float, cell: CatalogueCell, counts: bool, rounding: float) -> Judged:
+def within(
+    ours: float | None, low: float, high: float, cell: CatalogueCell, counts: bool, rounding: float
+) -> JudgedValue:
     """Return a number with its verdict: None where the cell is not corroborated or the wire does not count."""
     if not (counts and cell.corroborated):
-        return Judged(ours, low, high, cell, None)
-    return Judged(ours, low, high, cell, ours is not None and low <= ours <= high + rounding)
+        return JudgedValue(ours, low, high, cell, None)
+    return JudgedValue(ours, low, high, cell, ours is not None and low <= ours <= high + rounding)

@@ -8,16 +8,16 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from musclewire.identify.sizing import (
+from musclewire.identify.electrical_sizing import (
     OVERHEATED_K,
     Shunt,
-    given_off_w_per_m,
+    convective_loss_w_per_m,
     one_second_current,
     suggested_shunt,
 )
 from musclewire.parameters.catalogue import CatalogueCell, catalogue_names, catalogue_row
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.parameters.schema import Bench, Wire
+from musclewire.parameters.parameter_groups import Bench, Wire
 
 __all__ = ["WireRow", "wire_table"]
 
@@ -83,7 +83,7 @@ def wire_row(name: str, length_m: float, stress_pa: float, ambient_k: float) -> 
 
 def heat_ratio(wire: Wire, held_k: float, ambient_k: float) -> float:
     """Return the heat given off at the working limit over that at the temperature held; resistance hardly differs."""
-    return given_off_w_per_m(OVERHEATED_K, wire, ambient_k) / given_off_w_per_m(held_k, wire, ambient_k)
+    return convective_loss_w_per_m(OVERHEATED_K, wire, ambient_k) / convective_loss_w_per_m(held_k, wire, ambient_k)
 
 
 def bench_with(bench: Bench, length_m: float, pull_n: float, ambient_k: float) -> Bench:

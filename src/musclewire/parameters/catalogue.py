@@ -14,7 +14,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters.schema import Parameter, Wire
+from musclewire.parameters.parameter_groups import Parameter, Wire
 from musclewire.parameters.validation import validated
 
 __all__ = [

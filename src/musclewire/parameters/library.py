@@ -9,7 +9,7 @@ from typing import Any
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.catalogue import catalogue_names, catalogue_wire, load_catalogue, same_size_hint
-from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Parameter, Wire
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import is_wire_file, read_wire_file
 

@@ -25,7 +25,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters.schema import Parameter, ParameterGroup, parameter
+from musclewire.parameters.parameter_groups import Parameter, ParameterGroup, parameter
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 

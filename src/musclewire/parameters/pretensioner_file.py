@@ -22,7 +22,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError
-from musclewire.parameters.schema import Parameter
+from musclewire.parameters.parameter_groups import Parameter
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.validation import validated
 
 __all__ = ["Prior", "PriorSet", "load_priors", "prior_set_names"]

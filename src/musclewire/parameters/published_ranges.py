@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import nearest_hint
 from musclewire.parameters.library import read_published
-from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Parameter, Wire
 from musclewire.parameters.validation import validated
 
 __all__ = ["PublishedRange", "PublishedRanges", "outside", "published_ranges"]

@@ -27,7 +27,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, model_validator
 
 from musclewire.errors import nearest_hint
-from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire, checked
+from musclewire.parameters.parameter_groups import Alloy, Bench, Parameter, Wire, checked
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 

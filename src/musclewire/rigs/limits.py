@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters.schema import Alloy, Wire
+from musclewire.parameters.parameter_groups import Alloy, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 
 __all__ = ["Circuit", "limits_of"]

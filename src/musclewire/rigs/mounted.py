@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.parameters.library import load_alloy, load_wire
-from musclewire.parameters.schema import Wire
+from musclewire.parameters.parameter_groups import Wire
 from musclewire.rigs.limits import Circuit, limits_of
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.quantities import measured_in

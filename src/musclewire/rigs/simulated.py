@@ -10,7 +10,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.parameters.schema import Bench
+from musclewire.parameters.parameter_groups import Bench
 from musclewire.physics.heat import convection_range_note
 from musclewire.physics.resistance import series_resistance_ohm
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Missing

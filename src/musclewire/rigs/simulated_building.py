@@ -10,7 +10,7 @@ import numpy as np
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.parameters.library import load_alloy, load_wire
-from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.rigs.limits import Circuit, limits_of
 from musclewire.rigs.load_part import LoadPart, Obstacle, Pull, SecondWire, Supply
 from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, Mechanism, Tendon

@@ -9,7 +9,7 @@ from typing import Literal, Self, TypeVar
 from pydantic import Field, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters.schema import Bench, Parameter, ParameterGroup, Wire
+from musclewire.parameters.parameter_groups import Bench, Parameter, ParameterGroup, Wire
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import is_wire_file
 from musclewire.rigs.faults import Fault

@@ -134,7 +134,7 @@ class RecordingWriter:
         finally:
             self._file.close()
 
-    def let_go(self) -> None:
+    def close_unfinished(self) -> None:
         """Write what is left and close the file without a reason: whoever reads it finds a run that was cut off."""
         self._write_block()
         self._file.close()

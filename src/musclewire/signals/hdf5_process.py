@@ -72,7 +72,7 @@ class WriterProcess:
         self._send(START, json.dumps(start).encode())
         assert self._process.stdout is not None
         if self._process.stdout.readline() != READY:
-            raise CallerError(self._complaint())
+            raise CallerError(self._failure_message())
 
     @property
     def path(self) -> Path:
@@ -103,10 +103,10 @@ class WriterProcess:
         except subprocess.TimeoutExpired:
             raise OSError(f"{self._path}: the disk takes nothing for {MAX_CLOSING_S:g} s") from None
         if code != 0:
-            raise OSError(self._complaint())
-        self._let_go_of_pipes()
+            raise OSError(self._failure_message())
+        self._close_pipes()
 
-    def _let_go_of_pipes(self) -> None:
+    def _close_pipes(self) -> None:
         for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
             assert pipe is not None
             # What could not be sent to a process that has ended is lost; the recorder has it.
@@ -123,14 +123,14 @@ class WriterProcess:
             self._input.write(HEAD.pack(kind, len(body)) + body)
             self._input.flush()
         except BrokenPipeError:
-            raise OSError(self._complaint()) from None
+            raise OSError(self._failure_message()) from None
 
-    def _complaint(self) -> str:
+    def _failure_message(self) -> str:
         """Return the last line the process said before it ended."""
         self._process.wait(MAX_CLOSING_S)
         assert self._process.stderr is not None
         said = self._process.stderr.read().decode("utf-8", "replace").strip().splitlines()
-        self._let_go_of_pipes()
+        self._close_pipes()
         return said[-1] if said else f"{self._path}: the process that writes it has ended"
 
 
@@ -152,7 +152,7 @@ def message(source: IO[bytes]) -> tuple[int, bytes] | None:
     return (kind, body) if len(body) == size else None
 
 
-def write_what_comes(source: IO[bytes]) -> None:
+def write_messages(source: IO[bytes]) -> None:
     """Write a file from messages; where the host is gone without closing it, it stays marked as cut off."""
     first = message(source)
     if first is None:
@@ -170,7 +170,7 @@ def write_what_comes(source: IO[bytes]) -> None:
         values.frombytes(body)
         for row in range(0, len(values), len(columns)):
             writer.append_values(values[row : row + len(columns)].tolist())
-    writer.let_go()
+    writer.close_unfinished()
 
 
 def main() -> int:
@@ -179,7 +179,7 @@ def main() -> int:
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
         os.sched_setaffinity(0, range(os.cpu_count() or 1))
     try:
-        write_what_comes(sys.stdin.buffer)
+        write_messages(sys.stdin.buffer)
     except (OSError, RuntimeError, MusclewireError) as problem:
         print(str(problem).splitlines()[0], file=sys.stderr, flush=True)
         # HDF5 may crash a process that lets go of a file it could not write: end without that.

@@ -18,11 +18,11 @@ from musclewire.signals.columns import (
 )
 from musclewire.signals.units import Conversion, conversion_to_si, measures
 
-__all__ = ["Taken", "Ignored", "numbered_headers", "split_header", "understand_headers"]
+__all__ = ["MatchedHeader", "IgnoredHeader", "numbered_headers", "split_header", "understand_headers"]
 
 
 @dataclass(frozen=True)
-class Taken:
+class MatchedHeader:
     """A header, the column it was taken as, and how its numbers become SI.
 
     ``value_si = factor * value + offset``; ``unit`` is what the header or the mapping says, or our own unit.
@@ -44,7 +44,7 @@ class Taken:
 
 
 @dataclass(frozen=True)
-class Ignored:
+class IgnoredHeader:
     """A header that was not used, and why."""
 
     header: str
@@ -72,7 +72,7 @@ def split_header(header: str) -> tuple[str, str | None]:
 
 def understand_headers(
     headers: Sequence[str], mapping: Mapping[str, str] | None, path: str
-) -> tuple[tuple[Taken, ...], tuple[Ignored, ...]]:
+) -> tuple[tuple[MatchedHeader, ...], tuple[IgnoredHeader, ...]]:
     """Decide what every header is taken as.
 
     ``mapping`` is NAME -> "HEADER" or "HEADER:UNIT" and comes before everything else; ``#2`` as HEADER is the second
@@ -85,19 +85,19 @@ def understand_headers(
     CallerError: a NAME in ``mapping`` that is no column
     """
     mapped = [_mapped(name, wanted, headers, path) for name, wanted in (mapping or {}).items()]
-    by_index: dict[int, Taken | Ignored] = {taken.index: taken for taken in mapped}
+    by_index: dict[int, MatchedHeader | IgnoredHeader] = {taken.index: taken for taken in mapped}
     if len(by_index) < len(mapped):
         raise RecordingError(f"{path}: the mapping uses one header twice; map each header to one column")
     for index, header in enumerate(headers):
         if index not in by_index:
-            by_index[index] = _recognised(header, index, path, spoken_for=frozenset(mapping or ()))
+            by_index[index] = _recognised(header, index, path, already_mapped=frozenset(mapping or ()))
     found = [by_index[index] for index in range(len(headers))]
-    taken = _as_branch_table([item for item in found if isinstance(item, Taken)])
+    taken = _as_branch_table([item for item in found if isinstance(item, MatchedHeader)])
     _check_taken_once(taken, path)
-    return tuple(taken), tuple(item for item in found if isinstance(item, Ignored))
+    return tuple(taken), tuple(item for item in found if isinstance(item, IgnoredHeader))
 
 
-def _mapped(name: str, wanted: str, headers: Sequence[str], path: str) -> Taken:
+def _mapped(name: str, wanted: str, headers: Sequence[str], path: str) -> MatchedHeader:
     column = known_column(name)
     index, unit = _find(name, wanted, headers, path)
     header = headers[index]
@@ -134,21 +134,23 @@ def _key_of_name(header: str) -> str:
     return key_of_header(split_header(header)[0])
 
 
-def _recognised(header: str, index: int, path: str, spoken_for: frozenset[str]) -> Taken | Ignored:
+def _recognised(header: str, index: int, path: str, already_mapped: frozenset[str]) -> MatchedHeader | IgnoredHeader:
     name, unit = split_header(header)
     own = _own_column(name)
     if own is not None:
-        return _taken_by_own_name(header, index, own, unit, path, spoken_for)
+        return _taken_by_own_name(header, index, own, unit, path, already_mapped)
     candidates = columns_called(name)
     if unit is None and not candidates:
         name, unit, candidates = _with_unit_as_last_word(header)
-    candidates = tuple(column for column in candidates if column.name not in spoken_for)
+    candidates = tuple(column for column in candidates if column.name not in already_mapped)
     if not candidates:
-        return Ignored(header, "its column is mapped to another header" if columns_called(name) else "name not known")
+        return IgnoredHeader(
+            header, "its column is mapped to another header" if columns_called(name) else "name not known"
+        )
     fitting = [column for column in candidates if unit is not None and measures(unit, column.name)]
     column = (fitting or list(candidates))[0]
     if unit is None and column.unit and column.kind == "control":
-        return Ignored(header, f"would be {column.name}, and has no unit")
+        return IgnoredHeader(header, f"would be {column.name}, and has no unit")
     return _taken(header, index, column, unit, "synonym", path)
 
 
@@ -157,10 +159,10 @@ def _own_column(name: str) -> Column | None:
 
 
 def _taken_by_own_name(
-    header: str, index: int, own: Column, unit: str | None, path: str, spoken_for: frozenset[str]
-) -> Taken | Ignored:
-    if own.name in spoken_for:
-        return Ignored(header, "its column is mapped to another header")
+    header: str, index: int, own: Column, unit: str | None, path: str, already_mapped: frozenset[str]
+) -> MatchedHeader | IgnoredHeader:
+    if own.name in already_mapped:
+        return IgnoredHeader(header, "its column is mapped to another header")
     taken = _taken(header, index, own, own.unit if unit is None else unit, "own name", path)
     # A dimensionless name says nothing of its unit, so percent is fine; time_s in ms is a contradiction.
     if own.unit and (taken.factor != 1.0 or taken.offset):
@@ -186,7 +188,7 @@ def _taken(
     unit: str | None,
     how: Literal["own name", "synonym", "mapped"],
     path: str,
-) -> Taken:
+) -> MatchedHeader:
     if unit is None and column.unit:
         # "V" reads better than nothing, and it is what the column needs in the end.
         bare = header.strip()
@@ -195,10 +197,12 @@ def _taken(
             f"or map it: {column.name}={bare}:{column.unit}"
         )
     conversion = conversion_to_si(unit or "", column.name, f"{path}: column '{header.strip()}'")
-    return Taken(header, index, column.name, unit or "", unit is not None, conversion.factor, conversion.offset, how)
+    return MatchedHeader(
+        header, index, column.name, unit or "", unit is not None, conversion.factor, conversion.offset, how
+    )
 
 
-def _as_branch_table(taken: list[Taken]) -> list[Taken]:
+def _as_branch_table(taken: list[MatchedHeader]) -> list[MatchedHeader]:
     """In a printed loop "resistance" is the abscissa of both branches, not a measurement over time."""
     columns = {item.column for item in taken}
     is_table = {"strain_heating", "strain_cooling"} <= columns and not {"time_s", BRANCH_TABLE[0]} & columns
@@ -207,8 +211,8 @@ def _as_branch_table(taken: list[Taken]) -> list[Taken]:
     return [replace(item, column=BRANCH_TABLE[0]) if item.column == "wire_resistance_ohm" else item for item in taken]
 
 
-def _check_taken_once(taken: Sequence[Taken], path: str) -> None:
-    first: dict[str, Taken] = {}
+def _check_taken_once(taken: Sequence[MatchedHeader], path: str) -> None:
+    first: dict[str, MatchedHeader] = {}
     for item in taken:
         other = first.setdefault(item.column, item)
         if other is not item:

@@ -11,7 +11,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, needs_no_clock
-from musclewire.signals.headers import Ignored, Taken, numbered_headers, understand_headers
+from musclewire.signals.headers import IgnoredHeader, MatchedHeader, numbered_headers, understand_headers
 from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.recording import Recording
 from musclewire.signals.tables import Table
@@ -48,8 +48,8 @@ class Understanding:
     path: str
     layout: str
     row_count: int
-    taken: tuple[Taken, ...]
-    ignored: tuple[Ignored, ...]
+    taken: tuple[MatchedHeader, ...]
+    ignored: tuple[IgnoredHeader, ...]
     metadata: Mapping[str, MetadataValue]
 
     def as_dict(self) -> dict[str, object]:
@@ -175,7 +175,7 @@ def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> Un
 
 def _understood(
     table: Table, columns: Mapping[str, str] | None, path: Path
-) -> tuple[tuple[Taken, ...], tuple[Ignored, ...]]:
+) -> tuple[tuple[MatchedHeader, ...], tuple[IgnoredHeader, ...]]:
     if not columns and table.headers == numbered_headers(len(table.headers)):
         raise RecordingError(
             f"{path}: has no headers; name the columns in the first line, such as 'time [s],wire_voltage_v', "
@@ -238,7 +238,7 @@ def _reader_for(path: Path) -> Callable[[Path], Table]:
     raise RecordingError(f"{path}: files ending in '{suffix}' are not read; export it as {known}")
 
 
-def _check_has_clock(taken: tuple[Taken, ...], table: Table, path: Path) -> None:
+def _check_has_clock(taken: tuple[MatchedHeader, ...], table: Table, path: Path) -> None:
     found = {item.column for item in taken}
     if "time_s" in found or needs_no_clock(found):
         return
@@ -250,7 +250,7 @@ def _check_has_clock(taken: tuple[Taken, ...], table: Table, path: Path) -> None
     )
 
 
-def _values(item: Taken, table: Table, path: Path) -> FloatArray:
+def _values(item: MatchedHeader, table: Table, path: Path) -> FloatArray:
     written = table.numbers(item.index)
     where = f"column '{item.header}'"
     bad = np.isinf(written) if item.column in _MAY_BE_NAN else ~np.isfinite(written)
@@ -262,7 +262,7 @@ def _values(item: Taken, table: Table, path: Path) -> FloatArray:
     return item.conversion.apply(written)
 
 
-def _check_strain_is_a_fraction(item: Taken, written: FloatArray, table: Table, path: Path) -> None:
+def _check_strain_is_a_fraction(item: MatchedHeader, written: FloatArray, table: Table, path: Path) -> None:
     too_large = np.abs(written) > 1.0
     if item.column not in _STRAINS or item.unit_given or not too_large.any():
         return
@@ -293,7 +293,7 @@ def _recording(values: Mapping[str, FloatArray], metadata: Mapping[str, Metadata
         raise RecordingError(f"{path}: {problem}") from None
 
 
-def _arithmetic(item: Taken) -> str:
+def _arithmetic(item: MatchedHeader) -> str:
     if item.factor == 1.0 and not item.offset:
         return f" [{item.unit}]" if item.unit else ""
     offset = f" + {item.offset:g}" if item.offset else ""

@@ -10,7 +10,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
 from musclewire.wire.grains import spread_grains

@@ -19,7 +19,7 @@ from musclewire.experiment.closings import (
     with_object,
 )
 from musclewire.experiment.grip import GripRun, grip
-from musclewire.identify.contact import KnownGrip, fit_free_closing, fit_grip_curve, thermal_time_s
+from musclewire.identify.contact_fitting import KnownGrip, fit_free_closing, fit_grip_curve, thermal_time_s
 from musclewire.parameters.finger_file import load_finger
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.signals import Recording

@@ -48,7 +48,7 @@ def test_the_result_does_not_depend_on_the_step(monkeypatch: pytest.MonkeyPatch)
     coarse = run_catalogue_test(ALLOY, WIRE, BENCH, 0.41)
     monkeypatch.setattr(check, "STEP_FRACTION", 0.002)
     fine = run_catalogue_test(ALLOY, WIRE, BENCH, 0.41)
-    assert coarse.contraction_share == pytest.approx(fine.contraction_share, abs=0.01)
+    assert coarse.contraction_fraction == pytest.approx(fine.contraction_fraction, abs=0.01)
     assert coarse.cooling_s == pytest.approx(fine.cooling_s, rel=0.01)
 
 
@@ -57,16 +57,16 @@ def test_the_result_does_not_depend_on_the_step(monkeypatch: pytest.MonkeyPatch)
 def test_more_current_never_contracts_less_nor_more_than_the_stroke(current_a: float, factor: float) -> None:
     less, more = (run_catalogue_test(ALLOY, WIRE, BENCH, amperes) for amperes in (current_a, factor * current_a))
     # Warm martensite expands a little before it contracts.
-    assert -0.01 <= less.contraction_share <= 1.0 + 1e-3
+    assert -0.01 <= less.contraction_fraction <= 1.0 + 1e-3
     assert more.temperature_k > less.temperature_k
     # Once all of it is austenite, a hotter wire only expands.
-    assert more.contraction_share >= less.contraction_share - 0.02
+    assert more.contraction_fraction >= less.contraction_fraction - 0.02
 
 
 def test_the_length_does_not_matter() -> None:
     longer = BENCH.model_copy(update={"wire_length_m": BENCH.wire_length_m.model_copy(update={"value": 0.7})})
     here, there = (run_catalogue_test(ALLOY, WIRE, bench, 0.41) for bench in (BENCH, longer))
-    assert there.contraction_share == pytest.approx(here.contraction_share, rel=1e-6)
+    assert there.contraction_fraction == pytest.approx(here.contraction_fraction, rel=1e-6)
     assert there.cooling_s == pytest.approx(here.cooling_s, rel=1e-6)
 
 
@@ -81,7 +81,7 @@ def test_better_convection_cools_faster() -> None:
 def test_a_cold_wire_has_no_cooling_time() -> None:
     run = run_catalogue_test(ALLOY, WIRE, BENCH, 0.01)
     assert run.cooling_s is None
-    assert run.contraction_share == pytest.approx(0.0, abs=1e-3)
+    assert run.contraction_fraction == pytest.approx(0.0, abs=1e-3)
 
 
 def test_a_crossing_lies_between_the_steps_around_it() -> None:

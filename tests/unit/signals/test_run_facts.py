@@ -12,8 +12,8 @@ from musclewire.errors import RecordingError
 from musclewire.experiment.metrics import control_metrics, elapsed
 from musclewire.experiment.supply_sizing import drive_numbers
 from musclewire.identify import fit
-from musclewire.identify.contact import closing_of
-from musclewire.identify.physical.channels import contraction_force_n
+from musclewire.identify.contact_fitting import closing_of
+from musclewire.identify.physical.measured_channels import contraction_force_n
 from musclewire.identify.recordings import reference_quantity, required_quantity, resistance_reading
 from musclewire.signals import Recording
 from musclewire.signals.metadata import MetadataValue

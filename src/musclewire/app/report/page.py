@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from musclewire.experiment.demo import DemoResult
     from musclewire.experiment.metrics import StepMetrics
-    from musclewire.parameters.schema import Parameter
+    from musclewire.parameters.parameter_groups import Parameter
 
 __all__ = ["write_report"]
 

@@ -12,7 +12,7 @@ from musclewire.design.finger.friction import ASSUMED_FRICTION, FRICTION_SOURCE
 from musclewire.design.finger.geometry import UNITS, FingerGeometry
 from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve, FingerFile, finger_file_text
-from musclewire.parameters.schema import Parameter
+from musclewire.parameters.parameter_groups import Parameter
 
 __all__ = [
     "finger_study_file_text",

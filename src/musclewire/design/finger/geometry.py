@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields, replace
 
 from musclewire.design.finger.closed_forms import bending_stiffness_n_m2
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters.schema import Parameter
+from musclewire.parameters.parameter_groups import Parameter
 
 __all__ = ["HOLE_RADIUS_M", "UNITS", "FingerGeometry"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from musclewire.design.serpentine.analysis import Pretensioner
 from musclewire.design.serpentine.geometry import SerpentineGeometry
+from musclewire.parameters.parameter_groups import Parameter
 from musclewire.parameters.pretensioner_file import PretensionerFile
-from musclewire.parameters.schema import Parameter
 from musclewire.parameters.wire_file import parameter_lines, quoted
 
 __all__ = ["DIMENSIONS", "geometry_of", "pretensioner_text"]

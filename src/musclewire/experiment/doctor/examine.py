@@ -23,7 +23,7 @@ from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
 from musclewire.experiment.doctor.probing import LOW_FRACTIONS, Level, OnProbe, Probe
 from musclewire.experiment.doctor.sense_checks import clock_findings, protection_findings, warmth_findings
 from musclewire.parameters.library import load_wire
-from musclewire.parameters.schema import Wire
+from musclewire.parameters.parameter_groups import Wire
 from musclewire.rigs.abilities import protection_limits_of
 from musclewire.rigs.guarded import ProtectionTripError
 from musclewire.rigs.protocol import Metadata, Rig

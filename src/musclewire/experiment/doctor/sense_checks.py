@@ -9,8 +9,8 @@ from musclewire.controllers.protection import ProtectionLimits
 from musclewire.experiment.doctor.evidence import Evidence
 from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
 from musclewire.experiment.doctor.probing import Level
-from musclewire.identify.sizing import settled_temperature_k
-from musclewire.parameters.schema import Wire
+from musclewire.identify.electrical_sizing import steady_temperature_k
+from musclewire.parameters.parameter_groups import Wire
 
 __all__ = ["clock_findings", "protection_findings", "warmth_findings"]
 
@@ -34,7 +34,7 @@ def warmth_findings(
     if wire is None or length_m is None:
         return Findings((drift,), (Unchecked("sense_warming_k", "the rig names no wire that is known, or no length"),))
     power_w = float(np.mean(at_sense.wire_voltage_v * at_sense.shunt_voltage_v)) / evidence.shunt_resistance_ohm
-    rise = settled_temperature_k(max(power_w, 0.0) / length_m, wire, ambient_k) - ambient_k
+    rise = steady_temperature_k(max(power_w, 0.0) / length_m, wire, ambient_k) - ambient_k
     ok = rise <= MAX_RISE_K
     advice = f"by {1e3 * power_w:.2g} mW in still air, computed from the wire file, not measured"
     if not ok:

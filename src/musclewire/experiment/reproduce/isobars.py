@@ -6,7 +6,7 @@ from functools import partial
 
 from musclewire.experiment.reproduce.checks import Check
 from musclewire.experiment.reproduce.runs import Runs
-from musclewire.identify.isobars import half_transformation_slope_pa_per_k
+from musclewire.identify.isobaric_loops import half_transformation_slope_pa_per_k
 from musclewire.parameters.library import read_published
 
 __all__ = ["checks"]

@@ -13,7 +13,7 @@ from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.reproduce.finger_runs import FingerRuns
 from musclewire.experiment.reproduce.loops import CYCLES, Loop, loop_on
 from musclewire.experiment.run import OnSample
-from musclewire.identify.isobars import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
+from musclewire.identify.isobaric_loops import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
 from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_alloy, load_bench, load_wire, read_published
 from musclewire.rigs.configuration import RigConfiguration, open_rig

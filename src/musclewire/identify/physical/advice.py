@@ -18,13 +18,13 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError
-from musclewire.identify.isobars import Isobar
+from musclewire.identify.isobaric_loops import Isobar
 from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.candidates import Candidates, WireValues
-from musclewire.identify.physical.channels import RawChannel
 from musclewire.identify.physical.cooling import CoolingObservation
 from musclewire.identify.physical.driven import DrivenObservation
 from musclewire.identify.physical.isobaric import IsobaricObservation
+from musclewire.identify.physical.measured_channels import RawChannel
 from musclewire.identify.physical.observations import Observation, residuals_of
 from musclewire.identify.physical.search import ParallelProblem, jacobian, threads
 from musclewire.identify.physical.uncertainty import IDENTIFIABLE_FRACTION
@@ -99,7 +99,7 @@ def next_experiments(calibration: Calibration) -> tuple[Advice, ...]:
     -------
     At most three experiments, the best first; none if no usual experiment would identify another parameter.
     """
-    candidates, coordinates, information = everything(calibration)
+    candidates, coordinates, information = all_parameters(calibration)
     now = deviations(information)
     found = []
     with threads(calibration.inputs.settings.threads) as each:
@@ -130,7 +130,7 @@ def advice_of(key: str, names: tuple[str, ...], now: FloatArray, then: FloatArra
     )
 
 
-def everything(calibration: Calibration) -> tuple[Candidates, FloatArray, FloatArray]:
+def all_parameters(calibration: Calibration) -> tuple[Candidates, FloatArray, FloatArray]:
     """Return all parameters that have a prior, where the wire found is among them, and what is known of them, (n, n).
 
     Of those that the recordings could not touch, only the prior is known.
@@ -155,7 +155,7 @@ def deviations(information: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.diag(np.linalg.inv(information))))
 
 
-class Unmeasured:
+class ExperimentProblem:
     """An experiment as a problem for derivatives: residuals against what it would measure, (m,)."""
 
     def __init__(self, observation: Observation, candidates: Candidates) -> None:
@@ -168,14 +168,14 @@ class Unmeasured:
         """Return residuals in units of the instruments' uncertainty."""
         return residuals_of(self._observation, self._candidates.wire_values(coordinates))
 
-    def refined(self) -> Unmeasured:
+    def refined(self) -> ExperimentProblem:
         """Return itself: a derivative that decides which experiment to make needs no more digits."""
         return self
 
 
 def slope_of(observation: Observation, candidates: Candidates, coordinates: FloatArray, each: Any) -> FloatArray:
     """Return the derivative of what an experiment would measure, over its uncertainty, by all parameters, (m, n)."""
-    parallel = ParallelProblem(Unmeasured(observation, candidates), each)
+    parallel = ParallelProblem(ExperimentProblem(observation, candidates), each)
     here = parallel.residuals(coordinates)
     if here is None:
         raise MusclewireError("the wire found cannot be simulated in this experiment")
@@ -198,7 +198,7 @@ def proposed(calibration: Calibration) -> Iterator[Experiment]:
 
     if driven:
         yield Experiment("half_pretension", loop(pretension=LOW_FACTOR))
-        if largest_force_n(values, bench) <= values.wire["maximum_force_n"]:
+        if max_force_n(values, bench) <= values.wire["maximum_force_n"]:
             yield Experiment("twice_pretension", loop(pretension=HIGH_FACTOR))
         yield Experiment("minor_loop", loop(drive=MINOR_FACTOR))
         yield Experiment("fast_step", driven_experiment(values, bench, fast_step(highest_v), FAST_SAMPLE_S, usual))
@@ -216,7 +216,7 @@ def proposed(calibration: Calibration) -> Iterator[Experiment]:
         yield Experiment("cooling_curve", cooling_experiment(values, bench))
 
 
-def largest_force_n(values: WireValues, bench: Mapping[str, float]) -> float:
+def max_force_n(values: WireValues, bench: Mapping[str, float]) -> float:
     """Return the largest force that twice the pretension and the spring together could pull with."""
     leg_m = bench["wire_length_m"] / bench["legs"]
     stretch_n = bench["spring_stiffness_n_per_m"] * values.alloy["strain_saturated"] * leg_m

@@ -9,7 +9,7 @@ import numpy as np
 
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.parameters.library import load_bench
-from musclewire.parameters.schema import Bench, Parameter, Wire, checked
+from musclewire.parameters.parameter_groups import Bench, Parameter, Wire, checked
 from musclewire.signals.recording import Recording
 from musclewire.signals.units import parse_quantity
 

@@ -18,12 +18,12 @@ from musclewire.identify.physical.calibration import Calibration, CalibrationInp
 from musclewire.identify.physical.candidates import Candidates
 from musclewire.identify.physical.journal import Journal
 from musclewire.identify.physical.posterior import PosteriorProblem
+from musclewire.identify.physical.recording_kinds import StartingPoint, observable_parameters, observations_of, start_of
 from musclewire.identify.physical.search import OnProgress, OnStep, SearchResult, Settings, search
-from musclewire.identify.physical.sources import Start, observable_parameters, observations_of, start_of
-from musclewire.identify.physical.uncertainty import Estimate, covariance, estimates, excess_variance
+from musclewire.identify.physical.uncertainty import ParameterEstimate, covariance, estimates, excess_variance
 from musclewire.parameters.library import bench_known_with, load_alloy, load_wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Parameter, Wire
 from musclewire.parameters.priors import PriorSet, load_priors
-from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire
 from musclewire.signals.recording import Recording
 
 __all__ = ["calibrate"]
@@ -106,7 +106,7 @@ def calibrate(
 
 
 def calibration_of(
-    problem: PosteriorProblem, result: SearchResult, start: Start, inputs: CalibrationInputs, started: float
+    problem: PosteriorProblem, result: SearchResult, start: StartingPoint, inputs: CalibrationInputs, started: float
 ) -> Calibration:
     """Return the calibration that follows from where a search ended."""
     unknowns = len(problem.candidates)
@@ -130,7 +130,7 @@ def calibration_of(
     )
 
 
-def with_estimates(group: Group, items: Sequence[Estimate], source: str) -> Group:
+def with_estimates(group: Group, items: Sequence[ParameterEstimate], source: str) -> Group:
     """Return an alloy, wire or bench with what was found of it; what the data do not identify is marked assumed."""
     kind = type(group).__name__.lower()
     changed = {}
@@ -175,8 +175,8 @@ def fingerprint(
         for column, values in recording.columns.items():
             digest.update(column.encode())
             digest.update(values.tobytes())
-    settled = replace(settings, threads=None)
+    without_threads = replace(settings, threads=None)
     start = load_wire(wire)
     around = (start.model_dump(), load_alloy(start.alloy).model_dump())
-    digest.update(repr((priors.model_dump(), settled, around, sorted(bench.items()))).encode())
+    digest.update(repr((priors.model_dump(), without_threads, around, sorted(bench.items()))).encode())
     return digest.hexdigest()[:16]

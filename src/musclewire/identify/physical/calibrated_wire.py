@@ -8,7 +8,7 @@ from musclewire.errors import CallerError
 from musclewire.identify.physical.bench import SETTABLE
 from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.isobaric import IsobaricObservation
-from musclewire.parameters.schema import Bench, Parameter
+from musclewire.parameters.parameter_groups import Bench, Parameter
 from musclewire.parameters.wire_file import is_wire_file, wire_file_text
 from musclewire.signals.whole_files import write_text_whole
 

@@ -1,7 +1,8 @@
 """A calibration: every parameter of a wire with its uncertainty, and how well the observations are met.
 
-It holds what was found and what follows from it. :mod:`calibrate` finds it; :mod:`calibrated_wire` writes it as a wire
-file, :mod:`report` as a page, :mod:`figures` draws it, and :mod:`advice` simulates what to measure next.
+It holds the result and what follows from it. :mod:`calibrate` finds it; :mod:`calibrated_wire` writes it as a wire
+file, :mod:`calibration_report` as a page, :mod:`calibration_figures` draws it, and :mod:`advice` simulates the
+experiments to make next.
 """
 
 from __future__ import annotations
@@ -12,14 +13,14 @@ from functools import cached_property
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.identify.physical.calibration_text import not_followed, notebook_table, summary
 from musclewire.identify.physical.candidates import WireValues
-from musclewire.identify.physical.observations import Comparison, compare
+from musclewire.identify.physical.observations import ChannelComparison, compare
 from musclewire.identify.physical.posterior import PosteriorProblem
 from musclewire.identify.physical.search import SearchResult, Settings
-from musclewire.identify.physical.text import not_followed, notebook_table, summary
-from musclewire.identify.physical.uncertainty import Estimate
+from musclewire.identify.physical.uncertainty import ParameterEstimate
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.priors import PriorSet
-from musclewire.parameters.schema import Alloy, Bench, Wire
 
 __all__ = ["Calibration", "CalibrationInputs"]
 
@@ -48,7 +49,7 @@ class Calibration:
     alloy: Alloy
     wire: Wire
     bench: Bench
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[ParameterEstimate, ...]
     correlation: FloatArray
     problem: PosteriorProblem
     search_result: SearchResult
@@ -62,12 +63,12 @@ class Calibration:
         return self.problem.candidates.wire_values(self.search_result.coordinates)
 
     @property
-    def identifiable(self) -> list[Estimate]:
+    def identifiable(self) -> list[ParameterEstimate]:
         """Parameters whose interval the data narrowed to half the prior's or less."""
         return [item for item in self.estimates if item.identifiable]
 
     @property
-    def not_identifiable(self) -> list[Estimate]:
+    def not_identifiable(self) -> list[ParameterEstimate]:
         """Parameters that are still mostly what was believed before."""
         return [item for item in self.estimates if not item.identifiable]
 
@@ -77,16 +78,16 @@ class Calibration:
         observed = self.search_result.residuals[: -len(self.estimates)]
         return float(np.sqrt(np.mean(observed**2)))
 
-    def comparisons(self) -> list[tuple[str, Comparison]]:
+    def comparisons(self) -> list[tuple[str, ChannelComparison]]:
         """Return every channel of every observation beside the wire found, with the observation's title."""
         return list(self._compared)
 
     @cached_property
-    def _compared(self) -> list[tuple[str, Comparison]]:
+    def _compared(self) -> list[tuple[str, ChannelComparison]]:
         return [(item.title, pair) for item in self.problem.observations for pair in compare(item, self.values)]
 
     @property
-    def not_followed(self) -> list[tuple[str, Comparison]]:
+    def not_followed(self) -> list[tuple[str, ChannelComparison]]:
         """Channels that the wire found is further off than three times their stated uncertainty (rms)."""
         return not_followed(self.comparisons())
 

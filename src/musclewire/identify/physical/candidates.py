@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.priors import Prior, PriorSet
-from musclewire.parameters.schema import Alloy, Bench, Wire
 
 __all__ = ["Candidates", "WireValues"]
 

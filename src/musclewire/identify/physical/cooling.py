@@ -12,7 +12,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify.physical.bench import bench_of
 from musclewire.identify.physical.candidates import WireValues
-from musclewire.identify.physical.channels import (
+from musclewire.identify.physical.measured_channels import (
     CURVE_STRETCHES,
     MAX_STEP_S,
     RawChannel,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from musclewire.identify.physical.uncertainty import Estimate
+from musclewire.identify.physical.uncertainty import ParameterEstimate
 
 __all__ = ["interval_bar", "key_of_bars"]
 
@@ -12,7 +12,7 @@ WIDTH, HEIGHT = 190.0, 16.0
 SHOWN_STD, SURE_STD = 3.0, 1.96
 
 
-def interval_bar(item: Estimate) -> str:
+def interval_bar(item: ParameterEstimate) -> str:
     """Return prior and posterior 95 % intervals over each other, on the prior's three deviations within its bounds."""
     left = max(item.low, item.prior_mean - SHOWN_STD * item.prior_std)
     right = min(item.high, item.prior_mean + SHOWN_STD * item.prior_std)

@@ -8,9 +8,9 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.identify.isobars import Isobar
+from musclewire.identify.isobaric_loops import Isobar
 from musclewire.identify.physical.candidates import WireValues
-from musclewire.identify.physical.channels import CURVE_STRETCHES
+from musclewire.identify.physical.measured_channels import CURVE_STRETCHES
 from musclewire.identify.physical.observations import Channel, with_model_error
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording

@@ -17,7 +17,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.identify.physical.candidates import WireValues
 
-__all__ = ["Channel", "Comparison", "Observation", "binned", "compare", "residuals_of", "with_model_error"]
+__all__ = ["Channel", "ChannelComparison", "Observation", "binned", "compare", "residuals_of", "with_model_error"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Channel:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class ChannelComparison:
     """A channel beside what a candidate gives for it, (n,)."""
 
     channel: Channel
@@ -87,10 +87,10 @@ class Observation(Protocol):
         ...
 
 
-def compare(observation: Observation, values: WireValues) -> list[Comparison]:
+def compare(observation: Observation, values: WireValues) -> list[ChannelComparison]:
     """Return every channel of an observation beside a candidate's."""
     predicted = observation.simulate(values)
-    return [Comparison(channel, predicted[channel.name]) for channel in observation.channels]
+    return [ChannelComparison(channel, predicted[channel.name]) for channel in observation.channels]
 
 
 def residuals_of(observation: Observation, values: WireValues) -> FloatArray:

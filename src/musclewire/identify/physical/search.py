@@ -28,7 +28,7 @@ __all__ = [
     "SearchResult",
     "OnProgress",
     "OnStep",
-    "Problem",
+    "LeastSquaresProblem",
     "Settings",
     "ParallelProblem",
     "jacobian",
@@ -48,15 +48,15 @@ IMPOSSIBLE = 1e4
 # information and make intervals narrower than they are.
 SEARCH_STEP, LAST_STEPS, FINAL_STEP = 0.05, (0.1, 0.03), 0.05
 # How many times too large the observations' uncertainty is taken, descent by descent.
-FROM_A_START = (100.0, 30.0, 10.0, 3.0, 1.0)
-FROM_A_JUMP = (10.0, 3.0, 1.0)
+START_SCALES = (100.0, 30.0, 10.0, 3.0, 1.0)
+JUMP_SCALES = (10.0, 3.0, 1.0)
 # So many descents that end within this share of the best cost found the minimum; no more are made.
 AGREEING, AGREEMENT = 3, 1e-3
 # Spread of starts and jumps, in prior standard deviations.
 START_SPREAD, JUMP_SPREAD = 0.8, 0.5
 
 
-class Problem(Protocol):
+class LeastSquaresProblem(Protocol):
     """A vector's residuals, (n_observed + n,): the observations' in standard deviations, then the prior's."""
 
     @property
@@ -88,7 +88,7 @@ class Problem(Protocol):
         """
         ...
 
-    def refined(self) -> Problem:
+    def refined(self) -> LeastSquaresProblem:
         """Return the same problem with all the digits a simulation has, for the end of a search."""
         ...
 
@@ -166,7 +166,7 @@ class ParallelProblem:
     """A problem with threads to simulate it on, and a count of simulations; ``on_step`` may raise to stop a search."""
 
     def __init__(
-        self, problem: Problem, each: Callable[..., list[FloatArray | None]], on_step: OnStep | None = None
+        self, problem: LeastSquaresProblem, each: Callable[..., list[FloatArray | None]], on_step: OnStep | None = None
     ) -> None:
         """Take a problem and a map over vectors."""
         self.problem = problem
@@ -192,7 +192,7 @@ class ParallelProblem:
         return np.clip(coordinates, self.problem.low + margin, self.problem.high - margin)
 
 
-def residuals_or_none(problem: Problem, coordinates: FloatArray) -> FloatArray | None:
+def residuals_or_none(problem: LeastSquaresProblem, coordinates: FloatArray) -> FloatArray | None:
     """Return residuals, None where they cannot be simulated (numbers that ran away)."""
     try:
         residuals = problem.residuals(coordinates)
@@ -209,7 +209,7 @@ def threads(count: int | None) -> Iterator[Callable[..., list[FloatArray | None]
 
 
 def search(
-    problem: Problem,
+    problem: LeastSquaresProblem,
     settings: Settings,
     *,
     journal: Journal | None = None,
@@ -280,24 +280,24 @@ def one_descent(
     jump = random.standard_normal(size)
     if number < settings.starts:
         vector = START_SPREAD * jump if number else np.zeros(size)
-        blunt: tuple[float, ...] = FROM_A_START
+        scales: tuple[float, ...] = START_SCALES
     else:
-        vector, blunt = min(ends, key=lambda end: end[0])[1] + JUMP_SPREAD * jump, FROM_A_JUMP
+        vector, scales = min(ends, key=lambda end: end[0])[1] + JUMP_SPREAD * jump, JUMP_SCALES
     cost = np.inf
-    for bluntness in blunt:
-        cost, vector = descend(parallel, vector, bluntness, settings.evaluations_each, SEARCH_STEP)
+    for uncertainty_scale in scales:
+        cost, vector = descend(parallel, vector, uncertainty_scale, settings.evaluations_each, SEARCH_STEP)
         if not np.isfinite(cost):
             break
     return cost, vector
 
 
 def descend(
-    parallel: ParallelProblem, start: FloatArray, bluntness: float, evaluations: int, step: float
+    parallel: ParallelProblem, start: FloatArray, uncertainty_scale: float, evaluations: int, step: float
 ) -> tuple[float, FloatArray]:
-    """Return cost and vector of the least-squares minimum next to ``start``, with observations made blunt.
+    """Return cost and vector of the least-squares minimum next to ``start``.
 
-    The cost is that of the blunt problem; it is the problem's own for a bluntness of 1. Infinite where the start cannot
-    be simulated.
+    The uncertainty of the observations is multiplied by ``uncertainty_scale``, and the cost is that of the problem so
+    relaxed. It is infinite if the start cannot be simulated.
     """
     from scipy.optimize import least_squares
 
@@ -305,7 +305,7 @@ def descend(
     if first is None:
         return np.inf, start
     weight = np.ones(first.size)
-    weight[: first.size - start.size] /= bluntness
+    weight[: first.size - start.size] /= uncertainty_scale
 
     def residuals(vector: FloatArray) -> FloatArray:
         found = parallel.residuals(vector)
@@ -322,7 +322,7 @@ def descend(
         parallel.inside(start),
         jac=slope,
         bounds=(parallel.problem.low, parallel.problem.high),
-        ftol=1e-3 if bluntness > 1.0 else 1e-5,
+        ftol=1e-3 if uncertainty_scale > 1.0 else 1e-5,
         xtol=1e-4,
         max_nfev=evaluations,
     )

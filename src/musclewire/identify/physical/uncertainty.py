@@ -9,7 +9,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.identify.physical.candidates import Candidates
 
-__all__ = ["Estimate", "covariance", "estimates", "excess_variance"]
+__all__ = ["ParameterEstimate", "covariance", "estimates", "excess_variance"]
 
 
 # An interval at most half its prior's is knowledge from the data; a wider one is mostly the prior's.
@@ -18,7 +18,7 @@ NEAR_BOUND = 0.02
 
 
 @dataclass(frozen=True)
-class Estimate:
+class ParameterEstimate:
     """One parameter: value and standard deviation in SI after and before the data, and what to measure for it."""
 
     name: str
@@ -81,11 +81,11 @@ def covariance(jacobian: FloatArray, excess: float = 1.0) -> FloatArray:
     return np.asarray(np.linalg.inv(information))
 
 
-def estimates(candidates: Candidates, coordinates: FloatArray, deviation: FloatArray) -> list[Estimate]:
+def estimates(candidates: Candidates, coordinates: FloatArray, deviation: FloatArray) -> list[ParameterEstimate]:
     """Return every parameter with its standard deviation; ``deviation``, (n,), is in coordinates."""
     numbers = candidates.numbers(coordinates)
     return [
-        Estimate(
+        ParameterEstimate(
             name,
             prior.group,
             prior.unit,

@@ -15,7 +15,7 @@ from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.shape import finger_shape
 from musclewire.design.finger.statics import equilibria
 from musclewire.errors import CallerError
-from musclewire.parameters.schema import Parameter
+from musclewire.parameters.parameter_groups import Parameter
 
 
 @pytest.mark.parametrize(

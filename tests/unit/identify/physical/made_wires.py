@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.identify.isobars import Isobar
+from musclewire.identify.isobaric_loops import Isobar
 from musclewire.identify.physical.candidates import Candidates, WireValues
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.priors import load_priors

@@ -17,11 +17,11 @@ from musclewire.identify.physical.advice import Advice, next_experiments, propos
 from musclewire.identify.physical.calibrate import calibrate
 from musclewire.identify.physical.calibrated_wire import save_wire
 from musclewire.identify.physical.calibration import Calibration
-from musclewire.identify.physical.figures import channel_axes
+from musclewire.identify.physical.calibration_figures import channel_axes
+from musclewire.identify.physical.calibration_report import write_report
 from musclewire.identify.physical.posterior import PosteriorProblem
-from musclewire.identify.physical.report import write_report
+from musclewire.identify.physical.recording_kinds import observations_of
 from musclewire.identify.physical.search import settings_of_effort
-from musclewire.identify.physical.sources import observations_of
 from musclewire.parameters.library import bench_known_with, load_alloy, load_wire
 from musclewire.signals import Recording
 

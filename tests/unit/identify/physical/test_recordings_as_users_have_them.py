@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify.physical.calibrate import calibrate
-from musclewire.identify.physical.channels import even_clock
 from musclewire.identify.physical.driven import DrivenObservation
+from musclewire.identify.physical.measured_channels import even_clock
 from musclewire.identify.physical.observations import Observation, compare
-from musclewire.identify.physical.sources import observable_parameters, observations_of, start_of
+from musclewire.identify.physical.recording_kinds import observable_parameters, observations_of, start_of
 from musclewire.parameters.priors import load_priors
 from musclewire.signals import Recording
 

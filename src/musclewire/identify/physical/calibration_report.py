@@ -11,13 +11,13 @@ import matplotlib as mpl
 from musclewire.errors import CallerError
 from musclewire.identify.physical.advice import Advice, how_to_identify, next_experiments
 from musclewire.identify.physical.calibration import Calibration
-from musclewire.identify.physical.figures import loop_figure, observation_figure
+from musclewire.identify.physical.calibration_figures import loop_figure, observation_figure
+from musclewire.identify.physical.calibration_text import number, verdict
 from musclewire.identify.physical.interval_bars import interval_bar, key_of_bars
-from musclewire.identify.physical.observations import Comparison
-from musclewire.identify.physical.text import number, verdict
-from musclewire.identify.physical.uncertainty import Estimate
+from musclewire.identify.physical.observations import ChannelComparison
+from musclewire.identify.physical.uncertainty import ParameterEstimate
 from musclewire.pages import STYLE, Card, cards, page, svg
-from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.signals.whole_files import write_text_whole
 
 __all__ = ["write_report"]
@@ -102,7 +102,7 @@ def given(calibration: Calibration) -> str:
     return f"<ul>{''.join(f'<li>{escape(line)}</li>' for line in lines)}</ul>"
 
 
-def channel_row(title: str, pair: Comparison) -> str:
+def channel_row(title: str, pair: ChannelComparison) -> str:
     """Return how far a channel is off, as a table row."""
     percent = pair.channel.unit == "1"
     off = f"{100.0 * pair.rms:.3g} % strain" if percent else f"{pair.rms:.3g} {pair.channel.unit}"
@@ -148,7 +148,7 @@ def parameter_rows(calibration: Calibration) -> str:
     )
 
 
-def parameter_row(item: Estimate) -> str:
+def parameter_row(item: ParameterEstimate) -> str:
     """Return one parameter: value, deviation, its interval over the prior's, and how to identify it."""
     about = "" if item.identifiable and not item.at_bound else how_to_identify(item.measure)
     described = FIELDS[item.name].description or ""
@@ -201,7 +201,9 @@ def advice_part(advice: Sequence[Advice]) -> str:
 def advice_card(place: int, item: Advice) -> str:
     """Return one experiment."""
     count = len(item.identifies)
-    more = f"<p class='tells'>would identify {count} more parameter{'' if count == 1 else 's'}</p>" if count else ""
+    more = (
+        f"<p class='identifies'>would identify {count} more parameter{'' if count == 1 else 's'}</p>" if count else ""
+    )
     listed = f"<ul>{''.join(f'<li><code>{name}</code></li>' for name in item.identifies)}</ul>"
     narrows = f"<p>and would halve the interval of {codes(item.narrows)}</p>" if item.narrows else ""
     return f"<div><h3>{place}. {escape(item.title)}</h3><p>{escape(item.text)}</p>{more}{listed}{narrows}</div>"

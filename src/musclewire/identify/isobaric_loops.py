@@ -9,7 +9,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.simulate.paths import isobaric_path
 from musclewire.wire.building import constants_from
 

@@ -247,7 +247,7 @@ def fit_grip_curve(
             if name not in one:
                 raise RecordingError(f"a grip's force is learned with instruments once: a closing lacks {name}")
     curve = rigid_curve(free_recordings, free, fingers)
-    grips = [squeezed(one, free) for one in known]
+    grips = [grip_samples(one, free) for one in known]
     finger, wire = compliances(curve, grips)
     return replace(
         curve,
@@ -288,7 +288,7 @@ def columns_of(recording: Recording, free: FreeClosing) -> tuple[FloatArray, Flo
 
 
 @dataclass(frozen=True)
-class Squeezed:
+class GripSamples:
     """The samples of a known grip that carry force: place, contact found, power it has cost [W], force [N], (n,)."""
 
     place: FloatArray
@@ -298,7 +298,7 @@ class Squeezed:
     stiffness_n_per_m: float
 
 
-def squeezed(grip: KnownGrip, free: FreeClosing) -> Squeezed:
+def grip_samples(grip: KnownGrip, free: FreeClosing) -> GripSamples:
     """Return what the detector makes of a known grip, sample by sample: its habits are learned along with the rest."""
     detector = ContactDetector(free)
     state = detector.start()
@@ -313,10 +313,10 @@ def squeezed(grip: KnownGrip, free: FreeClosing) -> Squeezed:
         if state.touched and force_n > MIN_FORCE_N and place is not None and place > free.normalised_min:
             rows.append((place, state.place, state.slope_w * (state.place - place), force_n))
     places, contacts, costs, forces = np.array(rows).reshape(-1, 4).T
-    return Squeezed(places, contacts, costs, forces, grip.stiffness_n_per_m)
+    return GripSamples(places, contacts, costs, forces, grip.stiffness_n_per_m)
 
 
-def compliances(curve: GripCurve, grips: Sequence[Squeezed]) -> tuple[float, float]:
+def compliances(curve: GripCurve, grips: Sequence[GripSamples]) -> tuple[float, float]:
     """Return the compliances of finger and wire [m/N]: least squares of travel since contact over the force.
 
     D(l) - D(l_c) - f/k = n (c_f + c_w e'^2) f. Raises RecordingError where too few samples carry force.
@@ -341,7 +341,7 @@ def compliances(curve: GripCurve, grips: Sequence[Squeezed]) -> tuple[float, flo
     return float(finger), float(wire)
 
 
-def power_per_newton_w(curve: GripCurve, grips: Sequence[Squeezed]) -> tuple[float, ...]:
+def power_per_newton_w(curve: GripCurve, grips: Sequence[GripSamples]) -> tuple[float, ...]:
     """Return what a newton at a tendon costs in power by the detector's account [W], a line over where it is.
 
     Raises RecordingError where too few samples carry forces of the size of a grip.

@@ -9,7 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.identify.catalogue_check import dead_weight_bench, run_catalogue_test
-from musclewire.identify.sizing import one_second_current, relaxing_time_s, settled_temperature_k, suggested_shunt
+from musclewire.identify.electrical_sizing import (
+    one_second_current,
+    relaxation_time_s,
+    steady_temperature_k,
+    suggested_shunt,
+)
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 
@@ -22,7 +27,7 @@ def test_the_one_second_current_gives_nine_tenths_of_the_stroke_in_a_second(name
     bench = dead_weight_bench(load_bench("dead-weight"), wire.diameter_m.value)
     best = one_second_current(ALLOY, wire, bench)
     run = run_catalogue_test(ALLOY, wire, bench, best.current_a)
-    assert run.contraction_share == pytest.approx(0.9, abs=0.01)
+    assert run.contraction_fraction == pytest.approx(0.9, abs=0.01)
     # Largest contraction over a coarse and a fine ladder of temperatures.
     assert run.stroke == pytest.approx(best.stroke, abs=1e-4)
     assert run.temperature_k == pytest.approx(best.temperature_k, abs=0.5)
@@ -42,7 +47,7 @@ def test_a_wire_settles_where_it_gives_off_what_it_gets(wall_k: float) -> None:
     wire = load_wire("flexinol-0.20-ht")
     given_off = convection_coefficient_w_per_m2_k(wall_k, 295.15, wire.diameter_m.value) * wire.convection_factor.value
     power = given_off * math.pi * wire.diameter_m.value * (wall_k - 295.15)
-    assert settled_temperature_k(power, wire, 295.15) == pytest.approx(wall_k, abs=1e-3)
+    assert steady_temperature_k(power, wire, 295.15) == pytest.approx(wall_k, abs=1e-3)
 
 
 @given(st.floats(1e-2, 1e4), st.floats(1e-3, 10.0))
@@ -60,7 +65,7 @@ def test_a_hotter_start_takes_longer_to_relax() -> None:
     bench = dead_weight_bench(load_bench("dead-weight"), wire.diameter_m.value)
 
     def relaxing(current_a: float) -> float:
-        return relaxing_time_s(ALLOY, wire, bench, current_a, 1.0, regulated_current=True, longest_s=60.0)
+        return relaxation_time_s(ALLOY, wire, bench, current_a, 1.0, regulated_current=True, longest_s=60.0)
 
     assert relaxing(0.01) == 0.0
     assert 0.2 < relaxing(0.22) < relaxing(0.3) < 60.0

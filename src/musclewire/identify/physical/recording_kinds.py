@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 from musclewire.errors import CallerError, MusclewireError, RecordingError
-from musclewire.identify.isobars import Isobar
+from musclewire.identify.isobaric_loops import Isobar
 from musclewire.identify.physical.bench import assumed_of_bench, diameter_of
 from musclewire.identify.physical.cooling import CoolingObservation, observe_cooling
 from musclewire.identify.physical.driven import DrivenObservation, observe_drive
@@ -20,12 +20,12 @@ from musclewire.identify.physical.isobaric import (
 )
 from musclewire.identify.physical.observations import Observation
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Parameter, Wire
 from musclewire.parameters.priors import PriorSet
-from musclewire.parameters.schema import Alloy, Bench, Parameter, Wire
 from musclewire.signals.columns import ISOBAR_TABLE
 from musclewire.signals.recording import Recording
 
-__all__ = ["Start", "observations_of", "start_of", "observable_parameters"]
+__all__ = ["StartingPoint", "observations_of", "start_of", "observable_parameters"]
 
 ELECTRICAL = ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
 # Parameters that do not show in a kind of observation, by what their names contain.
@@ -34,7 +34,7 @@ ELECTRICITY, HEAT, GUIDE = ("resistivity",), ("specific_heat", "latent_heat", "c
 VOLTAGE_HEADROOM = 1.125
 
 
-class Start(NamedTuple):
+class StartingPoint(NamedTuple):
     """Alloy, wire and bench that a search starts from; what it does not look for stays as it is here."""
 
     alloy: Alloy
@@ -42,7 +42,9 @@ class Start(NamedTuple):
     bench: Bench
 
 
-def start_of(recordings: Mapping[str, Recording], wire: str, given: Mapping[str, float]) -> tuple[Start, list[str]]:
+def start_of(
+    recordings: Mapping[str, Recording], wire: str, given: Mapping[str, float]
+) -> tuple[StartingPoint, list[str]]:
     """Return what a search starts from, with the diameter and drive of the recordings, and what had to be assumed.
 
     Raises CallerError for an unknown wire, or recordings of different ones.
@@ -57,7 +59,7 @@ def start_of(recordings: Mapping[str, Recording], wire: str, given: Mapping[str,
     driven = [item["drive_voltage_v"].max() for item in recordings.values() if "drive_voltage_v" in item]
     if driven and max(driven) > 0.0:
         named = of_drive(named, float(max(driven)))
-    return Start(load_alloy(named.alloy), named, load_bench("paper")), notes
+    return StartingPoint(load_alloy(named.alloy), named, load_bench("paper")), notes
 
 
 def of_diameter(wire: Wire, diameter_m: float) -> Wire:

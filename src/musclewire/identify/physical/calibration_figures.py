@@ -12,7 +12,7 @@ from musclewire.arrays import FloatArray
 from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.driven import DrivenObservation
 from musclewire.identify.physical.isobaric import IsobaricObservation
-from musclewire.identify.physical.observations import Comparison, Observation
+from musclewire.identify.physical.observations import ChannelComparison, Observation
 from musclewire.pages import AVERAGE, HEATING, TARGET
 
 if TYPE_CHECKING:
@@ -26,10 +26,10 @@ MEASURED, FITTED = TARGET, HEATING
 SHADES = ("#7fb3c8", "#4a93ae", "#1f6f8b", "#15506a", "#0d374c", "#071f2d")
 WIDTH, ROW_HEIGHT = 9.6, 2.75
 # Resistance less certain than this fraction of its range is not drawn against strain.
-UNSEEN_FRACTION = 0.12
+MAX_UNCERTAIN_FRACTION = 0.12
 
 
-class Shown(NamedTuple):
+class DisplayUnit(NamedTuple):
     """How a channel is shown: its name with unit, and factor and offset from SI."""
 
     label: str
@@ -37,13 +37,13 @@ class Shown(NamedTuple):
     offset: float = 0.0
 
 
-SHOWN = {
-    "resistance": Shown("resistance [ohm]", 1.0),
-    "strain": Shown("strain [%]", 100.0),
-    "force": Shown("contraction force [N]", 1.0),
-    "temperature": Shown("temperature [°C]", 1.0, -ZERO_CELSIUS_K),
+DISPLAY = {
+    "resistance": DisplayUnit("resistance [ohm]", 1.0),
+    "strain": DisplayUnit("strain [%]", 100.0),
+    "force": DisplayUnit("contraction force [N]", 1.0),
+    "temperature": DisplayUnit("temperature [°C]", 1.0, -ZERO_CELSIUS_K),
 }
-UNIT_SHOWN = {"resistance": "mohm", "strain": "% strain", "force": "mN", "temperature": "K"}
+RESIDUAL_UNIT = {"resistance": "mohm", "strain": "% strain", "force": "mN", "temperature": "K"}
 RESIDUAL_FACTOR = {"resistance": 1e3, "strain": 100.0, "force": 1e3, "temperature": 1.0}
 
 
@@ -66,7 +66,7 @@ def channel_axes(calibration: Calibration) -> Axes:
     return draw_channels(figure, pairs)
 
 
-def compared(calibration: Calibration, observation: Observation) -> list[Comparison]:
+def compared(calibration: Calibration, observation: Observation) -> list[ChannelComparison]:
     """Return the channels of one observation beside the wire found."""
     ours = {id(channel) for channel in observation.channels}
     return [pair for _, pair in calibration.comparisons() if id(pair.channel) in ours]
@@ -82,12 +82,12 @@ def observation_figure(calibration: Calibration, observation: Observation) -> Fi
     return figure
 
 
-def draw_channels(figure: Figure, pairs: Sequence[Comparison]) -> Axes:
+def draw_channels(figure: Figure, pairs: Sequence[ChannelComparison]) -> Axes:
     """Draw channels over time, each above its residuals; return the first axes."""
     rows = figure.subplots(2 * len(pairs), 1, sharex=True, height_ratios=(3, 1) * len(pairs), squeeze=False)[:, 0]
     for place, pair in enumerate(pairs):
         top, below = rows[2 * place], rows[2 * place + 1]
-        shown = SHOWN[pair.channel.name]
+        shown = DISPLAY[pair.channel.name]
         axis = pair.channel.axis
         top.plot(axis, shown.factor * pair.channel.measured + shown.offset, color=MEASURED, linewidth=3.2,
                  label="measured", solid_capstyle="round")  # fmt: skip
@@ -107,7 +107,7 @@ def limits(predicted: FloatArray) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-def draw_residuals(axes: Axes, axis: FloatArray, pair: Comparison, colour: str = AVERAGE) -> None:
+def draw_residuals(axes: Axes, axis: FloatArray, pair: ChannelComparison, colour: str = AVERAGE) -> None:
     """Draw what is left over, with the uncertainty of the channel as a band."""
     name = pair.channel.name.split(" ")[0]
     factor = RESIDUAL_FACTOR[name]
@@ -115,7 +115,7 @@ def draw_residuals(axes: Axes, axis: FloatArray, pair: Comparison, colour: str =
     axes.fill_between(axis, -band, band, color=TARGET, alpha=0.22, linewidth=0)
     axes.axhline(0.0, color="#999999", linewidth=0.7)
     axes.plot(axis, factor * (pair.predicted - pair.channel.measured), color=colour, linewidth=0.9)
-    axes.set_ylabel(f"left over\n[{UNIT_SHOWN[name]}]", fontsize=8)
+    axes.set_ylabel(f"left over\n[{RESIDUAL_UNIT[name]}]", fontsize=8)
     axes.tick_params(labelsize=8)
 
 
@@ -126,15 +126,21 @@ def loop_figure(calibration: Calibration, observation: Observation) -> Figure | 
     if not isinstance(observation, DrivenObservation) or other is None or "resistance" not in pairs:
         return None
     resistance, quantity = pairs["resistance"], pairs[other]
-    shown = SHOWN[other]
+    shown = DISPLAY[other]
     # Bins without a current have no resistance; the others are matched by their times.
     times, here, there = np.intersect1d(resistance.channel.axis, quantity.channel.axis, return_indices=True)
     # With next to no current there is next to no resistance to see, only its noise.
-    unseen = resistance.channel.uncertainty > UNSEEN_FRACTION * np.ptp(resistance.predicted)
+    uncertain = resistance.channel.uncertainty > MAX_UNCERTAIN_FRACTION * np.ptp(resistance.predicted)
     figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
     axes, over_drive = figure.subplots(1, 2)
     lines = (
-        (np.where(unseen, np.nan, resistance.channel.measured), quantity.channel.measured, MEASURED, 3.2, "measured"),
+        (
+            np.where(uncertain, np.nan, resistance.channel.measured),
+            quantity.channel.measured,
+            MEASURED,
+            3.2,
+            "measured",
+        ),
         (resistance.predicted, quantity.predicted, FITTED, 1.2, "wire found"),
     )
     for abscissa, ordinate, colour, width, label in lines:
@@ -148,7 +154,7 @@ def loop_figure(calibration: Calibration, observation: Observation) -> Figure | 
     return figure
 
 
-def isobar_figure(pairs: Sequence[Comparison]) -> Figure:
+def isobar_figure(pairs: Sequence[ChannelComparison]) -> Figure:
     """Draw strain against temperature for every stress, measured and fitted, with the residuals below."""
     figure = Figure(figsize=(WIDTH, 6.0), layout="constrained")
     top, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))

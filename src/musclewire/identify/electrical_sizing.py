@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.errors import NumericsError
-from musclewire.parameters.schema import Alloy, Bench, Wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.simulate.paths import DrivenPath, drive_path
 from musclewire.wire.building import constants_from, resting_state
@@ -19,13 +19,13 @@ from musclewire.wire.state import WireConstants, WireState
 
 __all__ = [
     "OVERHEATED_K",
-    "OneSecond",
+    "OneSecondDrive",
     "Shunt",
     "one_second_current",
-    "relaxing_time_s",
+    "relaxation_time_s",
     "full_stroke",
-    "given_off_w_per_m",
-    "settled_temperature_k",
+    "convective_loss_w_per_m",
+    "steady_temperature_k",
     "suggested_shunt",
 ]
 
@@ -49,7 +49,7 @@ SHUNT_STEPS = (1.0, 2.2, 4.7)
 RATINGS_W = (0.125, 0.25, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 25.0, 50.0)
 
 
-class OneSecond(NamedTuple):
+class OneSecondDrive(NamedTuple):
     """What contracts a wire by 90 % of its stroke in one second, in the simulation, and the voltage that takes.
 
     ``holding_current_a`` then keeps it there: it settles at the temperature reached after the second.
@@ -112,7 +112,7 @@ def contracting_current_a(constants: WireConstants, seconds: float, displacement
 
 def one_second_current(
     alloy: Alloy, wire: Wire, bench: Bench, *, seconds: float = 1.0, share: float = CONTRACTED_FRACTION
-) -> OneSecond:
+) -> OneSecondDrive:
     """Return the current that brings a cold wire to a share of its stroke after ``seconds`` on this bench.
 
     Found by bisection; a source holds the current. Raises NumericsError where no current does it.
@@ -121,8 +121,10 @@ def one_second_current(
     stroke = full_stroke(constants)
     current_a = contracting_current_a(constants, seconds, share * stroke * constants.leg_length_m)
     path, state = heat(constants, current_a, seconds)
-    power_w = constants.wire_length_m * given_off_w_per_m(state.temperature_k, wire, constants.ambient_temperature_k)
-    return OneSecond(
+    power_w = constants.wire_length_m * convective_loss_w_per_m(
+        state.temperature_k, wire, constants.ambient_temperature_k
+    )
+    return OneSecondDrive(
         current_a,
         float(path.wire_voltage_v.max()),
         stroke,
@@ -131,7 +133,7 @@ def one_second_current(
     )
 
 
-def relaxing_time_s(
+def relaxation_time_s(
     alloy: Alloy, wire: Wire, bench: Bench, drive: float, on_s: float, *, regulated_current: bool, longest_s: float
 ) -> float:
     """Return how long after ``on_s`` of a drive a wire takes until a quarter percent of strain is left.
@@ -148,14 +150,14 @@ def relaxing_time_s(
     return COARSE_STEP_S * (int(stretched[-1]) + 1) if stretched.size else 0.0
 
 
-def given_off_w_per_m(wall_k: float, wire: Wire, ambient_temperature_k: float) -> float:
+def convective_loss_w_per_m(wall_k: float, wire: Wire, ambient_temperature_k: float) -> float:
     """Return the heat a metre of wire gives to still air: Churchill and Chu times the wire's convection factor."""
     diameter = wire.diameter_m.value
     coefficient = convection_coefficient_w_per_m2_k(wall_k, ambient_temperature_k, diameter)
     return wire.convection_factor.value * coefficient * math.pi * diameter * (wall_k - ambient_temperature_k)
 
 
-def settled_temperature_k(power_w_per_m: float, wire: Wire, ambient_temperature_k: float) -> float:
+def steady_temperature_k(power_w_per_m: float, wire: Wire, ambient_temperature_k: float) -> float:
     """Return the temperature at which a wire gives off as much heat as it gets, if left on long enough.
 
     Radiation, which a thin wire can neglect, is left out.
@@ -164,7 +166,9 @@ def settled_temperature_k(power_w_per_m: float, wire: Wire, ambient_temperature_
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (
-            (middle, high) if given_off_w_per_m(middle, wire, ambient_temperature_k) < power_w_per_m else (low, middle)
+            (middle, high)
+            if convective_loss_w_per_m(middle, wire, ambient_temperature_k) < power_w_per_m
+            else (low, middle)
         )
     return high
 

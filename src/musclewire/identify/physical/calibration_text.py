@@ -5,23 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-from musclewire.identify.physical.observations import Comparison
-from musclewire.identify.physical.uncertainty import Estimate
+from musclewire.identify.physical.observations import ChannelComparison
+from musclewire.identify.physical.uncertainty import ParameterEstimate
 
 __all__ = ["channel_line", "not_followed", "notebook_table", "number", "standing", "summary", "verdict"]
 
 # Channels with the title of the observation that each belongs to.
-Comparisons = Sequence[tuple[str, Comparison]]
+Comparisons = Sequence[tuple[str, ChannelComparison]]
 # A channel that is further off than this many of its stated uncertainties is not followed by the model.
 FOLLOWED_WITHIN = 3.0
 
 
-def not_followed(comparisons: Comparisons) -> list[tuple[str, Comparison]]:
+def not_followed(comparisons: Comparisons) -> list[tuple[str, ChannelComparison]]:
     """Return the channels that are further off than three times their stated uncertainty (rms)."""
     return [(title, pair) for title, pair in comparisons if pair.normalised_rms > FOLLOWED_WITHIN]
 
 
-def summary(notes: Sequence[str], comparisons: Comparisons, estimates: Sequence[Estimate]) -> str:
+def summary(notes: Sequence[str], comparisons: Comparisons, estimates: Sequence[ParameterEstimate]) -> str:
     """Return what was found, and how well, in lines for a person."""
     lines = [*notes, ""]
     lines += [channel_line(title, pair) for title, pair in comparisons]
@@ -30,7 +30,7 @@ def summary(notes: Sequence[str], comparisons: Comparisons, estimates: Sequence[
     return "\n".join(lines)
 
 
-def verdict(comparisons: Comparisons, estimates: Sequence[Estimate]) -> str:
+def verdict(comparisons: Comparisons, estimates: Sequence[ParameterEstimate]) -> str:
     """Return whether the fit holds, and how many parameters the recordings identify."""
     count = sum(item.identifiable for item in estimates)
     identifiable = f"{count} of {len(estimates)} parameters identifiable from the recordings"
@@ -44,19 +44,19 @@ def verdict(comparisons: Comparisons, estimates: Sequence[Estimate]) -> str:
     )
 
 
-def channel_line(title: str, pair: Comparison) -> str:
+def channel_line(title: str, pair: ChannelComparison) -> str:
     """Return how far a channel is off, in its unit and in its uncertainty."""
     unit = "" if pair.channel.unit == "1" else f" {pair.channel.unit}"
     off, what = (100.0 * pair.rms, " %") if unit == "" else (pair.rms, unit)
     return f"{title}: {pair.channel.name} {off:.3g}{what} rms, {pair.normalised_rms:.2f} of its uncertainty"
 
 
-def estimate_line(item: Estimate) -> str:
+def estimate_line(item: ParameterEstimate) -> str:
     """Return one parameter with its deviation and standing."""
     return f"{item.name:<32}{number(item.value):>12} {number(item.std):>10}  {item.unit:<11} {standing(item)}".rstrip()
 
 
-def standing(item: Estimate) -> str:
+def standing(item: ParameterEstimate) -> str:
     """Return what a parameter's value is worth: "" if the recordings identify it."""
     if item.at_bound:
         return "at a bound"
@@ -68,7 +68,7 @@ def number(value: float) -> str:
     return f"{value:.4g}"
 
 
-def notebook_table(comparisons: Comparisons, estimates: Sequence[Estimate]) -> str:
+def notebook_table(comparisons: Comparisons, estimates: Sequence[ParameterEstimate]) -> str:
     """Return the table of parameters as HTML."""
     head = "<tr><th>parameter</th><th>value</th><th>&plusmn;</th><th>unit</th><th></th></tr>"
     rows = "".join(
