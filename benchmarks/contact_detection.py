@@ -18,13 +18,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from musclewire.experiment.closings import GripperKnowledge, Object, close_fingers, learn_gripper, with_object
 from musclewire.experiment.grip import grip
+from musclewire.experiment.gripper_training import GripperKnowledge, close_fingers, learn_gripper, with_object
 from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
 from musclewire.rigs.surroundings import Surroundings
 from musclewire.sensing.branch_equations import evaluate
 from musclewire.sensing.contact_detection import THRESHOLD, ContactDetector
 from musclewire.signals.recording import Recording
+from musclewire.wire.loads import ElasticObject
 
 BAR_N, BAR_FREE = 0.15, 20
 WEATHER = Surroundings(ambient_swing=3.0, ambient_period=300.0, draught=0.08, draught_time=3.0)
@@ -72,7 +73,11 @@ def free_scores(knowledge: GripperKnowledge, weather: Surroundings, seeds: Seque
 
 
 def forces_found(
-    knowledge: GripperKnowledge, weather: Surroundings, blocks: Sequence[Object], seeds: Sequence[int], **how: float
+    knowledge: GripperKnowledge,
+    weather: Surroundings,
+    blocks: Sequence[ElasticObject],
+    seeds: Sequence[int],
+    **how: float,
 ) -> list[float | None]:
     """Return the true force at which each contact was found, None for those never found."""
     found = []
@@ -102,7 +107,7 @@ def judge_contact(knowledge: GripperKnowledge, quick: bool) -> bool:
     stiffnesses = (50.0, 200.0) if quick else STIFFNESSES_N_PER_M
     for clearance in (4e-3, 7e-3) if quick else sorted((*CLEARANCES_M, *SHOWN_CLEARANCES_M)):
         for stiffness in stiffnesses:
-            found = forces_found(knowledge, WEATHER, [Object(stiffness, clearance)], range(2 if quick else 10))
+            found = forces_found(knowledge, WEATHER, [ElasticObject(stiffness, clearance)], range(2 if quick else 10))
             judged = clearance in CLEARANCES_M
             held &= not (judged and late(found))
             print(
@@ -119,13 +124,13 @@ def show_costs(knowledge: GripperKnowledge) -> None:
         lever = float(evaluate(knowledge.curve.leverage, place))
         cost_w = 0.1 * lever * float(evaluate(knowledge.curve.power_per_newton_w, place))
         holding_w = float(evaluate(knowledge.free.holding_power_w, place))
-        share = 100.0 * cost_w / holding_w
-        print(f"normalised resistance {place:g}: lever {lever:.1f}, 0.1 N costs {share:.1f} % of the holding power")
+        cost_pct = 100.0 * cost_w / holding_w
+        print(f"normalised resistance {place:g}: lever {lever:.1f}, 0.1 N costs {cost_pct:.1f} % of the holding power")
 
 
 def show_other_weather(knowledge: GripperKnowledge) -> None:
     """Print how stronger, shorter and longer draughts and slower closings do."""
-    blocks = [Object(stiffness, 5.5e-3) for stiffness in (100.0, 500.0)]
+    blocks = [ElasticObject(stiffness, 5.5e-3) for stiffness in (100.0, 500.0)]
     for name, weather in OTHER_WEATHER.items():
         scores = free_scores(knowledge, weather, range(40))
         found = forces_found(knowledge, weather, blocks, range(10))
@@ -138,7 +143,7 @@ def show_other_weather(knowledge: GripperKnowledge) -> None:
 
 def show_other_days() -> None:
     """Print how grippers do that have learned on other days: their own seeds of weather and noise."""
-    blocks = [Object(stiffness, 5.5e-3) for stiffness in (100.0, 500.0)]
+    blocks = [ElasticObject(stiffness, 5.5e-3) for stiffness in (100.0, 500.0)]
     for seed in OTHER_DAYS:
         knowledge = learn_gripper(gripper(WEATHER), seed=seed)
         scores = free_scores(knowledge, WEATHER, range(40))
@@ -167,7 +172,7 @@ def show_forces(days: Sequence[GripperKnowledge], quick: bool) -> None:
             errors, held, bounded = [], [], []
             for clearance in (4e-3,) if quick else CLEARANCES_M:
                 for seed in range(2 if quick else 5):
-                    with open_rig(with_object(gripper(WEATHER), Object(stiffness, clearance)), seed=seed) as rig:
+                    with open_rig(with_object(gripper(WEATHER), ElasticObject(stiffness, clearance)), seed=seed) as rig:
                         run = grip(rig, days[seed % len(days)], stiffness_n_per_m=stiffness if known else None)
                     if run.held and run.true_force_n is not None:
                         errors.append((run.estimated_force_n or 0.0) - run.true_force_n)

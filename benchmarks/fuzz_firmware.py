@@ -30,7 +30,7 @@ from musclewire.rigs.serial.messages import MessageKind, read_message
 
 ROOT = Path(__file__).resolve().parent.parent
 BOARD = "mps2-an386"
-RANDOM_BYTES, MUTATED_FRAMES, QUICK_FRACTION = 10_000_000, 1_000_000, 100
+RANDOM_BYTES, MUTATED_FRAMES, QUICK_DIVISOR = 10_000_000, 1_000_000, 100
 CHUNK_BYTES = 1 << 16
 SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer", "-g", "-O1"]
 ODD_NUMBERS = [
@@ -187,7 +187,7 @@ def show(name: str, firmware: dict[str, Any], host: FrameParser, wall_s: float) 
 
 
 def main() -> int:
-    share = QUICK_FRACTION if "--quick" in sys.argv else 1
+    divisor = QUICK_DIVISOR if "--quick" in sys.argv else 1
     seed = int(sys.argv[sys.argv.index("--seed") + 1]) if "--seed" in sys.argv else 1
     chance = random.Random(seed)
     agree = True
@@ -195,8 +195,8 @@ def main() -> int:
         try:
             program = compiled(Path(folder))
             for name, pieces in (
-                ("random bytes", random_stream(RANDOM_BYTES // share, chance)),
-                ("mutated frames", mutated_stream(MUTATED_FRAMES // share, chance)),
+                ("random bytes", random_stream(RANDOM_BYTES // divisor, chance)),
+                ("mutated frames", mutated_stream(MUTATED_FRAMES // divisor, chance)),
             ):
                 began_s = time.perf_counter()
                 firmware, host = fire(program, pieces, seed)

@@ -140,8 +140,8 @@ def judge(path: Path, scratch: Path) -> str:
             raise AssertionError("a refusal of more than one line") from error
         return "refused"
     low, high = model.resistance_min_ohm, model.resistance_max_ohm
-    for share in (-0.5, 0.0, 0.3, 0.7, 1.0, 1.5):
-        estimate = model.estimate(low + share * (high - low))
+    for fraction in (-0.5, 0.0, 0.3, 0.7, 1.0, 1.5):
+        estimate = model.estimate(low + fraction * (high - low))
         assert math.isfinite(estimate.value), "an estimate that is not finite"
         assert math.isfinite(estimate.std), "an uncertainty that is not finite"
     middle = 0.5 * (model.quantity_min + model.quantity_max)

@@ -37,12 +37,12 @@ def measured(way: str, priority: bool, waits: int) -> dict[str, object]:
         while time.monotonic() < due_s:
             pass
         late[index] = time.monotonic() - due_s
-    share = (time.process_time() - busy_s) / (waits * PERIOD_S)
+    fraction = (time.process_time() - busy_s) / (waits * PERIOD_S)
     p50, p99, p999 = np.percentile(1e6 * late, [50.0, 99.0, 99.9])
     return {
         "wait": way,
         "priority": "refused" if refused else priority,
-        "cpu_share": round(share, 3),
+        "cpu_share": round(fraction, 3),
         "late_us": {"p50": round(p50, 1), "p99": round(p99, 1), "p999": round(p999, 1)},
     }
 

@@ -28,7 +28,7 @@ from finger_spool.loops import OWN_WIRE, RIG, LoopRow, Trial, own_trial, read_ga
 from finger_spool.search import (
     AMPLITUDE_V,
     ONE_MORE,
-    Found,
+    TriedSet,
     fitted,
     judged,
     sets_of_old_numbers,
@@ -63,7 +63,7 @@ def show(title: str, rows: Sequence[LoopRow]) -> None:
     print("  signed [%]  " + " ".join(f"{row.signed_gap_pct:+6.2f}" for row in rows))
     print(
         f"  least {least.gap_pct:.2f} % at {least_place_n(rows):.2f} N; at {PAPER_N} N {paper.gap_pct:.2f} %, stroke "
-        f"{paper.stroke_pct:.2f} %, endpoint {1e3 * paper.endpoint_m:.2f} mm, {100 * paper.least_martensite:.0f} % "
+        f"{paper.stroke_pct:.2f} %, endpoint {1e3 * paper.endpoint_m:.2f} mm, {100 * paper.min_martensite:.0f} % "
         f"martensite left\n  bars: {bars(rows)}; the least stands out by {stands_out_pct(rows):.2f} points"
     )
 
@@ -76,7 +76,7 @@ def show_search(*, thin: bool) -> None:
         show_met(f"R-phase shift and {name}", [with_one_more(name, float(value), thin=thin) for value in values])
 
 
-def show_met(title: str, tried: Sequence[Found]) -> None:
+def show_met(title: str, tried: Sequence[TriedSet]) -> None:
     """Print how many of some sets meet all bars, and how well the least gap of these can be seen."""
     meeting = [found for found in tried if bars(found[2]).met == 5]
     print(f"\n{title}: {len(meeting)} of {len(tried)} sets meet all bars")
@@ -87,7 +87,7 @@ def show_met(title: str, tried: Sequence[Found]) -> None:
     for word, (_, label, rows) in (("closest gap", closest), ("clearest least gap", clearest)):
         paper, rise = at_paper(rows), stands_out_pct(rows)
         print(
-            f"  {word}: {label}: {paper.gap_pct:.2f} %, {100 * paper.least_martensite:.0f} % martensite left; "
+            f"  {word}: {label}: {paper.gap_pct:.2f} %, {100 * paper.min_martensite:.0f} % martensite left; "
             f"the least stands out by {rise:.2f} points"
         )
 

@@ -43,7 +43,7 @@ class LoopRow:
     signed_gap_pct: float
     stroke_pct: float
     endpoint_m: float
-    least_martensite: float
+    min_martensite: float
 
 
 def own_trial() -> Trial:

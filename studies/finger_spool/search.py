@@ -13,7 +13,7 @@ from finger_spool.loops import LoopRow, Trial, read_gap_pct, slow_path
 
 AMPLITUDE_V = 1.8
 BARRIER_SHIFTS_K, BARRIER_STEP_K = (2.0, 10.0), 0.1
-Found = tuple[float, str, list[LoopRow]]
+TriedSet = tuple[float, str, list[LoopRow]]
 
 # Amplitudes from what leaves a seventh of the wire in martensite to what leaves none; shifts within what is sold as 70
 # and 90 C wire; friction of a guide that the finger's bench does not have, beside that of the tendon.
@@ -51,10 +51,10 @@ def sets_of_old_numbers(*, thin: bool) -> Iterator[tuple[str, Trial]]:
         yield label, Trial(amplitude, wire=wire, bench={"guide_friction_n": friction})
 
 
-def with_one_more(name: str, value: float, *, thin: bool) -> Found:
+def with_one_more(name: str, value: float, *, thin: bool) -> TriedSet:
     """Return the best that a value of one number more can do, whatever the R-phase shift, with full stroke."""
 
-    def found(shift: float) -> Found:
+    def found(shift: float) -> TriedSet:
         rows = sweep(Trial(AMPLITUDE_V, wire={"r_phase_shift_k": shift}, alloy={name: value}))
         return distance(rows), f"{name} {value:.4g}, R-phase {shift:+.2f} K", rows
 
@@ -69,7 +69,7 @@ def with_one_more(name: str, value: float, *, thin: bool) -> Found:
     return best
 
 
-def judged(sets: Iterable[tuple[str, Trial]]) -> list[Found]:
+def judged(sets: Iterable[tuple[str, Trial]]) -> list[TriedSet]:
     """Return how far each set is from the bars, its label and its rows, the nearest first."""
     found = []
     for label, trial in sets:

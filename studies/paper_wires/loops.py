@@ -23,10 +23,10 @@ class Loop:
     force_cooling: Curve
     stroke: float
     segment_ab_pct: float
-    least_martensite: float
+    min_martensite: float
 
     @property
-    def least_ohm(self) -> float:
+    def min_ohm(self) -> float:
         """R_min: the heating branch's end C."""
         return float(self.heating[0][0])
 
@@ -81,7 +81,7 @@ def analysed(path: DrivenPath, pretension_n: float, leg_length_m: float, shunt_o
         force_cooling=rising(ohm[down], force[down]),
         stroke=float(strain.max()),
         segment_ab_pct=100.0 * float(strain[b] / strain.max()),
-        least_martensite=float(path.martensite_fraction.min()),
+        min_martensite=float(path.martensite_fraction.min()),
     )
 
 

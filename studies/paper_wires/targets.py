@@ -64,17 +64,17 @@ def main_loop_targets(wires: PaperWires) -> dict[str, float]:
         found |= {f"table2 {branch} {i}": value / 0.05 for i, value in enumerate(off)}
         found[f"polynomial {branch}"] = loop.polynomial_misfit_pct(branch) / 0.04
     found["table2 rms"] = float(np.sqrt(np.mean(np.square(differences)))) / 0.02
-    found["R_min"] = (loop.least_ohm - MIN_OF_NOISY_OHM - printed["resistance_min_ohm"]) / 0.02
+    found["R_min"] = (loop.min_ohm - MIN_OF_NOISY_OHM - printed["resistance_min_ohm"]) / 0.02
     found["R_max"] = (loop.largest_ohm - printed["resistance_max_ohm"]) / 0.02
     found["gap 100um"] = (loop.strain_gap_pct - printed["strain_gap_pct"]) / 0.25
     # Counts a tenth: resistance turns where the measured isobars let it, long before 15 % of the strain are done.
     found["segment A-B"] = (loop.segment_ab_pct - 15.0) / 40.0
-    found["hot end"] = above(loop.least_martensite - 0.03) / 0.03
+    found["hot end"] = above(loop.min_martensite - 0.03) / 0.03
     stroke = loop.stroke
-    for amplitude, largest_share in ((2.9, 0.94), (2.75, 0.92)):
+    for amplitude, max_fraction in ((2.9, 0.94), (2.75, 0.92)):
         smaller = slow_loop(wires, 100, 1.9, amplitude_v=amplitude).stroke
-        share = smaller / stroke
-        found[f"minor loop {amplitude} V"] = 1.0 + (share - largest_share) / 0.03 if share > largest_share else 0.0
+        fraction = smaller / stroke
+        found[f"minor loop {amplitude} V"] = 1.0 + (fraction - max_fraction) / 0.03 if fraction > max_fraction else 0.0
         stroke = smaller
     found["smallest minor loop"] = above(0.2 - stroke / loop.stroke) / 0.05
     return found
@@ -90,7 +90,7 @@ def pretension_targets(wires: PaperWires) -> dict[str, float]:
         "gap 125um 1.70 N": (strain[0] - low) / 0.5,
         "gap 125um 4.67 N": (strain[-1] - high) / 0.5,
         "force gap 3.22 N": (force[3] - PAPER["force_gap_125um"]["force_gap_pct"]) / 0.5,
-        "hot end 125um": above(max(loop.least_martensite for loop in loops) - 0.05) / 0.03,
+        "hot end 125um": above(max(loop.min_martensite for loop in loops) - 0.05) / 0.03,
     }
     for index in range(6):
         found[f"gap falls {index}"] = above(strain[index + 1] - strain[index] + 0.1) / 0.1
@@ -98,7 +98,7 @@ def pretension_targets(wires: PaperWires) -> dict[str, float]:
         found[f"force gap least at 3.22 N {index}"] = above(force[3] - force[index] + 0.1) / 0.1
     thick = slow_loop(wires, 200, ORDER_PRETENSION_200UM_N)
     same_ratio = float(np.interp(2.98, PRETENSIONS_125UM_N, strain))
-    found["hot end 200um"] = above(thick.least_martensite - 0.05) / 0.03
+    found["hot end 200um"] = above(thick.min_martensite - 0.05) / 0.03
     found["order 100, 125 um"] = above(slow_loop(wires, 100, 1.9).strain_gap_pct - same_ratio + 0.3) / 0.3
     found["order 125, 200 um"] = above(same_ratio - thick.strain_gap_pct + 0.3) / 0.3
     return found
@@ -133,7 +133,7 @@ def isobar_targets(wires: PaperWires) -> dict[str, float]:
             ours = np.array(getattr(summary, f"{branch}_k")) - 273.15
             off = ours - np.array(ISOBARS[f"{branch}_degc"][index])
             found[f"{branch} half {mpa:g} MPa"] = off[1] / 4.0
-            found |= {f"{branch} tail {share} {mpa:g} MPa": off[share] / 16.0 for share in (0, 2)}
+            found |= {f"{branch} tail {tail} {mpa:g} MPa": off[tail] / 16.0 for tail in (0, 2)}
     for branch in ("heating", "cooling"):
         slope = half_transformation_slope_pa_per_k(summaries, branch) / 1e6
         found[f"slope {branch}"] = slope - ISOBARS[f"{branch}_slope_mpa_per_k"]

@@ -81,14 +81,14 @@ def test_the_finger_that_comes_along_grips_foam_and_is_compared(musclewire: Call
     assert answer.code == 0, answer.err
     found = answer.json
     assert figure.read_text("utf-8").startswith("<?xml")
-    shares = [scheme["range_over_length"] for scheme in found["schemes"]]
-    assert shares == sorted(shares, reverse=True)
+    fractions = [scheme["range_over_length"] for scheme in found["schemes"]]
+    assert fractions == sorted(fractions, reverse=True)
     assert found["foam"]["force_n"] == pytest.approx(found["foam"]["linear_force_n"], rel=0.03)
     the_page_has(
         f"gets {found['foam']['force_n']:.3f} N at the end of the travel, and the tendon "
         f"{found['foam']['tendon_force_n']:.2f} N",
         f"{found['tendon_force_per_endpoint_force']:.2f} N at the tendon",
-        *(f"{share:.3f}" for share in shares),
+        *(f"{fraction:.3f}" for fraction in fractions),
         *(f"{off:.2f} %" for off in apart(found, "stiffness, plane", "endpoint, plane")),
         "holds to " + f"{found_by(found, 'reciprocity'):.1e}".replace("e-0", "e-"),
         f"that is {1e3 * found_by(found, 'endpoint by linear'):.4f} mm and "

@@ -51,8 +51,8 @@ def test_target_and_error_are_said(musclewire: Callable[..., Any], learned: Path
 @pytest.mark.slow
 def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name() -> None:
     from musclewire.app.report.grip_figure import plot_grip
-    from musclewire.experiment.closings import learn_gripper
     from musclewire.experiment.grip import grip
+    from musclewire.experiment.gripper_training import learn_gripper
     from musclewire.rigs.configuration import open_rig
 
     knowledge = learn_gripper("gripper", seed=1000)

@@ -12,7 +12,7 @@ import pytest
 from musclewire.app.main import run
 from musclewire.errors import RecordingError
 from musclewire.experiment import reproduce as reproduce_room
-from musclewire.experiment.reproduce import Check, Runs, reproduction
+from musclewire.experiment.reproduce import PaperCheck, Runs, reproduction
 
 KEYS = {
     *("name", "paper", "ours", "unit", "tolerance", "compare", "ok", "known_failure", "known_reason", "why", "kind"),
@@ -24,8 +24,8 @@ def no_loop(_: Runs) -> float:
     raise RecordingError("no complete cycle")
 
 
-def check(name: str, measure: Callable[[Runs], float]) -> Check:
-    return Check(name, 2.0, "ohm", 0.5, "because half is enough", "printed", measure)
+def check(name: str, measure: Callable[[Runs], float]) -> PaperCheck:
+    return PaperCheck(name, 2.0, "ohm", 0.5, "because half is enough", "printed", measure)
 
 
 GOOD, REPAIRED = check("eq1.good", lambda _: 2.1), check("eq1.repaired", lambda _: 2.0)
@@ -34,7 +34,7 @@ KNOWN, NEW = check("eq2.known", lambda _: 9.0), check("eq2.new[125um,1.70N]", no
 
 @pytest.fixture
 def checks(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
-    def use(*chosen: Check) -> None:
+    def use(*chosen: PaperCheck) -> None:
         for room in (reproduce_room, reproduction):
             monkeypatch.setattr(room, "all_checks", lambda: list(chosen))
         known = {"eq2.known": "too <soft> by far", "eq1.repaired": "was too hard"}
@@ -61,7 +61,7 @@ def test_rows_that_hold_end_with_zero(
 
 @pytest.mark.parametrize("failing", [KNOWN, NEW])
 def test_any_failing_row_ends_with_one_known_or_not(
-    failing: Check, checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
+    failing: PaperCheck, checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     checks(GOOD, failing)
     assert answer(capsys, "--out", str(tmp_path))[0] == 1

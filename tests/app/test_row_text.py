@@ -8,12 +8,14 @@ from musclewire.app.report.paper_figures import FIGURES, drawn
 from musclewire.app.report.paper_page import TITLES
 from musclewire.app.report.row_text import limit_text, ours_text, paper_text
 from musclewire.errors import RecordingError
-from musclewire.experiment.reproduce import Check, Row, Runs, all_checks, judged
-from musclewire.experiment.reproduce.checks import Compare, Kind, subject_of
+from musclewire.experiment.reproduce import PaperCheck, ReproductionRow, Runs, all_checks, judged
+from musclewire.experiment.reproduce.paper_checks import Compare, Kind, subject_of
 
 
-def row(ours: float, paper: float, tolerance: float, compare: Compare = "within", kind: Kind = "printed") -> Row:
-    check = Check("fig0.x", paper, "ohm", tolerance, "because", kind, lambda _: ours, compare)
+def row(
+    ours: float, paper: float, tolerance: float, compare: Compare = "within", kind: Kind = "printed"
+) -> ReproductionRow:
+    check = PaperCheck("fig0.x", paper, "ohm", tolerance, "because", kind, lambda _: ours, compare)
     return judged(check, Runs(), {})
 
 

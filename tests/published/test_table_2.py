@@ -27,8 +27,8 @@ def table_model(order: int = 3) -> SensingModel:
 
 
 def test_the_printed_resistance_for_one_and_a_half_percent_lies_at_two_thirds_of_the_segment() -> None:
-    share = normalised_resistance(16.737, RESISTANCE_MIN_OHM, RESISTANCE_MAX_OHM)
-    assert share == pytest.approx(1.5844 / 2.3419, abs=1e-12)
+    normalised = normalised_resistance(16.737, RESISTANCE_MIN_OHM, RESISTANCE_MAX_OHM)
+    assert normalised == pytest.approx(1.5844 / 2.3419, abs=1e-12)
 
 
 def test_the_desired_strain_is_the_mean_of_the_printed_branches() -> None:

@@ -15,8 +15,9 @@ from musclewire.app.stopping import stops_between_samples
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
-    from musclewire.experiment.doctor import Check, Examination
+    from musclewire.experiment.doctor import Examination
     from musclewire.experiment.doctor.calibration import ChannelCalibration
+    from musclewire.experiment.doctor.findings import RigCheck
     from musclewire.experiment.doctor.probing import OnProbe
     from musclewire.signals.exchange import RawSample
 
@@ -148,13 +149,13 @@ def calibrated(one: ChannelCalibration) -> str:
     return f"{one.channel} channel: {1e3 * one.offset_v:.4f} mV too much at 0 V; {gain}"
 
 
-def explained(check: Check) -> str:
+def explained(check: RigCheck) -> str:
     """Return what a check means; a value that is a sentence comes first."""
     long = isinstance(check.value, str) and not valued(check)
     return f"{check.value}; {check.advice}" if long else check.advice
 
 
-def valued(check: Check) -> str:
+def valued(check: RigCheck) -> str:
     """Return a value with its unit, in steps of a thousand where that reads better."""
     if isinstance(check.value, str):
         # A sentence as value goes to the advice, which has room for it.

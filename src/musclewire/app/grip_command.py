@@ -29,9 +29,10 @@ from musclewire.app.stopping import stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
-    from musclewire.experiment.closings import GripperKnowledge, Object
     from musclewire.experiment.grip import GripRun
+    from musclewire.experiment.gripper_training import GripperKnowledge
     from musclewire.rigs.configuration import RigConfiguration
+    from musclewire.wire.loads import ElasticObject
 
 __all__ = ["add_grip_command"]
 
@@ -69,12 +70,13 @@ class ObjectOptions:
     clearance: Annotated[str | None, CLEARANCE] = None
     no_object: Annotated[bool, NO_OBJECT] = False
 
-    def of_rig(self, rig: str) -> Object | None:
+    def of_rig(self, rig: str) -> ElasticObject | None:
         """Return the object between the fingers of a rig, None without one.
 
         Raises CallerError for options that contradict each other or numbers not above 0.
         """
-        from musclewire.experiment.closings import Object, object_of
+        from musclewire.experiment.gripper_training import object_of
+        from musclewire.wire.loads import ElasticObject
 
         stiffness = in_si("--object-stiffness", self.object_stiffness)
         clearance = in_si("--clearance", self.clearance)
@@ -83,7 +85,7 @@ class ObjectOptions:
                 raise CallerError("--no-object leaves nothing to touch: leave out --object-stiffness and --clearance")
             return None
         own = object_of(rig)
-        block = Object(stiffness or own.stiffness_n_per_m, own.clearance_m if clearance is None else clearance)
+        block = ElasticObject(stiffness or own.stiffness_n_per_m, own.clearance_m if clearance is None else clearance)
         if stiffness == 0.0 or block.stiffness_n_per_m <= 0.0 or block.clearance_m < 0.0:
             raise CallerError("the object's stiffness must be above 0, its clearance not below")
         return block
@@ -103,8 +105,8 @@ def grip(
     json: Json = False,
 ) -> None:
     """Close fingers on an object, find contact and hold a force, all by the wires' resistance."""
-    from musclewire.experiment.closings import with_object
     from musclewire.experiment.force_limit import force_warnings
+    from musclewire.experiment.gripper_training import with_object
 
     require_figure_file(plot)
     if output is not None:
@@ -132,9 +134,9 @@ def gripped(
     configuration: RigConfiguration, knowledge: GripperKnowledge, seed: int | None, quiet: bool, **how: Any
 ) -> GripRun:
     """Return the grip on a rig; ``how`` goes to the experiment."""
-    from musclewire.experiment.closings import CLOSING_S, REST_S
     from musclewire.experiment.grip import HOLD_S
     from musclewire.experiment.grip import grip as run_grip
+    from musclewire.experiment.gripper_training import CLOSING_S, REST_S
     from musclewire.rigs.configuration import open_rig
 
     with (
@@ -148,7 +150,7 @@ def knowledge_of(
     configuration: RigConfiguration, file: Path | None, seed: int | None, *, quiet: bool
 ) -> GripperKnowledge:
     """Return what the gripper has learned: from a file, or learned now and, with a file named, written there."""
-    from musclewire.experiment.closings import learn_gripper
+    from musclewire.experiment.gripper_training import learn_gripper
 
     if file is not None and file.exists():
         return knowledge_from(file, configuration)
@@ -167,7 +169,7 @@ def knowledge_of(
 
 def knowledge_from(file: Path, configuration: RigConfiguration) -> GripperKnowledge:
     """Return what a file says, refused if it was learned on another gripper."""
-    from musclewire.experiment.closings import gripper_of, load_knowledge
+    from musclewire.experiment.gripper_training import gripper_of, load_knowledge
     from musclewire.rigs.configuration import open_rig
 
     knowledge = load_knowledge(file)
@@ -179,7 +181,7 @@ def knowledge_from(file: Path, configuration: RigConfiguration) -> GripperKnowle
     return knowledge
 
 
-def grip_json(run: GripRun, block: Object | None, known: float | None) -> dict[str, Any]:
+def grip_json(run: GripRun, block: ElasticObject | None, known: float | None) -> dict[str, Any]:
     """Return a grip under the keys of the interface."""
     error = None
     if run.estimated_force_n is not None and run.true_force_n is not None:

@@ -18,7 +18,7 @@ from musclewire.app.output import console, emit_json, say, show
 from musclewire.app.stopping import stop_if_asked, stops_between_samples
 
 if TYPE_CHECKING:
-    from musclewire.experiment.reproduce import Reproduction, Row
+    from musclewire.experiment.reproduce import Reproduction, ReproductionRow
 
 __all__ = ["add_paper_commands"]
 
@@ -113,7 +113,7 @@ def as_document(result: Reproduction, page: Path, wall_s: float) -> dict[str, An
     }
 
 
-def row_document(row: Row) -> dict[str, Any]:
+def row_document(row: ReproductionRow) -> dict[str, Any]:
     """Return a row as plain data."""
     keys = (
         *("name", "paper", "ours", "unit", "tolerance", "compare", "ok", "known_failure", "known_reason"),

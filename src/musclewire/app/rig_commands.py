@@ -263,7 +263,7 @@ def train(
             opened,
             amplitude_v=amplitude_v,
             period_s=period_s,
-            most_cycles=max_cycles,
+            max_cycles=max_cycles,
             folder=output,
             on_cycle=None if json else say_cycle,
             on_sample=stop_if_asked,

@@ -141,9 +141,9 @@ def svg_path(ring: Sequence[Vertex], left_mm: float, top_mm: float) -> str:
 
 def svg_text(drawing: Drawing) -> str:
     """Return the drawing as SVG: width and height in millimetres, so that it prints and imports one to one."""
-    least_x, least_y, most_x, most_y = bounds_m(drawing.outline)
-    left, top = least_x * MM - MARGIN_MM, most_y * MM + MARGIN_MM
-    width, height = (most_x - least_x) * MM + 2 * MARGIN_MM, (most_y - least_y) * MM + 2 * MARGIN_MM
+    min_x, min_y, max_x, max_y = bounds_m(drawing.outline)
+    left, top = min_x * MM - MARGIN_MM, max_y * MM + MARGIN_MM
+    width, height = (max_x - min_x) * MM + 2 * MARGIN_MM, (max_y - min_y) * MM + 2 * MARGIN_MM
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.3f}mm" height="{height:.3f}mm" '

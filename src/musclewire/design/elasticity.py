@@ -20,7 +20,15 @@ from musclewire.arrays import FloatArray, IntArray
 from musclewire.design.plane_body import PlaneBody
 from musclewire.errors import CallerError, NumericsError
 
-__all__ = ["Equilibrium", "ExternalPotential", "Load", "PotentialChange", "load_path", "solve_large", "solve_linear"]
+__all__ = [
+    "BodyEquilibrium",
+    "ExternalPotential",
+    "BodyLoad",
+    "PotentialChange",
+    "load_path",
+    "solve_large",
+    "solve_linear",
+]
 
 # Forces are in balance when what is left is this share of the largest force in the body, or when the last correction
 # moved nothing by more than this share of the body's size: under tiny loads rounding is all that is left.
@@ -40,12 +48,12 @@ class PotentialChange(NamedTuple):
 class ExternalPotential(Protocol):
     """Something outside the body whose energy depends on where the nodes are."""
 
-    def __call__(self, displacement_m: FloatArray, share: float) -> PotentialChange:
+    def __call__(self, displacement_m: FloatArray, load_fraction: float) -> PotentialChange:
         """Return energy, gradient and Hessian at displacements (n_nodes, 2) and a share of the load from 0 to 1."""
 
 
 @dataclass(frozen=True)
-class Load:
+class BodyLoad:
     """What is done to a body: displacements [m] told to degrees of freedom, forces (n_nodes, 2) [N], a potential."""
 
     prescribed_m: Mapping[int, float]
@@ -55,7 +63,7 @@ class Load:
     @staticmethod
     def held(nodes: IntArray, axes: tuple[int, ...] = (0, 1)) -> dict[int, float]:
         """Return prescribed displacements that hold nodes still along these axes."""
-        return Load.moved(nodes, dict.fromkeys(axes, 0.0))
+        return BodyLoad.moved(nodes, dict.fromkeys(axes, 0.0))
 
     @staticmethod
     def moved(nodes: IntArray, by_m: Mapping[int, float]) -> dict[int, float]:
@@ -64,7 +72,7 @@ class Load:
 
 
 @dataclass(frozen=True)
-class Equilibrium:
+class BodyEquilibrium:
     """A body in balance: displacements (n_nodes, 2), the share of the load, and what holds the nodes (n_nodes, 2).
 
     ``holding_n`` is the force that something else has to put on each node: the reaction where a displacement is
@@ -74,7 +82,7 @@ class Equilibrium:
     body: PlaneBody
     displacement_m: FloatArray
     holding_n: FloatArray
-    share: float = 1.0
+    load_fraction: float = 1.0
     linear: bool = False
 
     def reaction_n(self, nodes: IntArray) -> FloatArray:
@@ -90,7 +98,7 @@ class Equilibrium:
         return nodal
 
 
-def solve_linear(body: PlaneBody, load: Load) -> Equilibrium:
+def solve_linear(body: PlaneBody, load: BodyLoad) -> BodyEquilibrium:
     """Return the balance for small displacements; a potential is not allowed here (it has none that is linear).
 
     Raises CallerError for a load that does not fit the body or leaves it free to move.
@@ -98,14 +106,14 @@ def solve_linear(body: PlaneBody, load: Load) -> Equilibrium:
     if load.potential is not None:
         raise CallerError("a potential needs solve_large: small displacements know no potential")
     start = np.zeros_like(body.nodes_m)
-    problem = Problem(body, load)
+    problem = ElasticityProblem(body, load)
     tangent = body.inner_forces(start).tangent
     moves = problem.step(tangent, problem.given_forces(1.0), problem.prescribed_values(1.0))
     displacement = moves.reshape(-1, 2)
-    return Equilibrium(body, displacement, (tangent @ moves).reshape(-1, 2), linear=True)
+    return BodyEquilibrium(body, displacement, (tangent @ moves).reshape(-1, 2), linear=True)
 
 
-def solve_large(body: PlaneBody, load: Load, steps: int = 4) -> Equilibrium:
+def solve_large(body: PlaneBody, load: BodyLoad, steps: int = 4) -> BodyEquilibrium:
     """Return the balance under the whole load, whatever the displacements.
 
     Raises NumericsError where it cannot be found; the message says at which share of the load and what to do.
@@ -116,64 +124,64 @@ def solve_large(body: PlaneBody, load: Load, steps: int = 4) -> Equilibrium:
 
 
 def load_path(
-    body: PlaneBody, load: Load, shares: FloatArray, stop: Callable[[Equilibrium], bool] | None = None
-) -> Iterator[Equilibrium]:
+    body: PlaneBody, load: BodyLoad, load_fractions: FloatArray, stop: Callable[[BodyEquilibrium], bool] | None = None
+) -> Iterator[BodyEquilibrium]:
     """Yield the balance at each share of the load; a step that does not converge is halved, up to ten times.
 
     Ends early after the first balance for which ``stop`` holds. Shares may exceed 1.
     """
-    problem = Problem(body, load)
+    problem = ElasticityProblem(body, load)
     displacement, reached = np.zeros_like(body.nodes_m), 0.0
     speed = np.zeros_like(displacement)
-    for share in np.asarray(shares, dtype=np.float64):
+    for load_fraction in np.asarray(load_fractions, dtype=np.float64):
         # Where it went last time is a good guess for where it goes on to.
-        guess = displacement + (share - reached) * speed
-        found = problem.balance(guess, float(share)) if speed.any() else None
+        guess = displacement + (load_fraction - reached) * speed
+        found = problem.balance(guess, float(load_fraction)) if speed.any() else None
         if found is None:
-            found = problem.walk(displacement, reached, float(share))
-        speed = (found - displacement) / (share - reached) if share != reached else speed
-        displacement, reached = found, float(share)
+            found = problem.walk(displacement, reached, float(load_fraction))
+        speed = (found - displacement) / (load_fraction - reached) if load_fraction != reached else speed
+        displacement, reached = found, float(load_fraction)
         forces = body.inner_forces(displacement).nodal_n + problem.pull(displacement, reached)[0]
-        state = Equilibrium(body, displacement, forces.reshape(-1, 2), reached)
+        state = BodyEquilibrium(body, displacement, forces.reshape(-1, 2), reached)
         yield state
         if stop is not None and stop(state):
             return
 
 
-class Problem:
+class ElasticityProblem:
     """A body with its load: which unknowns are free, and Newton's method for them."""
 
-    def __init__(self, body: PlaneBody, load: Load) -> None:
+    def __init__(self, body: PlaneBody, load: BodyLoad) -> None:
         """Sort the unknowns. Raises CallerError for a load that does not fit the body."""
         self.body, self.load = body, load
-        self.told = np.array(sorted(load.prescribed_m), dtype=np.int64)
-        if self.told.size == 0 or self.told[0] < 0 or self.told[-1] >= body.n_dofs:
+        self.prescribed = np.array(sorted(load.prescribed_m), dtype=np.int64)
+        if self.prescribed.size == 0 or self.prescribed[0] < 0 or self.prescribed[-1] >= body.n_dofs:
             raise CallerError(f"prescribed displacements name degrees of freedom from 0 to {body.n_dofs - 1}")
         if load.forces_n is not None and np.shape(load.forces_n) != body.nodes_m.shape:
             raise CallerError(f"forces have the shape {np.shape(load.forces_n)}, nodes {body.nodes_m.shape}")
-        self.values = np.array([load.prescribed_m[int(dof)] for dof in self.told])
-        self.free = np.setdiff1d(np.arange(body.n_dofs), self.told)
+        self.values = np.array([load.prescribed_m[int(dof)] for dof in self.prescribed])
+        self.free = np.setdiff1d(np.arange(body.n_dofs), self.prescribed)
 
-    def prescribed_values(self, share: float) -> FloatArray:
+    def prescribed_values(self, load_fraction: float) -> FloatArray:
         """Return the told displacements at a share of the load."""
-        return share * self.values
+        return load_fraction * self.values
 
-    def given_forces(self, share: float) -> FloatArray:
+    def given_forces(self, load_fraction: float) -> FloatArray:
         """Return the given forces (n_dofs,) at a share of the load."""
         given = self.load.forces_n
-        return np.zeros(self.body.n_dofs) if given is None else share * np.asarray(given, dtype=float).ravel()
+        return np.zeros(self.body.n_dofs) if given is None else load_fraction * np.asarray(given, dtype=float).ravel()
 
-    def pull(self, displacement: FloatArray, share: float) -> tuple[FloatArray, csr_array | None]:
+    def pull(self, displacement: FloatArray, load_fraction: float) -> tuple[FloatArray, csr_array | None]:
         """Return gradient and Hessian of the potential."""
         if self.load.potential is None:
             return np.zeros(self.body.n_dofs), None
-        change = self.load.potential(displacement, share)
+        change = self.load.potential(displacement, load_fraction)
         return change.gradient_n, change.hessian
 
-    def step(self, tangent: csr_array, residual: FloatArray, told_m: FloatArray) -> FloatArray:
+    def step(self, tangent: csr_array, residual: FloatArray, prescribed_m: FloatArray) -> FloatArray:
         """Return the change of all displacements (n_dofs,) that a residual and told changes ask for."""
         moves = np.zeros(self.body.n_dofs)
-        moves[self.told] = told_m
+        moves[self.prescribed] = prescribed_m
         right = residual[self.free] - (tangent @ moves)[self.free]
         matrix = csc_array(csc_array(tangent)[:, self.free][self.free, :])
         try:
@@ -199,24 +207,24 @@ class Problem:
                 stride *= 0.5
         return displacement
 
-    def balance(self, displacement: FloatArray, share: float) -> FloatArray | None:
+    def balance(self, displacement: FloatArray, load_fraction: float) -> FloatArray | None:
         """Return balanced displacements at a share of the load by Newton's method; None where it does not converge."""
-        given = self.given_forces(share)
+        given = self.given_forces(load_fraction)
         still_m = STILL * float(np.ptp(self.body.nodes_m, axis=0).max())
         moved_m = np.inf
-        told = self.prescribed_values(share) - displacement.ravel()[self.told]
+        moves_m = self.prescribed_values(load_fraction) - displacement.ravel()[self.prescribed]
         for _ in range(MAX_ITERATIONS):
             inner = self.body.inner_forces(displacement)
-            pulled, hessian = self.pull(displacement, share)
+            pulled, hessian = self.pull(displacement, load_fraction)
             residual = given - inner.nodal_n - pulled
             scale = max(np.abs(inner.nodal_n).max(), np.abs(given).max(), np.abs(pulled).max())
             if not np.isfinite(scale) or inner.turned_inside_out:
                 return None
             left_n = np.abs(residual[self.free]).max(initial=0.0)
-            if not told.any() and (left_n <= BALANCE * scale or moved_m <= still_m):
+            if not moves_m.any() and (left_n <= BALANCE * scale or moved_m <= still_m):
                 return displacement
             tangent = inner.tangent if hessian is None else csr_array(inner.tangent + hessian)
-            change = self.step(tangent, residual, told)
+            change = self.step(tangent, residual, moves_m)
             displacement, moved_m = displacement + change.reshape(-1, 2), float(np.abs(change).max())
-            told = np.zeros_like(told)
+            moves_m = np.zeros_like(moves_m)
         return None

@@ -13,7 +13,7 @@ import numpy as np
 
 from musclewire.controllers import DriveLimits
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment.closings import CLOSING_S, REST_S, GripperKnowledge, closing_waveform, gripper_of
+from musclewire.experiment.gripper_training import CLOSING_S, REST_S, GripperKnowledge, closing_waveform, gripper_of
 from musclewire.experiment.open_loop import Waveform
 from musclewire.experiment.run import Decision, RunOptions, run_on_rig
 from musclewire.physics.resistance import wire_resistance

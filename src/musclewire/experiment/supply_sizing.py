@@ -99,7 +99,7 @@ class DriveNumbers:
     """What a recorded drive shows, from the instruments; only the temperature is the simulation's own knowledge."""
 
     contraction: float
-    largest_contraction: float
+    max_contraction: float
     contracted_s: float | None
     cooling_s: float | None
     current_mean_a: float
@@ -288,7 +288,7 @@ def drive_numbers(recording: Recording, on_s: float, stroke: float) -> DriveNumb
     end = int(np.flatnonzero(on)[-1])
     return DriveNumbers(
         contraction=float(contraction[end]),
-        largest_contraction=float(contraction.max()),
+        max_contraction=float(contraction.max()),
         contracted_s=first_time(time_s, contraction >= 0.9 * stroke),
         cooling_s=cooling_time(time_s[end:] - time_s[end], contraction[end:]),
         current_mean_a=float(current[on].mean()),

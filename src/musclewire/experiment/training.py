@@ -60,8 +60,8 @@ def train(
     *,
     amplitude_v: float | None = None,
     period_s: float = TRAINING_PERIOD_S,
-    most_cycles: int = 60,
-    settled_share: float = SETTLED_FRACTION,
+    max_cycles: int = 60,
+    settled_fraction: float = SETTLED_FRACTION,
     folder: str | Path | None = None,
     on_cycle: Callable[[TrainingCycle], None] | None = None,
     on_sample: OnSample | None = None,
@@ -76,9 +76,9 @@ def train(
         Greatest drive [V]; the rig's own if None.
     period_s
         Time of a cycle [s]; 30 s are a third of the paper's slow sine.
-    most_cycles
+    max_cycles
         Where to stop if it does not settle.
-    settled_share
+    settled_fraction
         The move over five cycles, as a fraction of resistance span and stroke, below which it is settled.
     folder
         Each cycle is recorded there as it runs; nothing is written if None.
@@ -98,12 +98,12 @@ def train(
     RecordingError
         If the wire does not transform at all.
     """
-    if most_cycles < 2:
-        raise CallerError(f"most_cycles is {most_cycles}: a change needs at least 2 cycles")
+    if max_cycles < 2:
+        raise CallerError(f"max_cycles is {max_cycles}: a change needs at least 2 cycles")
     sine = SlowSine(amplitude_v=amplitude_v, period_s=period_s, cycles=1)
     cycles: list[TrainingCycle] = []
     warnings: tuple[str, ...] = ()
-    for number in range(1, most_cycles + 1):
+    for number in range(1, max_cycles + 1):
         path = None if folder is None else file_in(folder, f"cycle-{number:03d}.h5")
         recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, **sine)
         warnings = warnings or tuple(f"cycle {number}: {text}" for text in force_warnings(recording))
@@ -111,7 +111,7 @@ def train(
         cycles.append(cycle)
         if on_cycle is not None:
             on_cycle(cycle)
-        if cycle.change is not None and cycle.change < settled_share:
+        if cycle.change is not None and cycle.change < settled_fraction:
             return Training(tuple(cycles), settled=True, warnings=warnings)
     return Training(tuple(cycles), settled=False, warnings=warnings)
 

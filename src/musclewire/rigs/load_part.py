@@ -12,13 +12,13 @@ from musclewire.arrays import FloatArray
 from musclewire.parameters.finger_file import FingerFile
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.quantities import measured_in
+from musclewire.wire.loads import ElasticObject
 
 __all__ = [
     "FloatArray",
     "Force",
     "Length",
     "LoadPart",
-    "Obstacle",
     "Pull",
     "SecondWire",
     "Stiffness",
@@ -30,13 +30,6 @@ Stiffness = Annotated[float, measured_in("N/m"), Field(gt=0.0, allow_inf_nan=Fal
 Length = Annotated[float, measured_in("m"), Field(ge=0.0, allow_inf_nan=False)]
 Force = Annotated[float, measured_in("N"), Field(gt=0.0, allow_inf_nan=False)]
 Voltage = Annotated[float, measured_in("V"), Field(ge=0.0, allow_inf_nan=False)]
-
-
-class Obstacle(NamedTuple):
-    """An object in the way of the finger's endpoint, or of the connector if there is no finger."""
-
-    stiffness_n_per_m: float
-    clearance_m: float
 
 
 class Pull(Enum):
@@ -149,11 +142,11 @@ class LoadPart(BaseModel):
         return None
 
     @property
-    def obstacle(self) -> Obstacle | None:
+    def obstacle(self) -> ElasticObject | None:
         """Object that it puts in the way."""
         return None
 
-    def with_obstacle(self, obstacle: Obstacle) -> Self:  # noqa: ARG002  parts use it
+    def with_obstacle(self, obstacle: ElasticObject) -> Self:  # noqa: ARG002  parts use it
         """Return the part with another object in the way; a part without one as it is.
 
         Parameters

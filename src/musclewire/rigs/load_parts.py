@@ -25,7 +25,6 @@ from musclewire.rigs.load_part import (
     Force,
     Length,
     LoadPart,
-    Obstacle,
     Pull,
     SecondWire,
     Stiffness,
@@ -33,6 +32,7 @@ from musclewire.rigs.load_part import (
     Voltage,
 )
 from musclewire.rigs.protocol import Metadata
+from musclewire.wire.loads import ElasticObject
 
 __all__ = [
     "Antagonist",
@@ -176,11 +176,11 @@ class Contact(LoadPart):
     clearance: Length
 
     @property
-    def obstacle(self) -> Obstacle:
+    def obstacle(self) -> ElasticObject:
         """The object."""
-        return Obstacle(self.stiffness, self.clearance)
+        return ElasticObject(self.stiffness, self.clearance)
 
-    def with_obstacle(self, obstacle: Obstacle) -> Self:
+    def with_obstacle(self, obstacle: ElasticObject) -> Self:
         """Return a contact with another object."""
         return self.model_copy(update={"stiffness": obstacle.stiffness_n_per_m, "clearance": obstacle.clearance_m})
 

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve
-from musclewire.rigs.load_part import LoadPart, Obstacle
-from musclewire.wire.loads import ConnectorLoad, spring_load, with_table
+from musclewire.rigs.load_part import LoadPart
+from musclewire.wire.loads import ConnectorLoad, ElasticObject, spring_load, with_table
 
 __all__ = ["Mechanism", "Tendon", "mechanism_of"]
 
@@ -33,7 +33,7 @@ class Tendon:
     curve: FingerCurve
     slack_m: float
     start_m: float
-    obstacle: Obstacle | None
+    obstacle: ElasticObject | None
 
     def column(self, name: str, displacement_m: ArrayLike) -> FloatArray:
         """Return a column of the curve at the connector's displacement; it goes on straight beyond its end."""
@@ -111,7 +111,7 @@ def mechanism_of(
     return Mechanism(load, added_n, stage, tendon)
 
 
-def tendon_of(part: LoadPart, obstacle: Obstacle | None, slack_m: float | None) -> Tendon:
+def tendon_of(part: LoadPart, obstacle: ElasticObject | None, slack_m: float | None) -> Tendon:
     """Return the tendon of a part's finger; a slack that is given takes the place of the part's own."""
     finger = part.finger_file()
     assert finger is not None  # it has a name
@@ -123,7 +123,7 @@ def load_of(
     parts: Sequence[LoadPart],
     stiffness_n_per_m: float,
     tendon: Tendon | None,
-    obstacle: Obstacle | None,
+    obstacle: ElasticObject | None,
     reach_m: float,
 ) -> ConnectorLoad:
     """Return a spring for parts that are no more than that, otherwise one with tables of what they add beside it."""
@@ -141,7 +141,7 @@ def load_of(
 
 
 def beyond_spring_n(
-    displacement_m: FloatArray, parts: Sequence[LoadPart], tendon: Tendon | None, obstacle: Obstacle | None
+    displacement_m: FloatArray, parts: Sequence[LoadPart], tendon: Tendon | None, obstacle: ElasticObject | None
 ) -> FloatArray:
     """Return the force of everything that is not a plain spring, over displacement, (n_points,); 0 at the start."""
     force = np.zeros_like(displacement_m)

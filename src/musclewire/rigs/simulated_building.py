@@ -12,12 +12,12 @@ from musclewire.errors import CallerError
 from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.rigs.limits import Circuit, limits_of
-from musclewire.rigs.load_part import LoadPart, Obstacle, Pull, SecondWire, Supply
+from musclewire.rigs.load_part import LoadPart, Pull, SecondWire, Supply
 from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, Mechanism, Tendon
 from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
 from musclewire.simulate.wires import OneWire, SimulatedWires, TwoWires
 from musclewire.wire.building import constants_from
-from musclewire.wire.loads import ConnectorLoad, spring_load
+from musclewire.wire.loads import ConnectorLoad, ElasticObject, spring_load
 from musclewire.wire.state import WireConstants
 
 __all__ = ["Spool", "force_limit_n", "simulated_limits", "wires_of"]
@@ -150,7 +150,7 @@ def require_voltage(second: SecondWire, wire: Wire) -> None:
 
 def grip_between(parts: Sequence[LoadPart], tendon: Tendon | None, constants: WireConstants) -> Grip:
     """Return the object between two like fingers, with the tables by which both meet it."""
-    between: Obstacle | None = next((part.obstacle for part in parts if part.obstacle is not None), None)
+    between: ElasticObject | None = next((part.obstacle for part in parts if part.obstacle is not None), None)
     if between is None:
         raise CallerError("a second finger needs a part 'contact' between it and the first")
     if tendon is None:

@@ -13,9 +13,26 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = ["ConnectorLoad", "spring_load", "with_table"]
+__all__ = ["ElasticObject", "ConnectorLoad", "spring_load", "with_table"]
 
 NOTHING = np.zeros(2)
+
+
+class ElasticObject(NamedTuple):
+    """An object in the way: it is touched after ``clearance_m`` of free motion and then pushes back like a spring.
+
+    It is in the way of a finger's endpoint, of two endpoints that approach each other, or of the connector.
+
+    Parameters
+    ----------
+    stiffness_n_per_m
+        Its stiffness [N/m].
+    clearance_m
+        Motion until contact [m]; of two fingers, that of both endpoints together.
+    """
+
+    stiffness_n_per_m: float
+    clearance_m: float
 
 
 class ConnectorLoad(NamedTuple):

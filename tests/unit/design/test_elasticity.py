@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
-from musclewire.design.elasticity import Load, PotentialChange, load_path, solve_large, solve_linear
+from musclewire.design.elasticity import BodyLoad, PotentialChange, load_path, solve_large, solve_linear
 from musclewire.design.plane_body import PlaneBody
 from musclewire.errors import CallerError, NumericsError
 
@@ -34,14 +34,14 @@ def cantilever(thickness: float, along: int, across: int, ratio: float = 0.0, ki
     return PlaneBody.of_mesh(mesh if kind == "quads" else mesh.to_meshtri(), DEPTH, MODULUS, ratio)
 
 
-def tip_load(body: PlaneBody, force_n: float) -> Load:
+def tip_load(body: PlaneBody, force_n: float) -> BodyLoad:
     """A shear force spread over the free end as a parabola, the other end held."""
     end = body.nodes_near(x_m=LENGTH)
     height = np.abs(body.nodes_m[end, 1]).max()
-    share = 1.0 - (body.nodes_m[end, 1] / height) ** 2
+    weight = 1.0 - (body.nodes_m[end, 1] / height) ** 2
     forces = np.zeros_like(body.nodes_m)
-    forces[end, 1] = force_n * share / share.sum()
-    return Load(Load.held(body.nodes_near(x_m=0.0)), forces)
+    forces[end, 1] = force_n * weight / weight.sum()
+    return BodyLoad(BodyLoad.held(body.nodes_near(x_m=0.0)), forces)
 
 
 @pytest.mark.parametrize("kind", ["quads", "triangles"])
@@ -78,9 +78,11 @@ def test_a_slender_cantilever_bends_far_as_the_elastica(load: float, sideways: f
 
 def test_a_body_pulled_evenly_has_the_stress_and_the_narrowing_of_hooke() -> None:
     body = cantilever(0.02, 4, 2, 0.3)
-    told = Load.moved(body.nodes_near(x_m=0.0), {0: 0.0}) | Load.moved(body.nodes_near(x_m=LENGTH), {0: 1e-5})
-    told |= Load.moved(body.nodes_near(x_m=0.0, y_m=0.0), {1: 0.0})
-    found = solve_linear(body, Load(told))
+    prescribed_m = BodyLoad.moved(body.nodes_near(x_m=0.0), {0: 0.0}) | BodyLoad.moved(
+        body.nodes_near(x_m=LENGTH), {0: 1e-5}
+    )
+    prescribed_m |= BodyLoad.moved(body.nodes_near(x_m=0.0, y_m=0.0), {1: 0.0})
+    found = solve_linear(body, BodyLoad(prescribed_m))
     assert found.von_mises_pa == pytest.approx(np.full(len(body.nodes_m), MODULUS * 1e-4), rel=1e-9)
     top = body.nodes_near(y_m=0.01)
     assert found.displacement_m[top, 1] == pytest.approx(np.full(top.size, -0.3 * 1e-4 * 0.01), rel=1e-9)
@@ -133,27 +135,29 @@ def test_a_spring_outside_the_body_shares_the_load_with_it() -> None:
     tip = 2 * int(body.nodes_near(x_m=LENGTH, y_m=0.0)[0]) + 1
     own = 3.0 * MODULUS * DEPTH * 0.001**3 / 12.0 / LENGTH**3
 
-    def spring(displacement: np.ndarray, share: float) -> PotentialChange:
+    def spring(displacement: np.ndarray, load_fraction: float) -> PotentialChange:
         moved = displacement.ravel()[tip]
         gradient = np.zeros(body.n_dofs)
         gradient[tip] = own * moved
         hessian = csr_array(([own], ([tip], [tip])), shape=(body.n_dofs, body.n_dofs))
-        assert 0.0 < share <= 1.0
+        assert 0.0 < load_fraction <= 1.0
         return PotentialChange(0.5 * own * moved**2, gradient, hessian)
 
     force = own * 1e-5
     alone = solve_large(body, tip_load(body, force)).displacement_m.ravel()[tip]
     load = tip_load(body, force)
-    shared = solve_large(body, Load(load.prescribed_m, load.forces_n, spring)).displacement_m.ravel()[tip]
+    shared = solve_large(body, BodyLoad(load.prescribed_m, load.forces_n, spring)).displacement_m.ravel()[tip]
     assert shared == pytest.approx(alone / 2.0, rel=2e-3)
 
 
 def test_a_path_ends_where_it_is_told_to() -> None:
     body = cantilever(0.001, 20, 1)
-    told = Load.held(body.nodes_near(x_m=0.0)) | Load.moved(body.nodes_near(x_m=LENGTH, y_m=0.0), {1: 0.02})
-    shares = np.linspace(0.1, 1.0, 10)
-    found = list(load_path(body, Load(told), shares, stop=lambda state: state.share > 0.45))
-    assert [state.share for state in found] == pytest.approx(shares[:5])
+    prescribed_m = BodyLoad.held(body.nodes_near(x_m=0.0)) | BodyLoad.moved(
+        body.nodes_near(x_m=LENGTH, y_m=0.0), {1: 0.02}
+    )
+    load_fractions = np.linspace(0.1, 1.0, 10)
+    found = list(load_path(body, BodyLoad(prescribed_m), load_fractions, stop=lambda state: state.load_fraction > 0.45))
+    assert [state.load_fraction for state in found] == pytest.approx(load_fractions[:5])
 
 
 def test_finer_meshes_come_closer() -> None:
@@ -168,13 +172,13 @@ def test_finer_meshes_come_closer() -> None:
 def test_a_body_that_nobody_holds_is_said() -> None:
     body = cantilever(0.01, 4, 1)
     with pytest.raises(CallerError, match="prescribed displacements name"):
-        solve_linear(body, Load({}))
+        solve_linear(body, BodyLoad({}))
 
 
 def test_a_load_that_does_not_fit_the_body_is_said() -> None:
     body = cantilever(0.01, 4, 1)
     with pytest.raises(CallerError, match="forces have the shape"):
-        solve_linear(body, Load({0: 0.0}, np.zeros(3)))
+        solve_linear(body, BodyLoad({0: 0.0}, np.zeros(3)))
     with pytest.raises(CallerError, match="quadrilaterals or triangles"):
         PlaneBody.of_mesh(skfem.MeshTet(), DEPTH, MODULUS, 0.3)
     with pytest.raises(CallerError, match="Poisson"):
@@ -184,6 +188,8 @@ def test_a_load_that_does_not_fit_the_body_is_said() -> None:
 def test_no_balance_is_an_error_that_says_how_far_it_came() -> None:
     """A bar pushed into nothing: St. Venant-Kirchhoff gives way before its length is zero."""
     body = cantilever(0.05, 4, 2, 0.3)
-    told = Load.held(body.nodes_near(x_m=0.0)) | Load.moved(body.nodes_near(x_m=LENGTH), {0: -1.5 * LENGTH, 1: 0.0})
+    prescribed_m = BodyLoad.held(body.nodes_near(x_m=0.0)) | BodyLoad.moved(
+        body.nodes_near(x_m=LENGTH), {0: -1.5 * LENGTH, 1: 0.0}
+    )
     with pytest.raises(NumericsError, match=r"find no balance beyond .* % of the load"):
-        solve_large(body, Load(told), steps=2)
+        solve_large(body, BodyLoad(prescribed_m), steps=2)

@@ -109,10 +109,10 @@ def test_plane_stress_agrees_with_the_formula_for_thin_strips(
     assert found == pytest.approx(rounded_stiffness_n_per_m(geometry, MODULUS, 0.35), rel=5e-3)
 
 
-@pytest.mark.parametrize("share", [0.1, 0.2, 0.3])
+@pytest.mark.parametrize("thickness_over_pitch", [0.1, 0.2, 0.3])
 @pytest.mark.parametrize("radius", [0.25, 0.5])
-def test_beyond_thin_the_rounded_corners_explain_the_difference(share: float, radius: float) -> None:
-    thickness = share * 4e-3
+def test_beyond_thin_the_rounded_corners_explain_the_difference(thickness_over_pitch: float, radius: float) -> None:
+    thickness = thickness_over_pitch * 4e-3
     geometry = serpentine(4, thickness=thickness).with_(corner_radius_m=radius * thickness)
     found = linear_answer(geometry, POM).stiffness_n_per_m
     assert found == pytest.approx(rounded_stiffness_n_per_m(geometry, MODULUS, 0.35), rel=0.015)

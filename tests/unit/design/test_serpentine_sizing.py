@@ -6,7 +6,7 @@ from functools import cache
 
 import pytest
 
-from musclewire.design.serpentine.analysis import Check, Duty, Pretensioner, analyse
+from musclewire.design.serpentine.analysis import DesignCheck, Duty, PretensionerDesign, analyse
 from musclewire.design.serpentine.geometry import Envelope, SerpentineGeometry
 from musclewire.design.serpentine.sizing import PretensionerRequest, design_pretensioner
 from musclewire.errors import CallerError
@@ -29,7 +29,7 @@ def request(
 
 
 @cache
-def papers() -> Pretensioner:
+def papers() -> PretensionerDesign:
     return design_pretensioner(request())
 
 
@@ -164,9 +164,9 @@ def test_a_duty_that_cannot_be_is_refused(numbers: dict[str, float]) -> None:
 
 
 def test_a_check_holds_by_its_rule() -> None:
-    assert Check("x", 1.004, 1.0, "1", "about", 0.005).ok
-    assert not Check("x", 1.006, 1.0, "1", "about", 0.005).ok
-    assert Check("x", 1.0, 1.0, "1", "below").ok
-    assert not Check("x", 1.1, 1.0, "1", "below").ok
-    assert not Check("x", 0.9, 1.0, "1", "above").ok
-    assert Check("x", 9.0, 1.0, "1", "shown").ok
+    assert DesignCheck("x", 1.004, 1.0, "1", "about", 0.005).ok
+    assert not DesignCheck("x", 1.006, 1.0, "1", "about", 0.005).ok
+    assert DesignCheck("x", 1.0, 1.0, "1", "below").ok
+    assert not DesignCheck("x", 1.1, 1.0, "1", "below").ok
+    assert not DesignCheck("x", 0.9, 1.0, "1", "above").ok
+    assert DesignCheck("x", 9.0, 1.0, "1", "shown").ok

@@ -87,8 +87,8 @@ def coarse(sample: RawSample, _: int) -> RawSample:
 
 
 def long_leads(sample: RawSample, _: int) -> RawSample:
-    share = (17.28 + SHUNT_OHM) / (17.28 + SHUNT_OHM + 3.0)
-    return scaled(share, share)(sample, 0)
+    fraction = (17.28 + SHUNT_OHM) / (17.28 + SHUNT_OHM + 3.0)
+    return scaled(fraction, fraction)(sample, 0)
 
 
 def losing_samples(sample: RawSample, index: int) -> RawSample:

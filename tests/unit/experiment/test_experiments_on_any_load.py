@@ -31,7 +31,7 @@ class Job(NamedTuple):
 
     load: str
     quantity: str
-    least_range: float
+    min_range: float
     most_mae_pct: float
 
 
@@ -64,7 +64,7 @@ def test_characterize_fit_and_control_run_on_any_load(job: Job) -> None:
         start, stop = low + 0.45 * (high - low), low + 0.75 * (high - low)
         run = control(opened, model, staircase(start, stop, (stop - start) / 2.0, hold_s=4.0))
     assert model.quantity == job.quantity
-    assert high - low > job.least_range
+    assert high - low > job.min_range
     assert run.metrics.valid_share == 1.0
     assert run.metrics.mae_mean_pct is not None
     assert run.metrics.mae_mean_pct < job.most_mae_pct

@@ -9,20 +9,20 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.experiment.closings import (
+from musclewire.experiment.grip import GripRun, grip
+from musclewire.experiment.gripper_training import (
     GripperKnowledge,
-    Object,
     close_fingers,
     learn_gripper,
     load_knowledge,
     object_of,
     with_object,
 )
-from musclewire.experiment.grip import GripRun, grip
 from musclewire.identify.contact_fitting import KnownGrip, fit_free_closing, fit_grip_curve, thermal_time_s
 from musclewire.parameters.finger_file import load_finger
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.signals import Recording
+from musclewire.wire.loads import ElasticObject
 
 
 @pytest.fixture(scope="module")
@@ -31,14 +31,18 @@ def knowledge() -> GripperKnowledge:
 
 
 def gripped(
-    knowledge: GripperKnowledge, block: Object | None, seed: int, stiffness: float | None = None, target_n: float = 0.3
+    knowledge: GripperKnowledge,
+    block: ElasticObject | None,
+    seed: int,
+    stiffness: float | None = None,
+    target_n: float = 0.3,
 ) -> GripRun:
     with open_rig(with_object("gripper", block), seed=seed) as rig:
         return grip(rig, knowledge, target_n=target_n, stiffness_n_per_m=stiffness)
 
 
 def test_the_gripper_comes_with_moving_air_and_foam() -> None:
-    assert object_of("gripper") == Object(200.0, 4e-3)
+    assert object_of("gripper") == ElasticObject(200.0, 4e-3)
     assert not with_object("gripper", None).surroundings.still
 
 
@@ -56,7 +60,7 @@ def test_contact_is_found_before_the_true_force_exceeds_0_15_n(
     knowledge: GripperKnowledge, stiffness: float, clearance_m: float
 ) -> None:
     for seed in range(3):
-        run = gripped(knowledge, Object(stiffness, clearance_m), seed)
+        run = gripped(knowledge, ElasticObject(stiffness, clearance_m), seed)
         assert run.true_force_at_contact_n is not None
         assert run.true_force_at_contact_n < 0.15
         assert run.opening_m == pytest.approx(clearance_m, abs=0.5e-3)
@@ -66,7 +70,7 @@ def test_contact_is_found_before_the_true_force_exceeds_0_15_n(
 def test_with_known_stiffness_the_held_force_is_told_within_a_tenth_of_a_newton(
     knowledge: GripperKnowledge, seed: int
 ) -> None:
-    run = gripped(knowledge, Object(200.0, 4e-3), seed, stiffness=200.0)
+    run = gripped(knowledge, ElasticObject(200.0, 4e-3), seed, stiffness=200.0)
     assert run.held
     assert run.true_force_n is not None
     assert run.estimated_force_n == pytest.approx(run.true_force_n, abs=0.06)
@@ -77,20 +81,20 @@ def test_with_known_stiffness_the_held_force_is_told_within_a_tenth_of_a_newton(
 def test_of_unknown_stiffness_the_force_is_bounded_by_a_rigid_blocks(
     knowledge: GripperKnowledge, stiffness: float
 ) -> None:
-    run = gripped(knowledge, Object(stiffness, 5e-3), 3)
+    run = gripped(knowledge, ElasticObject(stiffness, 5e-3), 3)
     assert run.true_force_n is not None
     assert run.most_force_n is not None
     assert 0.0 < run.true_force_n <= run.most_force_n
 
 
 def test_a_force_out_of_reach_is_not_called_held(knowledge: GripperKnowledge) -> None:
-    run = gripped(knowledge, Object(50.0, 9e-3), 2, stiffness=50.0, target_n=1.0)
+    run = gripped(knowledge, ElasticObject(50.0, 9e-3), 2, stiffness=50.0, target_n=1.0)
     assert run.contact_s is not None
     assert not run.held
 
 
 def test_the_same_seed_grips_the_same_to_the_bit(knowledge: GripperKnowledge) -> None:
-    one, other = (gripped(knowledge, Object(200.0, 4e-3), 5) for _ in range(2))
+    one, other = (gripped(knowledge, ElasticObject(200.0, 4e-3), 5) for _ in range(2))
     assert np.array_equal(one["estimated_grip_force_n"], other["estimated_grip_force_n"])
 
 
@@ -111,8 +115,8 @@ def test_nothing_that_decides_reads_the_instruments(knowledge: GripperKnowledge)
         def exchange(self, command: object) -> RawSample:
             return self._rig.exchange(command)._replace(**dict.fromkeys(REFERENCE_COLUMNS))  # type: ignore[attr-defined]
 
-    seen = gripped(knowledge, Object(200.0, 4e-3), 5)
-    with open_rig(with_object("gripper", Object(200.0, 4e-3)), seed=5) as rig:
+    seen = gripped(knowledge, ElasticObject(200.0, 4e-3), 5)
+    with open_rig(with_object("gripper", ElasticObject(200.0, 4e-3)), seed=5) as rig:
         unseen = grip(Blind(rig), knowledge)  # type: ignore[arg-type]
     assert np.array_equal(seen["drive_voltage_v"], unseen["drive_voltage_v"])
     assert unseen.true_force_n is None
@@ -184,7 +188,7 @@ def test_of_unknown_stiffness_the_force_is_nearly_right_in_the_mean_over_objects
     days = (knowledge, learn_gripper("gripper", seed=2000), learn_gripper("gripper", seed=2001))
     errors = []
     for seed in range(48):
-        block = Object((100.0, 200.0, 500.0, 1000.0)[seed % 4], (4e-3, 5.5e-3, 7e-3, 9e-3)[seed // 4 % 4])
+        block = ElasticObject((100.0, 200.0, 500.0, 1000.0)[seed % 4], (4e-3, 5.5e-3, 7e-3, 9e-3)[seed // 4 % 4])
         run = gripped(days[seed // 16], block, seed)
         assert run.true_force_n is not None
         errors.append((run.estimated_force_n or 0.0) - run.true_force_n)

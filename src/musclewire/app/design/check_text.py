@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from musclewire.design.checks import Check
+    from musclewire.design.design_checks import DesignCheck
+
+    pass
 
 __all__ = ["check_json", "check_lines", "finite"]
 
@@ -16,7 +18,7 @@ SHOWN = {"N/m": ("N/m", 1.0), "Pa": ("MPa", 1e-6), "m": ("mm", 1e3), "N": ("N", 
 RULES = {"about": "", "below": "at most ", "above": "at least ", "shown": ""}
 
 
-def check_json(check: Check) -> dict[str, Any]:
+def check_json(check: DesignCheck) -> dict[str, Any]:
     """Return a check under the keys of the interface."""
     return {
         "name": check.name,
@@ -28,13 +30,13 @@ def check_json(check: Check) -> dict[str, Any]:
     }
 
 
-def check_lines(checks: Sequence[Check]) -> list[str]:
+def check_lines(checks: Sequence[DesignCheck]) -> list[str]:
     """Return checks as lines, one below the other."""
     width = max(len(check.name) for check in checks)
     return [check_line(check, width) for check in checks]
 
 
-def check_line(check: Check, width: int) -> str:
+def check_line(check: DesignCheck, width: int) -> str:
     """Return a check as a line."""
     unit, factor = SHOWN[check.unit]
     mark = "    " if check.rule == "shown" else "ok  " if check.ok else "NOT "

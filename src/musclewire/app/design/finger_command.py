@@ -45,8 +45,8 @@ if TYPE_CHECKING:
     from musclewire.design.finger.finger_study import FingerStudyResult, WireToPull
     from musclewire.design.finger.geometry import FingerGeometry
     from musclewire.design.finger.sizing import FingerRequest
-    from musclewire.design.finger.statics import Foam
     from musclewire.parameters.materials import Material
+    from musclewire.wire.loads import ElasticObject
 
 __all__ = ["finger"]
 
@@ -112,12 +112,12 @@ class ObstacleOptions:
     object_stiffness: Annotated[str | None, OBJECT_STIFFNESS] = None
     clearance: Annotated[str, CLEARANCE] = "4 mm"
 
-    def foam(self) -> Foam | None:
+    def to_touch(self) -> ElasticObject | None:
         """Return the object, None without one."""
-        from musclewire.design.finger.statics import Foam
+        from musclewire.wire.loads import ElasticObject
 
         stiffness = in_si("--object-stiffness", self.object_stiffness)
-        return None if stiffness is None else Foam(in_si("--clearance", self.clearance), stiffness)
+        return None if stiffness is None else ElasticObject(stiffness, in_si("--clearance", self.clearance))
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ def finger(
             request=request,
             geometry=geometry,
             friction=task.friction,
-            foam=obstacle.foam(),
+            obstacle=obstacle.to_touch(),
             wire=wire.to_pull(),
             compare=compare,
             refined=refined,
@@ -237,8 +237,8 @@ def requested(section: SectionOptions, beam: BeamOptions, task: TaskOptions, mat
         travel_m=in_si("--travel", task.travel),
         columns=beam.columns,
         depth_m=in_si("--depth", section.depth),
-        most_depth_m=in_si("--max-depth", section.max_depth),
-        least_thickness_m=thinnest_m,
+        max_depth_m=in_si("--max-depth", section.max_depth),
+        min_thickness_m=thinnest_m,
         **beam.in_si(),
     )
 

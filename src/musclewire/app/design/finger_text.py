@@ -29,13 +29,13 @@ def answer_json(answer: FingerStudyResult, output: Path | None, drawings: list[P
         "tendon_force_n": at.tendon_force_n,
         "pulling_force_n": answer.friction.pulling_n,
         "easing_force_n": answer.friction.easing_n,
-        "friction_share": answer.friction.share,
+        "friction_share": answer.friction.fraction,
         "tendon_force_per_endpoint_force": answer.slope.tendon_force_per_endpoint_force,
         "endpoint_compliance_m_per_n": answer.slope.endpoint_compliance_m_per_n,
         "range_over_length": at.endpoint_displacement_m / geometry.overall_length_m,
         "bend_rad": float(at.angles_rad[-1]) - geometry.inward_angle_rad,
         "checks": [check_json(check) for check in answer.checks],
-        "foam": foam_json(answer),
+        "foam": object_json(answer),
         "wire": None if answer.wire is None else answer.wire._asdict(),
         "schemes": [schemes_json(scheme._asdict()) for scheme in answer.schemes],
         "holds": all(check.ok for check in answer.checks),
@@ -46,11 +46,11 @@ def answer_json(answer: FingerStudyResult, output: Path | None, drawings: list[P
     }
 
 
-def foam_json(answer: FingerStudyResult) -> dict[str, Any] | None:
+def object_json(answer: FingerStudyResult) -> dict[str, Any] | None:
     """Return the finger on an object, None without one."""
-    if answer.foam is None:
+    if answer.contact is None:
         return None
-    return {key: value for key, value in answer.foam._asdict().items() if key != "at"}
+    return {key: value for key, value in answer.contact._asdict().items() if key != "at"}
 
 
 def schemes_json(scheme: dict[str, Any]) -> dict[str, Any]:
@@ -92,13 +92,13 @@ def degrees(angle_rad: float) -> float:
 def load_lines(answer: FingerStudyResult) -> list[str]:
     """Return what object and wire do, if there are any."""
     lines = []
-    foam, wire = answer.foam, answer.wire
-    if foam is not None and answer.study.foam is not None:
+    contact, wire = answer.contact, answer.wire
+    if contact is not None and answer.study.obstacle is not None:
         lines.append(
-            f"  object        {answer.study.foam.stiffness_n_per_m:g} N/m after "
-            f"{MM * answer.study.foam.clearance_m:g} mm: {foam.force_n:.3f} N on it at the end of the travel, "
-            f"endpoint {MM * foam.endpoint_m:.2f} mm, tendon {foam.tendon_force_n:.2f} N, beam "
-            f"{MPA * foam.stress_pa:.0f} MPa (by the linear curve {foam.linear_force_n:.3f} N)"
+            f"  object        {answer.study.obstacle.stiffness_n_per_m:g} N/m after "
+            f"{MM * answer.study.obstacle.clearance_m:g} mm: {contact.force_n:.3f} N on it at the end of the travel, "
+            f"endpoint {MM * contact.endpoint_m:.2f} mm, tendon {contact.tendon_force_n:.2f} N, beam "
+            f"{MPA * contact.stress_pa:.0f} MPa (by the linear curve {contact.linear_force_n:.3f} N)"
         )
     if wire is not None and answer.study.wire is not None:
         lines.append(

@@ -36,7 +36,7 @@ from musclewire.app.output import emit_json, show, warn
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
-    from musclewire.design.serpentine.analysis import Duty, Pretensioner
+    from musclewire.design.serpentine.analysis import Duty, PretensionerDesign
     from musclewire.design.serpentine.geometry import Envelope, SerpentineGeometry
     from musclewire.parameters.materials import Material
 
@@ -191,7 +191,7 @@ def material_named(name: str) -> Material:
     return load_material(name)
 
 
-def sized(stiffness: str, duty: Duty, making: MakingOptions) -> tuple[Pretensioner, str, Envelope]:
+def sized(stiffness: str, duty: Duty, making: MakingOptions) -> tuple[PretensionerDesign, str, Envelope]:
     """Return the pretensioner of a wanted stiffness, the name of its material, and the room for it."""
     from musclewire.design.serpentine.sizing import PretensionerRequest, design_pretensioner
 
@@ -204,7 +204,7 @@ def sized(stiffness: str, duty: Duty, making: MakingOptions) -> tuple[Pretension
 
 def computed(
     file: str | None, dimensions: DimensionOptions, duty: Duty, making: MakingOptions
-) -> tuple[Pretensioner, str, Envelope | None]:
+) -> tuple[PretensionerDesign, str, Envelope | None]:
     """Return the pretensioner of a file or of given dimensions, the name of its material, and the room for it."""
     from musclewire.design.serpentine.analysis import analyse
     from musclewire.design.serpentine.pretensioner_file_text import geometry_of
@@ -223,7 +223,7 @@ def computed(
     return analyse(geometry, material_named(name), process, duty, room), name, room
 
 
-def write_files(made: Pretensioner, material: str, files: PartFiles) -> None:
+def write_files(made: PretensionerDesign, material: str, files: PartFiles) -> None:
     """Write what was requested, each file whole or not at all."""
     from musclewire.design.drawing import write_drawing
     from musclewire.design.serpentine.figures import draw_pretensioner

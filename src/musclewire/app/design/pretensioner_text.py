@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from musclewire.app.design.check_text import check_json, check_lines, finite
 
 if TYPE_CHECKING:
-    from musclewire.design.serpentine.analysis import Pretensioner
+    from musclewire.design.serpentine.analysis import PretensionerDesign
     from musclewire.design.serpentine.geometry import Envelope
 
 __all__ = ["made_json", "made_text", "materials_json", "materials_text"]
@@ -15,7 +15,7 @@ __all__ = ["made_json", "made_text", "materials_json", "materials_text"]
 MM, MPA = 1e3, 1e-6
 
 
-def made_json(made: Pretensioner, material: str, room: Envelope | None) -> dict[str, Any]:
+def made_json(made: PretensionerDesign, material: str, room: Envelope | None) -> dict[str, Any]:
     """Return a pretensioner under the keys of the interface; numbers that are not finite become null."""
     geometry, curve, duty = made.geometry, made.curve, made.duty
     return {
@@ -52,13 +52,13 @@ def made_json(made: Pretensioner, material: str, room: Envelope | None) -> dict[
     }
 
 
-def finger_share(made: Pretensioner) -> float | None:
+def finger_share(made: PretensionerDesign) -> float | None:
     """Return the fraction of the contraction force that the finger gets, k_f/(k_p + k_f); None without a finger."""
     finger = made.duty.finger_stiffness_n_per_m
     return None if finger is None else finger / (finger + made.stiffness_n_per_m)
 
 
-def made_text(made: Pretensioner, room: Envelope | None) -> str:
+def made_text(made: PretensionerDesign, room: Envelope | None) -> str:
     """Return a pretensioner as lines for people."""
     g, curve = made.geometry, made.curve
     sizes = " x ".join(f"{MM * size:.2f}" for size in (g.across_m, g.along_m, g.depth_m))
@@ -84,7 +84,7 @@ def made_text(made: Pretensioner, room: Envelope | None) -> str:
     return "\n".join([*lines, "", *check_lines(made.checks)])
 
 
-def duty_lines(made: Pretensioner) -> list[str]:
+def duty_lines(made: PretensionerDesign) -> list[str]:
     """Return the lines of travel and stress."""
     if made.travel_m is None or made.stress_pa is None:
         return []

@@ -13,9 +13,9 @@ from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER
 from musclewire.app.report.paper_drawing import SHADES, SIZE, one_panel, printed_line, ramp
 from musclewire.arrays import FloatArray
 from musclewire.experiment.metrics import determined, elapsed
+from musclewire.experiment.reproduce.designed_parts import paper_pretensioner, schemes_of_fig13
 from musclewire.experiment.reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n
 from musclewire.experiment.reproduce.section4 import SWEEP_N, gaps_over_pretension
-from musclewire.experiment.reproduce.sized import paper_pretensioner, schemes_of_fig13
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.library import read_published
@@ -23,7 +23,7 @@ from musclewire.parameters.library import read_published
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from musclewire.design.serpentine.analysis import Pretensioner
+    from musclewire.design.serpentine.analysis import PretensionerDesign
     from musclewire.experiment.reproduce import Loop, Runs
 
 __all__ = ["FINGER_FIGURES"]
@@ -81,7 +81,7 @@ def fig14(_runs: Runs) -> Figure:
     return figure
 
 
-def serpentine_outline(made: Pretensioner) -> FloatArray:
+def serpentine_outline(made: PretensionerDesign) -> FloatArray:
     """Return the outline of a designed pretensioner as points, (n, 2) [m], its arcs in short chords."""
     from musclewire.design.serpentine.outline import serpentine_drawing
 

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from musclewire.experiment.closings import REST_S
+from musclewire.experiment.gripper_training import REST_S
 from musclewire.sensing.branch_equations import evaluate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from musclewire.experiment.closings import GripperKnowledge
     from musclewire.experiment.grip import GripRun
+    from musclewire.experiment.gripper_training import GripperKnowledge
 
 __all__ = ["plot_grip"]
 

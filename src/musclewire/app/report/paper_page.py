@@ -15,7 +15,7 @@ from musclewire.signals.whole_files import write_text_whole
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from musclewire.experiment.reproduce import Reproduction, Row
+    from musclewire.experiment.reproduce import Reproduction, ReproductionRow
 
 __all__ = ["TITLES", "write_paper_page"]
 
@@ -140,13 +140,13 @@ def short_title(subject: str) -> str:
     return TITLES[subject][0].partition(":")[0]
 
 
-def link(subject: str, rows: Sequence[Row]) -> str:
+def link(subject: str, rows: Sequence[ReproductionRow]) -> str:
     """Return the link to a section, marked where a row of it fails."""
     mark = "" if all(row.ok for row in rows) else ' class="failing"'
     return f'<a href="#{subject}"{mark}>{short_title(subject)}</a>'
 
 
-def section(subject: str, rows: Sequence[Row], figure: str) -> str:
+def section(subject: str, rows: Sequence[ReproductionRow], figure: str) -> str:
     """Return a section: figure and rows side by side, rows alone without a figure."""
     title, text = TITLES[subject]
     paragraph = f"<p>{text}</p>" if text else ""
@@ -163,7 +163,7 @@ HEADER = (
 )
 
 
-def body(rows: Sequence[Row]) -> str:
+def body(rows: Sequence[ReproductionRow]) -> str:
     """Return table rows; neighbours with the same reason share one line of it."""
     parts = []
     for _, group in groupby(rows, key=lambda row: (row.why, row.kind)):
@@ -176,7 +176,7 @@ def body(rows: Sequence[Row]) -> str:
     return "".join(parts)
 
 
-def table_row(row: Row) -> str:
+def table_row(row: ReproductionRow) -> str:
     """Return a row, with its problem and the reason of a known failure beneath it."""
     cells = f'<td class="name" title="{escape(row.name)}">{breakable(row.name.partition(".")[2])}</td>{numbers(row)}'
     more = [text for text in (row.problem, row.known_reason) if text]
@@ -189,7 +189,7 @@ def breakable(name: str) -> str:
     return escape(name).replace("[", "<wbr>[").replace("_", "_<wbr>")
 
 
-def numbers(row: Row) -> str:
+def numbers(row: ReproductionRow) -> str:
     """Return the cells after a row's name."""
     unit = "" if row.unit == "1" else f" {escape(row.unit)}"
     return (
@@ -199,7 +199,7 @@ def numbers(row: Row) -> str:
     )
 
 
-def row_class(row: Row) -> str:
+def row_class(row: ReproductionRow) -> str:
     """Return the class attribute of a failing row, nothing for one that holds."""
     return "" if row.ok else " class='failing'"
 

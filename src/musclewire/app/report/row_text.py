@@ -6,22 +6,22 @@ import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from musclewire.experiment.reproduce import Row
+    from musclewire.experiment.reproduce import ReproductionRow
 
 __all__ = ["limit_text", "number_text", "ours_text", "paper_text", "verdict"]
 
 
-def paper_text(row: Row) -> str:
+def paper_text(row: ReproductionRow) -> str:
     """Return the paper's number as printed; a dash where it prints none and speaks in words or symbols."""
     return f"{row.paper:.6g}" if has_printed_number(row) else "–"
 
 
-def has_printed_number(row: Row) -> bool:
+def has_printed_number(row: ReproductionRow) -> bool:
     """Return whether the number we compare with is in print."""
     return row.kind not in {"words", "equation"}
 
 
-def ours_text(row: Row) -> str:
+def ours_text(row: ReproductionRow) -> str:
     """Return our number with the digits that its tolerance requires, or the paper's; a dash for None."""
     if row.ours is None:
         return "–"
@@ -38,7 +38,7 @@ def number_text(value: float, tolerance: float, min_decimals: int = 0) -> str:
     return text if value == 0.0 or float(text) != 0.0 else f"{value:.0e}"
 
 
-def limit_text(row: Row) -> str:
+def limit_text(row: ReproductionRow) -> str:
     """Return what is allowed: a range about the number we compare with, or one end."""
     if row.compare == "within":
         middle = "" if has_printed_number(row) else f"{row.paper:.6g} "
@@ -49,7 +49,7 @@ def limit_text(row: Row) -> str:
     return f"{'≤' if row.compare == 'at most' else '≥'} {end:.4g}"
 
 
-def verdict(row: Row) -> str:
+def verdict(row: ReproductionRow) -> str:
     """Return whether a row holds, and whether a failure is known or a repair unnoticed."""
     if row.ok:
         return "holds, listed as failing" if row.known_failure else "holds"

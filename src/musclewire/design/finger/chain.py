@@ -16,7 +16,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.design.finger.geometry import FingerGeometry
 
-__all__ = ["Chain", "Placed", "cantilever_chain", "finger_chain", "place"]
+__all__ = ["Chain", "PlacedChain", "cantilever_chain", "finger_chain", "place"]
 
 
 ELEMENTS_PER_SEGMENT = 8
@@ -51,7 +51,7 @@ class Chain:
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedChain:
     """A chain at given angles: chord vectors (n_chords, 2) and endpoint (2,) [m], and what their derivatives need."""
 
     chain: Chain
@@ -88,11 +88,11 @@ class Placed:
         return np.asarray(grown - chain.angle_of_term.T @ (back[:, None] * chain.angle_of_term))
 
 
-def place(chain: Chain, angles_rad: FloatArray) -> Placed:
+def place(chain: Chain, angles_rad: FloatArray) -> PlacedChain:
     """Return a chain at the given angles, (n_angles,) [rad]."""
     angle = chain.angle_of_term @ angles_rad + chain.phase_rad
     unit = np.column_stack([np.cos(angle), np.sin(angle)])
-    return Placed(chain, unit, chain.chords_m @ unit, chain.endpoint_m @ unit)
+    return PlacedChain(chain, unit, chain.chords_m @ unit, chain.endpoint_m @ unit)
 
 
 def finger_chain(
@@ -188,12 +188,12 @@ class TermRows:
         self.rows: list[FloatArray] = []
         self.phases: list[float] = []
 
-    def add(self, shares: dict[int, float], phase_rad: float = 0.0) -> int:
+    def add(self, weights: dict[int, float], phase_rad: float = 0.0) -> int:
         """Add a unit vector and return its index; the palm's angle, node -1, is 0 and left out."""
         row = np.zeros(self.n_angles)
-        for node, share in shares.items():
+        for node, weight in weights.items():
             if node >= 0:
-                row[node] = share
+                row[node] = weight
         self.rows.append(row)
         self.phases.append(phase_rad)
         return len(self.rows) - 1

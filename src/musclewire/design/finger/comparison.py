@@ -15,7 +15,7 @@ from musclewire.arrays import FloatArray
 from musclewire.design.finger.chain import finger_chain
 from musclewire.design.finger.curve import beam_stress_pa
 from musclewire.design.finger.geometry import FingerGeometry
-from musclewire.design.finger.statics import Equilibrium, equilibrium
+from musclewire.design.finger.statics import FingerEquilibrium, equilibrium
 from musclewire.errors import NumericsError
 
 __all__ = ["Scheme", "compare_schemes"]
@@ -71,7 +71,9 @@ def driven(geometry: FingerGeometry, name: str, guided: tuple[int, ...], travel_
     return scheme_of(geometry, name, guided, at, limit)
 
 
-def scheme_of(geometry: FingerGeometry, name: str, guided: tuple[int, ...], at: Equilibrium, limit: str) -> Scheme:
+def scheme_of(
+    geometry: FingerGeometry, name: str, guided: tuple[int, ...], at: FingerEquilibrium, limit: str
+) -> Scheme:
     """Return an equilibrium as a scheme's row."""
     endpoint = at.endpoint_displacement_m
     return Scheme(

@@ -10,9 +10,10 @@ from musclewire.arrays import FloatArray
 from musclewire.design.finger.chain import Chain, finger_chain
 from musclewire.design.finger.friction import ASSUMED_FRICTION, friction_at
 from musclewire.design.finger.geometry import FingerGeometry
-from musclewire.design.finger.statics import Equilibrium, Foam, equilibria, equilibrium, sensitivity
+from musclewire.design.finger.statics import FingerEquilibrium, equilibria, equilibrium, sensitivity
 from musclewire.errors import CallerError, NumericsError
 from musclewire.parameters.finger_file import FingerCurve
+from musclewire.wire.loads import ElasticObject
 
 __all__ = [
     "CURVE_REACH",
@@ -23,7 +24,7 @@ __all__ = [
     "curve_travels_m",
     "finger_curve",
     "linear_error",
-    "longest_free_travel_m",
+    "max_free_travel_m",
     "reciprocity_error",
     "touch_curve",
     "travel_for_endpoint_m",
@@ -46,14 +47,14 @@ class LinearError(NamedTuple):
     """
 
     displacement_m: float
-    displacement_share: float
+    displacement_fraction: float
     tendon_force_n: float
-    tendon_force_share: float
+    tendon_force_fraction: float
 
 
-def curve_travels_m(longest_m: float) -> FloatArray:
-    """Return the travels of a curve in a file, (57,) [m], from 0 to ``longest_m``."""
-    return np.asarray(np.linspace(0.0, longest_m, CURVE_POINTS))
+def curve_travels_m(max_m: float) -> FloatArray:
+    """Return the travels of a curve in a file, (57,) [m], from 0 to ``max_m``."""
+    return np.asarray(np.linspace(0.0, max_m, CURVE_POINTS))
 
 
 def finger_curve(geometry: FingerGeometry, travels_m: FloatArray, friction: float = ASSUMED_FRICTION) -> FingerCurve:
@@ -78,11 +79,11 @@ def finger_curve(geometry: FingerGeometry, travels_m: FloatArray, friction: floa
         endpoint_displacement_m=displacement,
         tendon_force_per_endpoint_force=[slope.tendon_force_per_endpoint_force for slope in slopes],
         endpoint_compliance_m_per_n=[slope.endpoint_compliance_m_per_n for slope in slopes],
-        friction_share=[friction_at(chain, stiffness, at, friction).share for at in moving],
+        friction_share=[friction_at(chain, stiffness, at, friction).fraction for at in moving],
     )
 
 
-def beam_stress_pa(geometry: FingerGeometry, at: Equilibrium) -> FloatArray:
+def beam_stress_pa(geometry: FingerGeometry, at: FingerEquilibrium) -> FloatArray:
     """Return the largest stress at the faces of each element, (n_elements,) [Pa]: bending plus what the tendon presses.
 
     Bending alone is E t/2 times the change of curvature. The tendon's force presses on the beam as a whole; it is
@@ -92,20 +93,20 @@ def beam_stress_pa(geometry: FingerGeometry, at: Equilibrium) -> FloatArray:
     return np.asarray(bending + at.tendon_force_n / (geometry.beam_depth_m * geometry.beam_thickness_m))
 
 
-def bent_per_m(at: Equilibrium) -> FloatArray:
+def bent_per_m(at: FingerEquilibrium) -> FloatArray:
     """Return the change of curvature of each element, its moment over EI, (n_elements,) [1/m]."""
     chain = at.placed.chain
     return np.asarray((chain.turns @ at.angles_rad - chain.natural_turn_rad) / chain.yielding_m)
 
 
-def travel_for_endpoint_m(chain: Chain, stiffness_n_m2: float, endpoint_m: float, longest_m: float) -> Equilibrium:
+def travel_for_endpoint_m(chain: Chain, stiffness_n_m2: float, endpoint_m: float, max_m: float) -> FingerEquilibrium:
     """Return the equilibrium, without load, at which the endpoint has moved by ``endpoint_m``.
 
-    Raises CallerError where that takes more travel than ``longest_m``.
+    Raises CallerError where that takes more travel than ``max_m``.
     """
-    steps = min(max(int(np.ceil(longest_m / (2.0 * CURVE_STEP_M))), 2), MAX_STEPS)
+    steps = min(max(int(np.ceil(max_m / (2.0 * CURVE_STEP_M))), 2), MAX_STEPS)
     low = equilibrium(chain, stiffness_n_m2, 0.0)
-    for travel in np.linspace(0.0, longest_m, steps + 1)[1:]:
+    for travel in np.linspace(0.0, max_m, steps + 1)[1:]:
         high = equilibrium(chain, stiffness_n_m2, float(travel), start=low)
         if high.endpoint_displacement_m >= endpoint_m:
             return between(chain, stiffness_n_m2, low, high, endpoint_m)
@@ -118,15 +119,17 @@ def travel_for_endpoint_m(chain: Chain, stiffness_n_m2: float, endpoint_m: float
     )
 
 
-def between(chain: Chain, stiffness_n_m2: float, low: Equilibrium, high: Equilibrium, endpoint_m: float) -> Equilibrium:
+def between(
+    chain: Chain, stiffness_n_m2: float, low: FingerEquilibrium, high: FingerEquilibrium, endpoint_m: float
+) -> FingerEquilibrium:
     """Return the equilibrium with a given endpoint between two neighbours, by bisection with secants."""
     at = low
     for _ in range(BISECTIONS):
         at = low if at is high else at
-        share = (endpoint_m - low.endpoint_displacement_m) / (
+        fraction = (endpoint_m - low.endpoint_displacement_m) / (
             high.endpoint_displacement_m - low.endpoint_displacement_m
         )
-        travel = low.travel_m + share * (high.travel_m - low.travel_m)
+        travel = low.travel_m + fraction * (high.travel_m - low.travel_m)
         at = equilibrium(chain, stiffness_n_m2, travel, start=low)
         if abs(at.endpoint_displacement_m - endpoint_m) <= 1e-9 * endpoint_m:
             return at
@@ -134,12 +137,12 @@ def between(chain: Chain, stiffness_n_m2: float, low: Equilibrium, high: Equilib
     raise NumericsError("the travel for this endpoint was not found: ask for a slightly different endpoint")
 
 
-def longest_free_travel_m(geometry: FingerGeometry, longest_m: float) -> float:
-    """Return the travel [m] up to which the endpoint rises and no two columns touch, at most ``longest_m``."""
+def max_free_travel_m(geometry: FingerGeometry, max_m: float) -> float:
+    """Return the travel [m] up to which the endpoint rises and no two columns touch, at most ``max_m``."""
     chain = finger_chain(geometry)
     before = equilibrium(chain, geometry.stiffness_n_m2, 0.0)
-    steps = min(max(round(longest_m / CURVE_STEP_M), MIN_STEPS), MAX_STEPS)
-    for travel in np.linspace(0.0, longest_m, steps + 1)[1:]:
+    steps = min(max(round(max_m / CURVE_STEP_M), MIN_STEPS), MAX_STEPS)
+    for travel in np.linspace(0.0, max_m, steps + 1)[1:]:
         at = equilibrium(chain, geometry.stiffness_n_m2, float(travel), start=before)
         if at.endpoint_displacement_m <= before.endpoint_displacement_m or column_gap_m(geometry, at) <= 0.0:
             return before.travel_m
@@ -147,7 +150,7 @@ def longest_free_travel_m(geometry: FingerGeometry, longest_m: float) -> float:
     return before.travel_m
 
 
-def column_gap_m(geometry: FingerGeometry, at: Equilibrium) -> float:
+def column_gap_m(geometry: FingerGeometry, at: FingerEquilibrium) -> float:
     """Return the smallest gap between the outer ends of neighbouring columns, palm included [m]; negative: overlap."""
     ends = at.angles_rad[list(at.placed.chain.column_nodes)]
     turn = np.diff(ends, prepend=0.0).max()
@@ -159,17 +162,17 @@ def column_gap_m(geometry: FingerGeometry, at: Equilibrium) -> float:
 def linear_error(geometry: FingerGeometry, travels_m: FloatArray, endpoint_forces_n: FloatArray) -> LinearError:
     """Return how far the linear answer to endpoint forces is from direct solutions, over travels and forces."""
     chain, stiffness = finger_chain(geometry), geometry.stiffness_n_m2
-    moved, forced, largest_y, largest_force = 0.0, 0.0, 0.0, 0.0
+    moved, forced, max_y, max_force = 0.0, 0.0, 0.0, 0.0
     for free in equilibria(chain, stiffness, travels_m):
         slope, at = sensitivity(free), free
-        largest_y, largest_force = max(largest_y, free.endpoint_displacement_m), max(largest_force, free.tendon_force_n)
+        max_y, max_force = max(max_y, free.endpoint_displacement_m), max(max_force, free.tendon_force_n)
         for force in np.sort(endpoint_forces_n):
             at = equilibrium(chain, stiffness, free.travel_m, endpoint_force_n=float(force), start=at)
             linear_y = free.endpoint_displacement_m - slope.endpoint_compliance_m_per_n * force
             linear_force = free.tendon_force_n + slope.tendon_force_per_endpoint_force * force
             moved = max(moved, abs(at.endpoint_displacement_m - linear_y))
             forced = max(forced, abs(at.tendon_force_n - linear_force))
-    return LinearError(moved, moved / largest_y, forced, forced / largest_force)
+    return LinearError(moved, moved / max_y, forced, forced / max_force)
 
 
 def reciprocity_error(geometry: FingerGeometry, travels_m: FloatArray, endpoint_force_n: float = 1e-4) -> float:
@@ -192,6 +195,6 @@ def reciprocity_error(geometry: FingerGeometry, travels_m: FloatArray, endpoint_
     return worst
 
 
-def touch_curve(geometry: FingerGeometry, travels_m: FloatArray, foam: Foam) -> list[Equilibrium]:
+def touch_curve(geometry: FingerGeometry, travels_m: FloatArray, obstacle: ElasticObject) -> list[FingerEquilibrium]:
     """Return the finger along rising travels, (n_travels,), running into an object."""
-    return equilibria(finger_chain(geometry), geometry.stiffness_n_m2, travels_m, foam=foam)
+    return equilibria(finger_chain(geometry), geometry.stiffness_n_m2, travels_m, obstacle=obstacle)

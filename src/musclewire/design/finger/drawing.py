@@ -26,7 +26,7 @@ def finger_drawing(geometry: FingerGeometry, title: str = "finger") -> Drawing:
     high = geometry.column_height_m
     block = [(0.0, high), (-BLOCK_LENGTH_M, high), (-BLOCK_LENGTH_M, -BLOCK_BELOW_M), (0.0, -BLOCK_BELOW_M)]
     ring = [(float(x), float(y)) for x, y in shape.outline()] + block
-    screws = [Circle(share * BLOCK_LENGTH_M, -0.5 * BLOCK_BELOW_M, SCREW_HOLE_M) for share in (-0.25, -0.75)]
+    screws = [Circle(fraction * BLOCK_LENGTH_M, -0.5 * BLOCK_BELOW_M, SCREW_HOLE_M) for fraction in (-0.25, -0.75)]
     note = (
         f"{MM * geometry.beam_depth_m:.2f} mm deep; beam {MM * geometry.beam_thickness_m:.2f} mm; two tendon holes of "
         f"{2 * MM * HOLE_RADIUS_M:.1f} mm side by side through block and columns, "

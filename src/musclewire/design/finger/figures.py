@@ -18,7 +18,7 @@ from musclewire.design.finger.curve import beam_stress_pa
 from musclewire.design.finger.finger_study import FingerStudyResult
 from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.shape import FingerShape, beside, finger_shape
-from musclewire.design.finger.statics import Equilibrium, equilibria
+from musclewire.design.finger.statics import FingerEquilibrium, equilibria
 from musclewire.pages import COOLING, HEATING, STYLE, TARGET
 
 __all__ = ["plot_finger"]
@@ -56,11 +56,11 @@ def plot_finger(result: FingerStudyResult) -> Figure:
 
 def draw_shapes(figure: Figure, axes: Any, result: FingerStudyResult) -> None:
     """Draw the finger unloaded, on its way, and at the endpoint asked for, with the stress in its beam."""
-    geometry, at = result.geometry, result.at if result.foam is None else result.foam.at
+    geometry, at = result.geometry, result.at if result.contact is None else result.contact.at
     chain = finger_chain(geometry)
     resting = finger_shape(geometry, chain.resting_angles_rad)
     passed = np.linspace(0.0, at.travel_m, 4)[1:-1]
-    way = equilibria(chain, geometry.stiffness_n_m2, passed, foam=result.study.foam)
+    way = equilibria(chain, geometry.stiffness_n_m2, passed, obstacle=result.study.obstacle)
     draw_palm(axes, geometry)
     for passing in way:
         ghost = finger_shape(geometry, passing.angles_rad).outline()
@@ -78,14 +78,14 @@ def draw_shapes(figure: Figure, axes: Any, result: FingerStudyResult) -> None:
     pull = f"{at.tendon_force_n:.2f} N, {MM * at.travel_m:.2f} mm"
     axes.text(-4.0, MM * geometry.column_height_m + 0.15, pull, color=COOLING, fontsize=8.5, ha="left", va="bottom")
     draw_endpoint_arrow(axes, resting, bent, at.endpoint_displacement_m)
-    draw_foam(axes, result, resting, bent)
+    draw_object(axes, result, resting, bent)
     bar = figure.colorbar(stressed, ax=axes, location="bottom", shrink=0.62, aspect=32, pad=0.02)
     bar.set_label("stress in the beam [MPa]; the scale ends where it yields")
     bar.outline.set_visible(False)
     axes.set_aspect("equal")
     axes.set_xlim(-4.6, MM * geometry.overall_length_m + 1.6)
     axes.set_ylim(-1.5, MM * max(bent.outline()[:, 1].max(), geometry.column_height_m) + 0.8)
-    where = "" if result.foam is None else " on the object"
+    where = "" if result.contact is None else " on the object"
     title = f"endpoint {MM * at.endpoint_displacement_m:.2f} mm{where}"
     axes.set(xlabel="along the finger [mm]", ylabel="across the finger [mm]", title=title)
     axes.grid(visible=False)
@@ -111,7 +111,7 @@ def draw_body(axes: Any, shape: FingerShape, face: str, edge: str) -> None:
     )
 
 
-def draw_stress(axes: Any, shape: FingerShape, result: FingerStudyResult, at: Equilibrium) -> LineCollection:
+def draw_stress(axes: Any, shape: FingerShape, result: FingerStudyResult, at: FingerEquilibrium) -> LineCollection:
     """Draw the beam's segments in the colour of the stress at their faces, from none to yield."""
     geometry = result.geometry
     middle = [beside(part, 0.0) for part in shape.segments]
@@ -134,14 +134,14 @@ def draw_endpoint_arrow(axes: Any, resting: FingerShape, bent: FingerShape, move
     axes.text(x + 0.25, 0.5 * (low + high), f"{MM * moved_m:.2f} mm", color=HEATING, va="center", rotation=90)
 
 
-def draw_foam(axes: Any, result: FingerStudyResult, resting: FingerShape, bent: FingerShape) -> None:
+def draw_object(axes: Any, result: FingerStudyResult, resting: FingerShape, bent: FingerShape) -> None:
     """Draw the object in the endpoint's way, where there is one, and the force between them."""
-    foam, found = result.study.foam, result.foam
-    if foam is None or found is None:
+    obstacle, found = result.study.obstacle, result.contact
+    if obstacle is None or found is None:
         return
     # The plate's corner touches, ahead of the endpoint on the middle of the beam.
     ahead = bent.outline()[:, 1].max() - bent.endpoint[1]
-    low, x = MM * (resting.endpoint[1] + foam.clearance_m + ahead), MM * bent.endpoint[0]
+    low, x = MM * (resting.endpoint[1] + obstacle.clearance_m + ahead), MM * bent.endpoint[0]
     axes.text(x - 2.5, low + 1.1, f"{found.force_n:.2f} N", ha="right", va="center", fontsize=8.5, color="#a9812c")
     axes.add_patch(
         Rectangle((x - 2.0, low), 4.0, 2.2, facecolor="#f7e7c6", edgecolor="#d9b667", lw=0.8, hatch="..", zorder=0)
@@ -151,27 +151,33 @@ def draw_foam(axes: Any, result: FingerStudyResult, resting: FingerShape, bent: 
 def mark(axes: Any, result: FingerStudyResult, free: float, touching: float | None, color: str) -> None:
     """Mark the free finger at the endpoint asked for and, where there is an object, the finger on it."""
     axes.plot([MM * result.at.travel_m], [free], "o", color=color, ms=4.5, label="free, endpoint asked for")
-    if touching is None or result.foam is None:
+    if touching is None or result.contact is None:
         return
     axes.plot(
-        [MM * result.foam.at.travel_m], [touching], "D", ms=5, mfc="white", mec=color, mew=1.4, label="on the object"
+        [MM * result.contact.at.travel_m], [touching], "D", ms=5, mfc="white", mec=color, mew=1.4, label="on the object"
     )
 
 
 def draw_force(axes: Any, result: FingerStudyResult) -> None:
     """Draw the force at the connector over the travel: pulling, easing, and without friction."""
     curve = result.curve
-    travel, force, share = (
+    travel, force, fraction = (
         np.array(part) for part in (curve.tendon_travel_m, curve.tendon_force_n, curve.friction_share)
     )
-    axes.fill_between(MM * travel, force * (1 - share), force * (1 + share), color=COOLING, alpha=0.18, lw=0)
+    axes.fill_between(MM * travel, force * (1 - fraction), force * (1 + fraction), color=COOLING, alpha=0.18, lw=0)
     axes.plot(MM * travel, force, color=COOLING)
-    mark(axes, result, result.at.tendon_force_n, None if result.foam is None else result.foam.tendon_force_n, COOLING)
+    mark(
+        axes,
+        result,
+        result.at.tendon_force_n,
+        None if result.contact is None else result.contact.tendon_force_n,
+        COOLING,
+    )
     axes.text(
         0.04, 0.95, f"{result.stiffness_n_per_m:.1f} N/m\nband: friction {result.study.friction:g}",
         transform=axes.transAxes, va="top", fontsize=8.5, color="#444444",
     )  # fmt: skip
-    if result.foam is not None:
+    if result.contact is not None:
         axes.legend(frameon=False, fontsize=8, loc="lower right", handletextpad=0.2, borderaxespad=0.1)
     axes.set(ylabel="tendon force [N]", xlim=(0.0, None), ylim=(0.0, None))
 
@@ -180,7 +186,7 @@ def draw_endpoint(axes: Any, result: FingerStudyResult) -> None:
     """Draw the endpoint's displacement over the travel."""
     curve = result.curve
     axes.plot(MM * np.array(curve.tendon_travel_m), MM * np.array(curve.endpoint_displacement_m), color=HEATING)
-    touching = None if result.foam is None else MM * result.foam.endpoint_m
+    touching = None if result.contact is None else MM * result.contact.endpoint_m
     mark(axes, result, MM * result.at.endpoint_displacement_m, touching, HEATING)
     axes.axvline(MM * result.study.travel_m, color=TARGET, lw=1.0, ls=(0, (4, 3)))
     axes.text(

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.design.checks import Check
+from musclewire.design.design_checks import DesignCheck
 from musclewire.design.finger.chain import FOOT_THICKNESSES, finger_chain
 from musclewire.design.finger.closed_forms import pure_moment_stiffness_n_per_m
 from musclewire.design.finger.comparison import Scheme, compare_schemes
@@ -19,7 +19,7 @@ from musclewire.design.finger.curve import (
     curve_travels_m,
     finger_curve,
     linear_error,
-    longest_free_travel_m,
+    max_free_travel_m,
     reciprocity_error,
     touch_curve,
     travel_for_endpoint_m,
@@ -28,13 +28,14 @@ from musclewire.design.finger.friction import ASSUMED_FRICTION, MAX_FRICTION, Fr
 from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.plane_stress import finger_body, plane_stress_path
 from musclewire.design.finger.sizing import FingerRequest, design_finger, finger_stiffness_n_per_m
-from musclewire.design.finger.statics import Equilibrium, Foam, Sensitivity, equilibria, sensitivity
+from musclewire.design.finger.statics import FingerEquilibrium, Sensitivity, equilibria, sensitivity
 from musclewire.design.finger.wire import WireOnFinger, wire_on_finger
 from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve
 from musclewire.parameters.materials import Material
+from musclewire.wire.loads import ElasticObject
 
-__all__ = ["FingerStudyResult", "FingerStudy", "FoamContact", "WireToPull", "study_finger"]
+__all__ = ["FingerStudyResult", "FingerStudy", "ObjectContact", "WireToPull", "study_finger"]
 
 WORKING_STRESS_PA = 172e6
 # How near to each other two ways to the same number must be.
@@ -71,14 +72,14 @@ class FingerStudy:
     request: FingerRequest | None = None
     geometry: FingerGeometry | None = None
     friction: float = ASSUMED_FRICTION
-    foam: Foam | None = None
+    obstacle: ElasticObject | None = None
     wire: WireToPull | None = None
     compare: bool = False
     finite_elements: bool = True
     refined: int = 1
 
 
-class FoamContact(NamedTuple):
+class ObjectContact(NamedTuple):
     """The finger on an object at the end of its travel: endpoint, its force, the tendon's; and the force by the curve.
 
     ``linear_force_n`` is what the free curve with its compliance says; ``force_n`` is solved with contact;
@@ -90,7 +91,7 @@ class FoamContact(NamedTuple):
     tendon_force_n: float
     linear_force_n: float
     stress_pa: float
-    at: Equilibrium
+    at: FingerEquilibrium
 
 
 @dataclass(frozen=True)
@@ -100,13 +101,13 @@ class FingerStudyResult:
     study: FingerStudy
     geometry: FingerGeometry
     stiffness_n_per_m: float
-    at: Equilibrium
+    at: FingerEquilibrium
     slope: Sensitivity
     friction: Friction
     stress_pa: float
     curve: FingerCurve
-    checks: list[Check]
-    foam: FoamContact | None
+    checks: list[DesignCheck]
+    contact: ObjectContact | None
     wire: WireOnFinger | None
     schemes: list[Scheme]
     warnings: list[str] = field(default_factory=list)
@@ -124,11 +125,11 @@ def study_finger(study: FingerStudy) -> FingerStudyResult:
     at = travel_for_endpoint_m(chain, geometry.stiffness_n_m2, study.endpoint_m, study.travel_m)
     stress = float(beam_stress_pa(geometry, at).max())
     require_unbroken(study, geometry, at, stress)
-    longest = longest_free_travel_m(geometry, CURVE_REACH * study.travel_m)
-    curve = finger_curve(geometry, curve_travels_m(longest), study.friction)
+    max_travel_m = max_free_travel_m(geometry, CURVE_REACH * study.travel_m)
+    curve = finger_curve(geometry, curve_travels_m(max_travel_m), study.friction)
     wire = None if study.wire is None else wire_for(study.wire, curve, at.travel_m)
     stiffness = finger_stiffness_n_per_m(geometry)
-    foam = None if study.foam is None else foam_contact(study, geometry, study.foam)
+    contact = None if study.obstacle is None else object_contact(study, geometry, study.obstacle)
     return FingerStudyResult(
         study=study,
         geometry=geometry,
@@ -139,23 +140,23 @@ def study_finger(study: FingerStudy) -> FingerStudyResult:
         stress_pa=stress,
         curve=curve,
         checks=checks_of(study, geometry, at, stiffness, stress),
-        foam=foam,
+        contact=contact,
         wire=wire,
         schemes=schemes_of(study, geometry) if study.compare else [],
-        warnings=[*warnings_of(study, geometry, at, stress), *warnings_of_loads(study, geometry, foam, wire)],
+        warnings=[*warnings_of(study, geometry, at, stress), *warnings_of_loads(study, geometry, contact, wire)],
     )
 
 
 def require_valid(study: FingerStudy) -> None:
     """Raise CallerError for numbers that mean nothing."""
-    foam = study.foam
+    obstacle = study.obstacle
     numbers = {"endpoint": study.endpoint_m, "travel": study.travel_m}
-    numbers |= {} if foam is None else {"stiffness of the object": foam.stiffness_n_per_m}
+    numbers |= {} if obstacle is None else {"stiffness of the object": obstacle.stiffness_n_per_m}
     for name, value in numbers.items():
         if not 0.0 < value < math.inf:
             raise CallerError(f"{name} is {value:g}: give a number above 0")
-    if foam is not None and not 0.0 <= foam.clearance_m < math.inf:
-        raise CallerError(f"the clearance is {foam.clearance_m:g} m: give 0 or more")
+    if obstacle is not None and not 0.0 <= obstacle.clearance_m < math.inf:
+        raise CallerError(f"the clearance is {obstacle.clearance_m:g} m: give 0 or more")
     if not 0.0 <= study.friction <= MAX_FRICTION:
         raise CallerError(f"a friction coefficient of {study.friction:g} is not one of 0 to {MAX_FRICTION:g}")
 
@@ -169,7 +170,7 @@ def geometry_for(study: FingerStudy) -> FingerGeometry:
     return design_finger(study.request, study.material)
 
 
-def require_unbroken(study: FingerStudy, geometry: FingerGeometry, at: Equilibrium, stress_pa: float) -> None:
+def require_unbroken(study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibrium, stress_pa: float) -> None:
     """Raise CallerError where a finger yields or its columns collide before it is where it shall go."""
     limit = study.material.yield_stress_pa.value
     if stress_pa > limit:
@@ -199,8 +200,8 @@ def wire_for(wire: WireToPull, curve: FingerCurve, needed_travel_m: float) -> Wi
 
 
 def checks_of(
-    study: FingerStudy, geometry: FingerGeometry, at: Equilibrium, stiffness_n_per_m: float, stress_pa: float
-) -> list[Check]:
+    study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibrium, stiffness_n_per_m: float, stress_pa: float
+) -> list[DesignCheck]:
     """Return the numbers of a design beside what they should be."""
     material = study.material
     feet = (2 * geometry.columns - 1) * FOOT_THICKNESSES * geometry.beam_thickness_m
@@ -211,42 +212,46 @@ def checks_of(
         []
         if wanted is None
         else [
-            Check(
+            DesignCheck(
                 "stiffness, as asked for", stiffness_n_per_m, wanted.stiffness_n_per_m, "N/m", "about", WANTED_TOLERANCE
             )
         ]
     )
     checks += [
-        Check("travel at the endpoint", at.travel_m, study.travel_m, "m", "below"),
-        Check("stress, yield", stress_pa, material.yield_stress_pa.value, "Pa", "below"),
-        Check("gap between columns", column_gap_m(geometry, at), 0.0, "m", "above"),
-        Check("stiffness, EI/(r^2 L) on paper", stiffness_n_per_m, closed, "N/m", "shown"),
-        Check("width: b^2/(R t), beyond 10 a plate", searle(geometry, at), PLATE, "1", "shown"),
+        DesignCheck("travel at the endpoint", at.travel_m, study.travel_m, "m", "below"),
+        DesignCheck("stress, yield", stress_pa, material.yield_stress_pa.value, "Pa", "below"),
+        DesignCheck("gap between columns", column_gap_m(geometry, at), 0.0, "m", "above"),
+        DesignCheck("stiffness, EI/(r^2 L) on paper", stiffness_n_per_m, closed, "N/m", "shown"),
+        DesignCheck("width: b^2/(R t), beyond 10 a plate", searle(geometry, at), PLATE, "1", "shown"),
         *curve_checks(study, geometry, at),
     ]
     return checks + (plane_stress_checks(study, geometry, at) if study.finite_elements else [])
 
 
-def searle(geometry: FingerGeometry, at: Equilibrium) -> float:
+def searle(geometry: FingerGeometry, at: FingerEquilibrium) -> float:
     """Return b^2/(R t) at the sharpest bend: whether a strip can still curve across its depth as a beam does."""
     bent = float(np.abs(at.placed.chain.turns @ at.angles_rad / at.placed.chain.yielding_m).max())
     return geometry.beam_depth_m**2 * bent / geometry.beam_thickness_m
 
 
-def curve_checks(study: FingerStudy, geometry: FingerGeometry, at: Equilibrium) -> list[Check]:
+def curve_checks(study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibrium) -> list[DesignCheck]:
     """Return checks of the curve's linear response to endpoint forces against direct solutions."""
     judged_n = JUDGED_FRACTION * at.tendon_force_n / sensitivity(at).tendon_force_per_endpoint_force
     travels = np.linspace(0.0, study.travel_m, JUDGED_TRAVELS)[1:]
     linear = linear_error(geometry, travels, judged_n * np.array([0.5, 1.0]))
-    most_y, most_n = LINEAR_FRACTION * at.endpoint_displacement_m, LINEAR_FRACTION * at.tendon_force_n
+    max_y_m, max_n = LINEAR_FRACTION * at.endpoint_displacement_m, LINEAR_FRACTION * at.tendon_force_n
     return [
-        Check("dT/df over dy/dx less 1: reciprocity", reciprocity_error(geometry, travels), RECIPROCAL, "1", "below"),
-        Check(f"endpoint by linear curve to {judged_n:.2g} N, off by", linear.displacement_m, most_y, "m", "below"),
-        Check(f"tendon by linear curve to {judged_n:.2g} N, off by", linear.tendon_force_n, most_n, "N", "below"),
+        DesignCheck(
+            "dT/df over dy/dx less 1: reciprocity", reciprocity_error(geometry, travels), RECIPROCAL, "1", "below"
+        ),
+        DesignCheck(
+            f"endpoint by linear curve to {judged_n:.2g} N, off by", linear.displacement_m, max_y_m, "m", "below"
+        ),
+        DesignCheck(f"tendon by linear curve to {judged_n:.2g} N, off by", linear.tendon_force_n, max_n, "N", "below"),
     ]
 
 
-def plane_stress_checks(study: FingerStudy, geometry: FingerGeometry, at: Equilibrium) -> list[Check]:
+def plane_stress_checks(study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibrium) -> list[DesignCheck]:
     """Return stiffness, force, endpoint and stress of the chain beside finite elements at the same travel."""
     meshed = finger_body(geometry, study.material.poisson_ratio.value, study.refined)
     points = list(plane_stress_path(meshed, at.tendon_force_n, np.array(PLANE_STRESS_FRACTIONS)))
@@ -257,25 +262,27 @@ def plane_stress_checks(study: FingerStudy, geometry: FingerGeometry, at: Equili
     stress = float(beam_stress_pa(geometry, there).max())
     moved = there.endpoint_displacement_m
     return [
-        Check("stiffness, plane stress", slope, fine, "N/m", "about", PLANE_TOLERANCE),
-        Check("tendon force, plane stress", there.tendon_force_n, last.tendon_force_n, "N", "about", PLANE_TOLERANCE),
-        Check("endpoint, plane stress", moved, last.endpoint_displacement_m, "m", "about", WANTED_TOLERANCE),
-        Check("stress, plane stress", stress, last.stress_pa, "Pa", "about", STRESS_TOLERANCE),
+        DesignCheck("stiffness, plane stress", slope, fine, "N/m", "about", PLANE_TOLERANCE),
+        DesignCheck(
+            "tendon force, plane stress", there.tendon_force_n, last.tendon_force_n, "N", "about", PLANE_TOLERANCE
+        ),
+        DesignCheck("endpoint, plane stress", moved, last.endpoint_displacement_m, "m", "about", WANTED_TOLERANCE),
+        DesignCheck("stress, plane stress", stress, last.stress_pa, "Pa", "about", STRESS_TOLERANCE),
     ]
 
 
-def foam_contact(study: FingerStudy, geometry: FingerGeometry, foam: Foam) -> FoamContact:
+def object_contact(study: FingerStudy, geometry: FingerGeometry, obstacle: ElasticObject) -> ObjectContact:
     """Return the finger on an object at the end of the travel there is."""
     travels = np.linspace(0.0, study.travel_m, 40)
-    touching = touch_curve(geometry, travels, foam)[-1]
+    touching = touch_curve(geometry, travels, obstacle)[-1]
     free = equilibria(finger_chain(geometry), geometry.stiffness_n_m2, travels)[-1]
     compliance = sensitivity(free).endpoint_compliance_m_per_n
-    beyond = max(free.endpoint_displacement_m - foam.clearance_m, 0.0)
-    return FoamContact(
+    beyond = max(free.endpoint_displacement_m - obstacle.clearance_m, 0.0)
+    return ObjectContact(
         touching.endpoint_displacement_m,
         touching.endpoint_force_n,
         touching.tendon_force_n,
-        beyond / (compliance + 1.0 / foam.stiffness_n_per_m),
+        beyond / (compliance + 1.0 / obstacle.stiffness_n_per_m),
         float(beam_stress_pa(geometry, touching).max()),
         touching,
     )
@@ -286,7 +293,7 @@ def schemes_of(study: FingerStudy, geometry: FingerGeometry) -> list[Scheme]:
     return compare_schemes(geometry, study.travel_m, study.material.yield_stress_pa.value)
 
 
-def warnings_of(study: FingerStudy, geometry: FingerGeometry, at: Equilibrium, stress_pa: float) -> list[str]:
+def warnings_of(study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibrium, stress_pa: float) -> list[str]:
     """Return warnings about the finger."""
     material, found = study.material, []
     lasting = material.allowable_stress_pa.value
@@ -303,24 +310,24 @@ def warnings_of(study: FingerStudy, geometry: FingerGeometry, at: Equilibrium, s
         )
     # A process that was chosen has been held to; without one the beam is somebody's to make, if anybody can.
     finest = min(material.processes, key=material.minimum_thickness_by)
-    least = material.minimum_thickness_by(finest)
-    if geometry.beam_thickness_m < least:
+    min_thickness_m = material.minimum_thickness_by(finest)
+    if geometry.beam_thickness_m < min_thickness_m:
         found.append(
             f"no process listed for {material.name} makes a beam of {1e3 * geometry.beam_thickness_m:.2f} mm: the "
-            f"finest, {finest}, makes {1e3 * least:g} mm; a strip of film, or micro-moulding"
+            f"finest, {finest}, makes {1e3 * min_thickness_m:g} mm; a strip of film, or micro-moulding"
         )
     return found
 
 
 def warnings_of_loads(
-    study: FingerStudy, geometry: FingerGeometry, foam: FoamContact | None, wire: WireOnFinger | None
+    study: FingerStudy, geometry: FingerGeometry, contact: ObjectContact | None, wire: WireOnFinger | None
 ) -> list[str]:
     """Return warnings about object and wire."""
     found, limit = [], study.material.yield_stress_pa.value
-    if foam is not None and foam.stress_pa > limit:
+    if contact is not None and contact.stress_pa > limit:
         found.append(
-            f"pulled to the end of its travel against the object, the beam would bear {1e-6 * foam.stress_pa:.0f} MPa "
-            f"and yield ({1e-6 * limit:g} MPa)"
+            f"pulled to the end of its travel against the object, the beam would bear "
+            f"{1e-6 * contact.stress_pa:.0f} MPa and yield ({1e-6 * limit:g} MPa)"
         )
     if wire is not None:
         steps = np.linspace(0.0, wire.travel_m, JUDGED_TRAVELS)

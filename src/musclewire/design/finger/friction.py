@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.design.finger.chain import Chain, Placed
-from musclewire.design.finger.statics import Equilibrium, equilibrium
+from musclewire.design.finger.chain import Chain, PlacedChain
+from musclewire.design.finger.statics import FingerEquilibrium, equilibrium
 from musclewire.errors import CallerError, NumericsError
 
 __all__ = [
@@ -46,10 +46,10 @@ class Friction(NamedTuple):
 
     pulling_n: float
     easing_n: float
-    share: float
+    fraction: float
 
 
-def hole_turns_rad(placed: Placed, angles_rad: FloatArray) -> FloatArray:
+def hole_turns_rad(placed: PlacedChain, angles_rad: FloatArray) -> FloatArray:
     """Return by how much the tendon has been turned between the palm and each chord, (n_chords,) [rad].
 
     For a tendon that is guided by all columns.
@@ -61,24 +61,24 @@ def hole_turns_rad(placed: Placed, angles_rad: FloatArray) -> FloatArray:
 
 
 def chord_tensions(
-    chain: Chain, stiffness_n_m2: float, travel_m: float, coefficient: float, near: Equilibrium
-) -> tuple[Equilibrium, FloatArray]:
+    chain: Chain, stiffness_n_m2: float, travel_m: float, coefficient: float, near: FingerEquilibrium
+) -> tuple[FingerEquilibrium, FloatArray]:
     """Return the finger at a travel under friction, and each chord's share of the connector's force, (n_chords,).
 
     A positive ``coefficient`` pulls, a negative one eases. The shares depend on the shape and the shape on the shares:
     repeated until neither changes. Raises NumericsError where that does not settle.
     """
-    shares, at = np.ones(chain.chords_m.shape[0]), near
+    weights, at = np.ones(chain.chords_m.shape[0]), near
     for _ in range(ROUNDS):
         wanted = np.exp(-coefficient * hole_turns_rad(at.placed, at.angles_rad))
-        if np.abs(wanted - shares).max() <= SETTLED:
-            return at, shares
-        shares = wanted
-        at = equilibrium(chain, stiffness_n_m2, travel_m, chord_weights=shares, start=at)
+        if np.abs(wanted - weights).max() <= SETTLED:
+            return at, weights
+        weights = wanted
+        at = equilibrium(chain, stiffness_n_m2, travel_m, chord_weights=weights, start=at)
     raise NumericsError(f"friction of {coefficient:g} does not settle: the tendon would lock; give a smaller one")
 
 
-def friction_at(chain: Chain, stiffness_n_m2: float, free: Equilibrium, coefficient: float) -> Friction:
+def friction_at(chain: Chain, stiffness_n_m2: float, free: FingerEquilibrium, coefficient: float) -> Friction:
     """Return what friction does to the connector's force at an equilibrium without friction.
 
     Raises CallerError for a negative coefficient or an equilibrium without travel.

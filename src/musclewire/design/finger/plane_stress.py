@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from musclewire.arrays import FloatArray
-from musclewire.design.elasticity import Equilibrium, Load, PotentialChange, load_path
+from musclewire.design.elasticity import BodyEquilibrium, BodyLoad, PotentialChange, load_path
 from musclewire.design.finger.geometry import HOLE_RADIUS_M, FingerGeometry
 from musclewire.design.plane_body import PlaneBody
 
@@ -67,18 +67,18 @@ class FingerBody:
         ends = [(1.0, self.holes[index, 0])] + ([(-1.0, self.holes[index - 1, 1])] if index else [])
         dofs = [2 * nodes + axis for _, nodes in ends for axis in (0, 1)]
         axes = [np.full(nodes.size, axis) for _, nodes in ends for axis in (0, 1)]
-        shares = [np.full(nodes.size, sign / nodes.size) for sign, nodes in ends for _ in (0, 1)]
+        weights = [np.full(nodes.size, sign / nodes.size) for sign, nodes in ends for _ in (0, 1)]
         places = (np.concatenate(axes), np.concatenate(dofs))
-        return csr_array((np.concatenate(shares), places), shape=(2, self.body.n_dofs))
+        return csr_array((np.concatenate(weights), places), shape=(2, self.body.n_dofs))
 
     def travel_m(self, displacement_m: FloatArray) -> float:
         """Return by how much the tendon's chords have become shorter [m]."""
         before, after = self.chords(np.zeros_like(displacement_m)), self.chords(displacement_m)
         return float(np.linalg.norm(before, axis=1).sum() - np.linalg.norm(after, axis=1).sum())
 
-    def pulled_by(self, force_n: float, displacement_m: FloatArray, share: float) -> PotentialChange:
+    def pulled_by(self, force_n: float, displacement_m: FloatArray, load_fraction: float) -> PotentialChange:
         """Return the potential of a tendon force of ``share * force_n``: minus force times travel."""
-        force, size = share * force_n, self.body.n_dofs
+        force, size = load_fraction * force_n, self.body.n_dofs
         gradient, hessian = np.zeros(size), csr_array((size, size))
         for chord, follow in zip(self.chords(displacement_m), self.chord_maps, strict=True):
             length = float(np.linalg.norm(chord))
@@ -89,20 +89,20 @@ class FingerBody:
         return PotentialChange(-force * self.travel_m(displacement_m), gradient, csr_array(hessian))
 
 
-def plane_stress_path(meshed: FingerBody, force_n: float, shares: FloatArray) -> Iterator[PlaneStressPoint]:
+def plane_stress_path(meshed: FingerBody, force_n: float, load_fractions: FloatArray) -> Iterator[PlaneStressPoint]:
     """Yield the finger under rising shares of a tendon force [N]. Raises NumericsError where it finds no balance."""
-    load = Load(
-        prescribed_m=Load.held(meshed.palm),
-        potential=lambda displacement, share: meshed.pulled_by(force_n, displacement, share),
+    load = BodyLoad(
+        prescribed_m=BodyLoad.held(meshed.palm),
+        potential=lambda displacement, load_fraction: meshed.pulled_by(force_n, displacement, load_fraction),
     )
-    for at in load_path(meshed.body, load, shares):
+    for at in load_path(meshed.body, load, load_fractions):
         yield point_of(meshed, at, force_n)
 
 
-def point_of(meshed: FingerBody, at: Equilibrium, force_n: float) -> PlaneStressPoint:
+def point_of(meshed: FingerBody, at: BodyEquilibrium, force_n: float) -> PlaneStressPoint:
     """Return a balance in the finger's words."""
     return PlaneStressPoint(
-        at.share * force_n,
+        at.load_fraction * force_n,
         meshed.travel_m(at.displacement_m),
         float(at.displacement_m[meshed.endpoint, 1]),
         float(at.von_mises_pa[meshed.middles].max()),

@@ -20,7 +20,7 @@ from musclewire.design.finger.chain import finger_chain
 from musclewire.design.finger.closed_forms import pure_moment_tip_m
 from musclewire.design.finger.curve import beam_stress_pa, column_gap_m, travel_for_endpoint_m
 from musclewire.design.finger.geometry import HOLE_RADIUS_M, FingerGeometry
-from musclewire.design.finger.statics import Equilibrium, equilibria, equilibrium, sensitivity
+from musclewire.design.finger.statics import FingerEquilibrium, equilibria, equilibrium, sensitivity
 from musclewire.errors import CallerError, NumericsError
 from musclewire.parameters.materials import Material
 
@@ -51,7 +51,7 @@ PLATE_THICKNESSES = 5.0
 class FingerRequest:
     """What a finger shall do: stiffness along the tendon, endpoint displacement, with the travel there is at most.
 
-    ``depth_m`` is the depth wished for, ``most_depth_m`` the most there is room for; ``least_thickness_m`` what can be
+    ``depth_m`` is the depth wished for, ``max_depth_m`` the most there is room for; ``min_thickness_m`` what can be
     made.
     """
 
@@ -64,8 +64,8 @@ class FingerRequest:
     column_width_m: float
     inward_angle_rad: float
     depth_m: float
-    most_depth_m: float
-    least_thickness_m: float
+    max_depth_m: float
+    min_thickness_m: float
 
 
 def finger_stiffness_n_per_m(geometry: FingerGeometry) -> float:
@@ -80,12 +80,12 @@ def design_finger(request: FingerRequest, material: Material) -> FingerGeometry:
     Raises CallerError, naming the limit that binds and by how much: endpoint out of reach, hole inside the beam,
     columns that touch, thinner than can be made, deeper than there is room, stress above yield.
     """
-    for name in ("stiffness_n_per_m", "endpoint_m", "travel_m", "depth_m", "most_depth_m", "least_thickness_m"):
+    for name in ("stiffness_n_per_m", "endpoint_m", "travel_m", "depth_m", "max_depth_m", "min_thickness_m"):
         value = getattr(request, name)
         if not 0.0 < value < math.inf:
             raise CallerError(f"{name} is {value:g}: give a number above 0")
     offset = rounded(offset_for(request), down=True)
-    require_hole_beside(request, offset, request.least_thickness_m)
+    require_hole_beside(request, offset, request.min_thickness_m)
     shape = shape_of(request, offset, material.youngs_modulus_pa.value)
     chosen = section_for(request, material, shape)
     section = shape.with_(beam_thickness_m=chosen.thickness_m, beam_depth_m=chosen.depth_m)
@@ -175,7 +175,7 @@ def endpoint_at(shape: FingerGeometry, travel_m: float) -> float:
 
 def shape_of(request: FingerRequest, offset_m: float, youngs_modulus_pa: float) -> FingerGeometry:
     """Return a finger with all lengths along it, and a beam that has yet to get its section."""
-    thin = min(0.1 * offset_m, request.least_thickness_m)  # of no weight yet: lengths decide where the endpoint goes
+    thin = min(0.1 * offset_m, request.min_thickness_m)  # of no weight yet: lengths decide where the endpoint goes
     return FingerGeometry(
         overall_length_m=request.overall_length_m,
         plate_length_m=request.plate_length_m,
@@ -220,24 +220,24 @@ def column_height_m(offset_m: float) -> float:
     return max(COLUMN_HEIGHT_OFFSETS * offset_m, rounded(offset_m + HOLE_RADIUS_M + WALL_M))
 
 
-def section_for(request: FingerRequest, material: Material, shape: FingerGeometry) -> Section:
+def section_for(request: FingerRequest, material: Material, shape: FingerGeometry) -> BeamSection:
     """Return the section that gives the stiffness without yielding: the depth nearest to the one wished for.
 
     Raises CallerError where no section is thick enough to make, shallow enough, and unyielding at the endpoint.
     """
-    if request.most_depth_m < MIN_DEPTH_M:
+    if request.max_depth_m < MIN_DEPTH_M:
         raise CallerError(
-            f"a depth of at most {1e3 * request.most_depth_m:g} mm has no room for two tendon legs side by side: "
-            f"{1e3 * (MIN_DEPTH_M - request.most_depth_m):g} mm more are needed"
+            f"a depth of at most {1e3 * request.max_depth_m:g} mm has no room for two tendon legs side by side: "
+            f"{1e3 * (MIN_DEPTH_M - request.max_depth_m):g} mm more are needed"
         )
     found = sections(request, shape)
     if not found:
         raise no_section(request, shape)
-    roomy = [section for section in found if section.depth_m <= request.most_depth_m]
+    roomy = [section for section in found if section.depth_m <= request.max_depth_m]
     if not roomy:
         raise CallerError(
             f"for {request.stiffness_n_per_m:g} N/m the beam would be {1e3 * found[-1].depth_m:.2f} mm deep, "
-            f"{1e3 * (found[-1].depth_m - request.most_depth_m):.2f} mm more than there is room for"
+            f"{1e3 * (found[-1].depth_m - request.max_depth_m):.2f} mm more than there is room for"
         )
     limit = material.yield_stress_pa.value
     fitting = [section for section in roomy if section.stress_pa <= limit]
@@ -254,7 +254,7 @@ def section_for(request: FingerRequest, material: Material, shape: FingerGeometr
 
 def no_section(request: FingerRequest, shape: FingerGeometry) -> CallerError:
     """Return the error for a stiffness that no section between the thinnest and the thickest beam has."""
-    thinnest = rounded(request.least_thickness_m, up=True)
+    thinnest = rounded(request.min_thickness_m, up=True)
     depth = depth_at(request, shape.with_(beam_thickness_m=thinnest))
     if depth < MIN_DEPTH_M:
         return CallerError(
@@ -266,46 +266,46 @@ def no_section(request: FingerRequest, shape: FingerGeometry) -> CallerError:
     depth = depth_at(request, shape.with_(beam_thickness_m=thickest))
     return CallerError(
         f"for {request.stiffness_n_per_m:g} N/m a beam of {1e3 * thickest:.2f} mm, the thickest beside the tendon's "
-        f"hole, would have to be {1e3 * depth:.2f} mm deep, {1e3 * (depth - request.most_depth_m):.2f} mm more than "
+        f"hole, would have to be {1e3 * depth:.2f} mm deep, {1e3 * (depth - request.max_depth_m):.2f} mm more than "
         "there is room for: a softer finger or a stiffer material"
     )
 
 
-class Section(NamedTuple):
+class BeamSection(NamedTuple):
     """A beam's section that gives the stiffness asked for, the finger at its endpoint, and its stress there."""
 
     thickness_m: float
     depth_m: float
-    at: Equilibrium
+    at: FingerEquilibrium
     stress_pa: float
 
 
-def sections(request: FingerRequest, shape: FingerGeometry) -> list[Section]:
+def sections(request: FingerRequest, shape: FingerGeometry) -> list[BeamSection]:
     """Return all sections of the wanted stiffness that can be made and are deep enough, thinnest first.
 
     Of those too deep only the least deep one is kept, for the message.
     """
-    found: list[Section] = []
-    thinnest = rounded(request.least_thickness_m, up=True)
+    found: list[BeamSection] = []
+    thinnest = rounded(request.min_thickness_m, up=True)
     # Stiffness goes with the cube of the thickness: thinner than this is too deep anyway.
-    needless = 0.9 * np.cbrt(depth_at(request, shape.with_(beam_thickness_m=thinnest)) / (1.2 * request.most_depth_m))
+    needless = 0.9 * np.cbrt(depth_at(request, shape.with_(beam_thickness_m=thinnest)) / (1.2 * request.max_depth_m))
     thickness = max(thinnest, rounded(thinnest * float(needless)))
     while thickness < 2.0 * shape.tendon_offset_m:
         depth = depth_at(request, shape.with_(beam_thickness_m=thickness))
         if depth < MIN_DEPTH_M:
             break
-        if depth <= 1.2 * request.most_depth_m:
+        if depth <= 1.2 * request.max_depth_m:
             found.append(section_at(request, shape.with_(beam_thickness_m=thickness, beam_depth_m=rounded(depth))))
         thickness = rounded(thickness + max(ROUNDED_M, SECTION_FRACTION * thickness))
     return found
 
 
-def section_at(request: FingerRequest, geometry: FingerGeometry) -> Section:
+def section_at(request: FingerRequest, geometry: FingerGeometry) -> BeamSection:
     """Return a section with what happens in it at the endpoint."""
     chain = finger_chain(geometry)
     at = travel_for_endpoint_m(chain, geometry.stiffness_n_m2, request.endpoint_m, request.travel_m)
     stress = float(beam_stress_pa(geometry, at).max())
-    return Section(geometry.beam_thickness_m, geometry.beam_depth_m, at, stress)
+    return BeamSection(geometry.beam_thickness_m, geometry.beam_depth_m, at, stress)
 
 
 def depth_at(request: FingerRequest, geometry: FingerGeometry) -> float:

@@ -14,10 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.design.finger.chain import Chain, Placed, place
+from musclewire.design.finger.chain import Chain, PlacedChain, place
 from musclewire.errors import CallerError, NumericsError
+from musclewire.wire.loads import ElasticObject
 
-__all__ = ["Equilibrium", "Foam", "Sensitivity", "equilibria", "equilibrium", "loaded_cantilever", "sensitivity"]
+__all__ = ["FingerEquilibrium", "Sensitivity", "equilibria", "equilibrium", "loaded_cantilever", "sensitivity"]
 
 NEWTON_STEPS = 40
 # Of the largest moment in the chain, and of the length of the tendon between the guides.
@@ -26,15 +27,8 @@ CLOSE_ENOUGH = 1e-10
 MAX_TURN_RAD = 0.3
 
 
-class Foam(NamedTuple):
-    """An object that the endpoint runs into after ``clearance_m``, and that then pushes back like a spring."""
-
-    clearance_m: float
-    stiffness_n_per_m: float
-
-
 @dataclass(frozen=True)
-class Equilibrium:
+class FingerEquilibrium:
     """A finger at rest: its angles (n_angles,) [rad], tendon and endpoint force [N], and how Newton's method ended.
 
     ``endpoint_displacement_m`` counts across the unloaded finger's palm axis, towards the tendon's side, from the
@@ -47,7 +41,7 @@ class Equilibrium:
     tendon_force_n: float
     endpoint_displacement_m: float
     endpoint_force_n: float
-    placed: Placed
+    placed: PlacedChain
     tangent_n_m: FloatArray
     travel_slope_m: FloatArray
 
@@ -61,7 +55,7 @@ class Sensitivity(NamedTuple):
     tendon_stiffness_n_per_m: float
 
 
-class Problem:
+class FingerProblem:
     """A chain with its bending stiffness; what stays the same while Newton's method runs."""
 
     def __init__(self, chain: Chain, stiffness_n_m2: float, chord_weights: FloatArray | None = None) -> None:
@@ -72,21 +66,21 @@ class Problem:
         self.resting = place(chain, chain.resting_angles_rad)
         self.weights = np.ones(chain.chords_m.shape[0]) if chord_weights is None else chord_weights
 
-    def travel_m(self, placed: Placed) -> float:
+    def travel_m(self, placed: PlacedChain) -> float:
         """Return by how much the chords are shorter than with no load."""
         return float((self.resting.chord_lengths_m - placed.chord_lengths_m).sum())
 
-    def displacement_m(self, placed: Placed) -> float:
+    def displacement_m(self, placed: PlacedChain) -> float:
         """Return how far the endpoint has come across the palm's axis."""
         return float(placed.endpoint_m[1] - self.resting.endpoint_m[1])
 
-    def moments(self, angles: FloatArray, placed: Placed, force_n: float, push_n: float) -> FloatArray:
+    def moments(self, angles: FloatArray, placed: PlacedChain, force_n: float, push_n: float) -> FloatArray:
         """Return what is out of balance under a tendon force and a push at the endpoint, (n_angles,) [N m]."""
         # The tendon's force shortens its chords: the work it does is its force times the travel.
         pulled = force_n * (self.weights @ placed.chord_slopes())
         return np.asarray(self.bending @ angles - self.natural + push_n * placed.across_slope() + pulled)
 
-    def tangent(self, placed: Placed, force_n: float, push_n: float) -> FloatArray:
+    def tangent(self, placed: PlacedChain, force_n: float, push_n: float) -> FloatArray:
         """Return the derivative of :meth:`moments` by the angles, (n_angles, n_angles)."""
         return np.asarray(self.bending + placed.curvature_of(force_n * self.weights, push_n))
 
@@ -97,23 +91,23 @@ def equilibrium(
     travel_m: float,
     *,
     endpoint_force_n: float = 0.0,
-    foam: Foam | None = None,
+    obstacle: ElasticObject | None = None,
     chord_weights: FloatArray | None = None,
-    start: Equilibrium | None = None,
-) -> Equilibrium:
+    start: FingerEquilibrium | None = None,
+) -> FingerEquilibrium:
     """Return the finger at one tendon travel, from the unloaded finger or from a neighbouring equilibrium.
 
     ``chord_weights`` (n_chords,): share of the force at the palm that each chord carries (friction); 1 without it.
     Raises NumericsError where Newton's method does not arrive: go there in smaller steps with ``start``.
     """
-    problem = Problem(chain, stiffness_n_m2, chord_weights)
+    problem = FingerProblem(chain, stiffness_n_m2, chord_weights)
     angles = chain.resting_angles_rad if start is None else start.angles_rad
     force = 0.0 if start is None else start.tendon_force_n
     free = solved(problem, travel_m, angles, force, endpoint_force_n)
-    if foam is None or free.endpoint_displacement_m <= foam.clearance_m:
+    if obstacle is None or free.endpoint_displacement_m <= obstacle.clearance_m:
         return free
     push = free.endpoint_force_n if start is None else start.endpoint_force_n
-    return solved(problem, travel_m, angles, force, push, foam, endpoint_force_n)
+    return solved(problem, travel_m, angles, force, push, obstacle, endpoint_force_n)
 
 
 def equilibria(
@@ -122,29 +116,29 @@ def equilibria(
     travels_m: FloatArray,
     *,
     endpoint_force_n: float = 0.0,
-    foam: Foam | None = None,
-) -> list[Equilibrium]:
+    obstacle: ElasticObject | None = None,
+) -> list[FingerEquilibrium]:
     """Return the finger along rising travels, (n_travels,), each found from the one before; loads as above."""
-    found: list[Equilibrium] = []
+    found: list[FingerEquilibrium] = []
     for travel in travels_m:
         before = found[-1] if found else None
         found.append(
             equilibrium(
-                chain, stiffness_n_m2, float(travel), endpoint_force_n=endpoint_force_n, foam=foam, start=before
+                chain, stiffness_n_m2, float(travel), endpoint_force_n=endpoint_force_n, obstacle=obstacle, start=before
             )
         )
     return found
 
 
 def solved(
-    problem: Problem,
+    problem: FingerProblem,
     travel_m: float,
     angles: FloatArray,
     force_n: float,
     push_n: float,
-    touched: Foam | None = None,
+    touched: ElasticObject | None = None,
     other_push_n: float = 0.0,
-) -> Equilibrium:
+) -> FingerEquilibrium:
     """Run Newton's method for one travel: at a held push, or where an object is touched, with the push it gives.
 
     A touched object's force is an unknown of its own, so that a hard one is no harder to solve for than a soft one.
@@ -163,7 +157,7 @@ def solved(
         scale = np.abs(problem.bending @ angles).max() + np.abs(problem.natural).max() + abs(force_n) * tendon_m
         if np.abs(out).max() <= CLOSE_ENOUGH * (scale + 1e-300) and np.abs(missing).max() <= CLOSE_ENOUGH * tendon_m:
             moved = problem.displacement_m(placed)
-            return Equilibrium(angles, travel_m, force_n, moved, push_n, placed, tangent, slope)
+            return FingerEquilibrium(angles, travel_m, force_n, moved, push_n, placed, tangent, slope)
         system = np.zeros((count + len(missing), count + len(missing)))
         system[:count, :count], system[count, :count] = tangent, slope
         system[:count, count] = problem.weights @ placed.chord_slopes()
@@ -197,7 +191,7 @@ def solve_system(system: FloatArray, right: FloatArray, travel_m: float) -> Floa
     return step
 
 
-def sensitivity(at: Equilibrium) -> Sensitivity:
+def sensitivity(at: FingerEquilibrium) -> Sensitivity:
     """Return how an equilibrium without friction changes with a small endpoint force and a small travel.
 
     Both come from one factorisation of the same symmetric system, so dT/df = dy/dx holds to rounding (reciprocity:
@@ -220,7 +214,7 @@ def sensitivity(at: Equilibrium) -> Sensitivity:
     )
 
 
-def loaded_cantilever(chain: Chain, stiffness_n_m2: float, force_n: float, steps: int = 10) -> Equilibrium:
+def loaded_cantilever(chain: Chain, stiffness_n_m2: float, force_n: float, steps: int = 10) -> FingerEquilibrium:
     """Return a chain without a tendon under a dead force across its axis at its endpoint, in ``steps`` load steps.
 
     The same discrete statics as the finger's, for comparison with published tables. Raises CallerError for a chain that
@@ -228,16 +222,16 @@ def loaded_cantilever(chain: Chain, stiffness_n_m2: float, force_n: float, steps
     """
     if chain.chords_m.shape[0]:
         raise CallerError("this chain has a tendon: ask for the equilibrium at a tendon travel")
-    problem, angles = Problem(chain, stiffness_n_m2), chain.resting_angles_rad
-    for share in np.arange(1, steps + 1) / steps:
+    problem, angles = FingerProblem(chain, stiffness_n_m2), chain.resting_angles_rad
+    for load_fraction in np.arange(1, steps + 1) / steps:
         for _ in range(NEWTON_STEPS):
             placed = place(chain, angles)
-            out = problem.moments(angles, placed, 0.0, -share * force_n)
-            tangent = problem.tangent(placed, 0.0, -share * force_n)
+            out = problem.moments(angles, placed, 0.0, -load_fraction * force_n)
+            tangent = problem.tangent(placed, 0.0, -load_fraction * force_n)
             if np.abs(out).max() <= CLOSE_ENOUGH * np.abs(problem.bending @ angles).max(initial=1e-300):
                 break
             angles = angles - np.linalg.solve(tangent, out)
         else:
             raise NumericsError("the loaded cantilever did not come to rest: apply the force in more steps")
     moved = problem.displacement_m(placed)
-    return Equilibrium(angles, math.nan, 0.0, moved, -force_n, placed, tangent, np.zeros(angles.size))
+    return FingerEquilibrium(angles, math.nan, 0.0, moved, -force_n, placed, tangent, np.zeros(angles.size))

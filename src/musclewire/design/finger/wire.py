@@ -88,12 +88,12 @@ def wire_on_finger(
     return WireOnFinger(reached, reached / leg, endpoint, tendon, force, stress, reached - needed_travel_m)
 
 
-def require_allowed(wire: str, force_n: float, most_n: float) -> None:
+def require_allowed(wire: str, force_n: float, max_n: float) -> None:
     """Raise CallerError for a wire that would bear more than it may."""
-    if force_n > most_n:
+    if force_n > max_n:
         raise CallerError(
-            f"{wire} would bear {force_n:.3g} N at the end of its stroke, {force_n / most_n:.2f} times the "
-            f"{most_n:.3g} N it is allowed: a thicker wire or a softer finger"
+            f"{wire} would bear {force_n:.3g} N at the end of its stroke, {force_n / max_n:.2f} times the "
+            f"{max_n:.3g} N it is allowed: a thicker wire or a softer finger"
         )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from musclewire.design.checks import Check
+from musclewire.design.design_checks import DesignCheck
 from musclewire.design.frame import chain_stiffness_n_per_m
 from musclewire.design.serpentine import closed_form
 from musclewire.design.serpentine.geometry import Envelope, SerpentineGeometry
@@ -15,7 +15,7 @@ from musclewire.design.serpentine.strip import FINEST, MESHES, ForceCurve, Linea
 from musclewire.errors import CallerError
 from musclewire.parameters.materials import Material
 
-__all__ = ["Check", "Duty", "Pretensioner", "analyse", "finger_problem"]
+__all__ = ["DesignCheck", "Duty", "PretensionerDesign", "analyse", "finger_problem"]
 
 # How near to each other two ways to the same number must be.
 BEAMS_TOLERANCE, STRIP_TOLERANCE, MESH_TOLERANCE, CORNER_TOLERANCE = 0.005, 0.03, 0.005, 0.08
@@ -57,7 +57,7 @@ class Duty:
 
 
 @dataclass(frozen=True)
-class Pretensioner:
+class PretensionerDesign:
     """A serpentine with all that was computed of it.
 
     ``linear`` holds one answer per mesh, coarse to fine; ``travel_m`` the connector's travel it was judged at and
@@ -73,7 +73,7 @@ class Pretensioner:
     curve: ForceCurve
     travel_m: float | None
     stress_pa: float | None
-    checks: tuple[Check, ...]
+    checks: tuple[DesignCheck, ...]
 
     @property
     def stiffness_n_per_m(self) -> float:
@@ -99,7 +99,7 @@ def analyse(
     duty: Duty | None = None,
     envelope: Envelope | None = None,
     wanted_n_per_m: float | None = None,
-) -> Pretensioner:
+) -> PretensionerDesign:
     """Return what a serpentine does, and every check of it.
 
     Raises CallerError for a process that is not known for the material or a travel beyond what it stretches to,
@@ -119,14 +119,14 @@ def analyse(
         *use_checks(geometry, asked, linear[-1].stiffness_n_per_m, curve, travel, stress, material),
         *making_checks(geometry, least, envelope),
     ]
-    return Pretensioner(geometry, material, process, asked, linear, guided, curve, travel, stress, tuple(checks))
+    return PretensionerDesign(geometry, material, process, asked, linear, guided, curve, travel, stress, tuple(checks))
 
 
-def wanted_checks(stiffness_n_per_m: float, wanted_n_per_m: float | None) -> list[Check]:
+def wanted_checks(stiffness_n_per_m: float, wanted_n_per_m: float | None) -> list[DesignCheck]:
     """Return whether the stiffness is the wanted one; nothing if none is."""
     if wanted_n_per_m is None:
         return []
-    return [Check("stiffness", stiffness_n_per_m, wanted_n_per_m, "N/m", "about", WANTED_TOLERANCE)]
+    return [DesignCheck("stiffness", stiffness_n_per_m, wanted_n_per_m, "N/m", "about", WANTED_TOLERANCE)]
 
 
 def stress_at(travel_m: float, curve: ForceCurve, material: Material) -> float:
@@ -149,7 +149,7 @@ def too_far(travel_m: float, curve: ForceCurve, material: Material) -> str:
 
 def model_checks(
     geometry: SerpentineGeometry, material: Material, linear: tuple[LinearAnswer, ...], guided: LinearAnswer
-) -> list[Check]:
+) -> list[DesignCheck]:
     """Return closed form, beam elements and plane stress beside each other.
 
     Formulas are for slender strips, the one with square corners for thin ones at that: what rounding takes from the
@@ -168,34 +168,34 @@ def model_checks(
     thin = slender if geometry.thickness_m <= THIN * geometry.pitch_m else "shown"
     beams, strip = BEAMS_TOLERANCE, STRIP_TOLERANCE
     return [
-        Check("beam elements against 3EI/[N a^2 (2a+3p)]", bent, formula, "N/m", slender, beams),
-        Check("beam elements, guided end, against its closed form", led, stiffest, "N/m", slender, 2.0 * beams),
-        Check("plane stress against 3EI/[N a^2 (2a+3p)]", found, formula, "N/m", thin, strip),
-        Check("plane stress against rounded corners and shear", found, rounded, "N/m", slender, strip),
+        DesignCheck("beam elements against 3EI/[N a^2 (2a+3p)]", bent, formula, "N/m", slender, beams),
+        DesignCheck("beam elements, guided end, against its closed form", led, stiffest, "N/m", slender, 2.0 * beams),
+        DesignCheck("plane stress against 3EI/[N a^2 (2a+3p)]", found, formula, "N/m", thin, strip),
+        DesignCheck("plane stress against rounded corners and shear", found, rounded, "N/m", slender, strip),
         *mesh_checks(linear),
         *corner_checks(geometry, linear[-1], slender),
-        Check("plane stress, guided end, over the free end", guided.stiffness_n_per_m, found, "N/m", "above"),
+        DesignCheck("plane stress, guided end, over the free end", guided.stiffness_n_per_m, found, "N/m", "above"),
     ]
 
 
-def mesh_checks(linear: tuple[LinearAnswer, ...]) -> list[Check]:
+def mesh_checks(linear: tuple[LinearAnswer, ...]) -> list[DesignCheck]:
     """Return each mesh beside the finest; the coarsest is shown only."""
     finest = linear[-1].stiffness_n_per_m
     checks = []
     for across, answer in zip(MESHES[:-1], linear[:-1], strict=True):
         name = f"plane stress, {across} across, {answer.unknowns} unknowns, against {FINEST} across"
         rule = "shown" if across == MESHES[0] else "about"
-        checks.append(Check(name, answer.stiffness_n_per_m, finest, "N/m", rule, MESH_TOLERANCE))
+        checks.append(DesignCheck(name, answer.stiffness_n_per_m, finest, "N/m", rule, MESH_TOLERANCE))
     return checks
 
 
-def corner_checks(geometry: SerpentineGeometry, answer: LinearAnswer, rule: str) -> list[Check]:
+def corner_checks(geometry: SerpentineGeometry, answer: LinearAnswer, rule: str) -> list[DesignCheck]:
     """Return the stress at the corners beside that of a curved beam, where they have a radius."""
     curved = closed_form.corner_stress_factor(geometry)
     if not math.isfinite(curved):
         return []
     factor = answer.stress_pa_per_n / closed_form.nominal_stress_pa(geometry, 1.0)
-    return [Check("stress over 6Fa/(bt^2) against a curved beam's", factor, curved, "1", rule, CORNER_TOLERANCE)]
+    return [DesignCheck("stress over 6Fa/(bt^2) against a curved beam's", factor, curved, "1", rule, CORNER_TOLERANCE)]
 
 
 def use_checks(
@@ -206,46 +206,48 @@ def use_checks(
     travel: float | None,
     stress: float | None,
     material: Material,
-) -> list[Check]:
+) -> list[DesignCheck]:
     """Return whether it is strong enough, stiff enough for the pretension, and softer than the finger."""
     checks = []
     if travel is not None and stress is not None:
         checks += strength_checks(geometry, curve, travel, stress, material)
     if duty.pretension_n is not None:
         left = max(curve.safe_travel_m - duty.stroke_m, 0.0)
-        checks.append(Check("pull that leaves the stroke safe", curve.force_at(left), duty.pretension_n, "N", "above"))
+        checks.append(
+            DesignCheck("pull that leaves the stroke safe", curve.force_at(left), duty.pretension_n, "N", "above")
+        )
         if duty.travel_m is not None:
             reached = curve.force_at(duty.travel_m)
-            checks.append(Check("pull at the whole travel", reached, duty.pretension_n, "N", "above"))
+            checks.append(DesignCheck("pull at the whole travel", reached, duty.pretension_n, "N", "above"))
     if duty.finger_stiffness_n_per_m is not None:
-        checks.append(Check("softer than the finger", stiffness, duty.finger_stiffness_n_per_m, "N/m", "below"))
+        checks.append(DesignCheck("softer than the finger", stiffness, duty.finger_stiffness_n_per_m, "N/m", "below"))
     return checks
 
 
 def strength_checks(
     geometry: SerpentineGeometry, curve: ForceCurve, travel_m: float, stress_pa: float, material: Material
-) -> list[Check]:
+) -> list[DesignCheck]:
     """Return whether it is strong enough for its travel, and narrow enough to be no plate."""
     moment = curve.force_at(travel_m) * geometry.half_length_m
     width = closed_form.width_parameter(geometry, moment, material.youngs_modulus_pa.value)
     return [
-        Check("largest stress at the whole travel", stress_pa, material.allowable_stress_pa.value, "Pa", "below"),
-        Check("travel until the allowed stress", curve.safe_travel_m, travel_m, "m", "above"),
-        Check("b^2/(R t) against that of a plate", width, PLATE, "1", "below"),
+        DesignCheck("largest stress at the whole travel", stress_pa, material.allowable_stress_pa.value, "Pa", "below"),
+        DesignCheck("travel until the allowed stress", curve.safe_travel_m, travel_m, "m", "above"),
+        DesignCheck("b^2/(R t) against that of a plate", width, PLATE, "1", "below"),
     ]
 
 
-def making_checks(geometry: SerpentineGeometry, least_m: float, envelope: Envelope | None) -> list[Check]:
+def making_checks(geometry: SerpentineGeometry, min_m: float, envelope: Envelope | None) -> list[DesignCheck]:
     """Return whether the process makes it and the envelope holds it."""
     checks = [
-        Check("thickness", geometry.thickness_m, least_m, "m", "above"),
-        Check("gap between beams", geometry.gap_m, least_m, "m", "above"),
+        DesignCheck("thickness", geometry.thickness_m, min_m, "m", "above"),
+        DesignCheck("gap between beams", geometry.gap_m, min_m, "m", "above"),
     ]
     if envelope is not None:
         sizes = (geometry.across_m, geometry.along_m, geometry.depth_m)
         names = ("size across the wire", "size along the wire", "size out of plane")
         checks += [
-            Check(name, size, room, "m", "below") for name, size, room in zip(names, sizes, envelope, strict=True)
+            DesignCheck(name, size, room, "m", "below") for name, size, room in zip(names, sizes, envelope, strict=True)
         ]
     return checks
 

@@ -78,19 +78,19 @@ def line_points(geometry: SerpentineGeometry, rounded: bool, leads: bool) -> tup
     else:
         corners = geometry.vertices_m() if leads else geometry.vertices_m()[1:-1]
         pieces = [Straight(start, end) for start, end in pairwise(corners)]
-    share = 0.5 * (1.0 + GAUSS_POINTS)
-    points = [places_on(piece, share) for piece in pieces]
+    fraction = 0.5 * (1.0 + GAUSS_POINTS)
+    points = [places_on(piece, fraction) for piece in pieces]
     weights = [0.5 * piece.length_m * GAUSS_WEIGHTS for piece in pieces]
     return np.concatenate(points), np.concatenate(weights)
 
 
-def places_on(piece: Straight | Arc, share: FloatArray) -> FloatArray:
+def places_on(piece: Straight | Arc, fraction: FloatArray) -> FloatArray:
     """Return points (n, 2) at shares (n,) of a piece of the centre line [m]."""
     if isinstance(piece, Straight):
         start, end = np.array(piece.start_m), np.array(piece.end_m)
-        straight: FloatArray = start + share[:, None] * (end - start)
+        straight: FloatArray = start + fraction[:, None] * (end - start)
         return straight
-    angle = piece.start_rad + share * piece.turn_rad
+    angle = piece.start_rad + fraction * piece.turn_rad
     return np.array(piece.centre_m) + piece.radius_m * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.design.drawing import Circle, polyline_m
-from musclewire.design.serpentine.analysis import Pretensioner
 from musclewire.design.serpentine.outline import serpentine_drawing
 from musclewire.design.serpentine.strip import pulled_strip
 from musclewire.pages import AVERAGE, COOLING, HEATING, STYLE, TARGET
@@ -17,7 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.transforms import Affine2D
 
-    from musclewire.design.elasticity import Equilibrium
+    from musclewire.design.elasticity import BodyEquilibrium
+    from musclewire.design.serpentine.analysis import PretensionerDesign
+
 
 __all__ = ["draw_pretensioner"]
 
@@ -30,7 +31,7 @@ BLOCK = "#d5d9de"
 SHADES = ("#a9c9d8", "#f0d98c", "#e8853f", "#8f1d2c")
 
 
-def draw_pretensioner(made: Pretensioner) -> Axes:
+def draw_pretensioner(made: PretensionerDesign) -> Axes:
     """Draw a pretensioner at its whole travel, and its curve; return the axes of the part."""
     import matplotlib as mpl
     import matplotlib.pyplot as plt
@@ -43,7 +44,7 @@ def draw_pretensioner(made: Pretensioner) -> Axes:
     return part  # type: ignore[no-any-return]
 
 
-def draw_part(axes: Axes, made: Pretensioner) -> None:
+def draw_part(axes: Axes, made: PretensionerDesign) -> None:
     """Draw the part at rest as an outline, and pulled with the stress as colour."""
     from matplotlib.transforms import Affine2D
 
@@ -85,7 +86,7 @@ def draw_pull(axes: Axes, across_mm: float, top_mm: float, text: str) -> None:
     axes.text(across_mm + 0.8, top_mm + 2.4, text, va="center", fontsize=9)
 
 
-def part_title(made: Pretensioner) -> str:
+def part_title(made: PretensionerDesign) -> str:
     """Return the line above the part."""
     g = made.geometry
     return (
@@ -94,7 +95,7 @@ def part_title(made: Pretensioner) -> str:
     )
 
 
-def end_motion(state: Equilibrium, connector_m: float) -> tuple[FloatArray, float]:
+def end_motion(state: BodyEquilibrium, connector_m: float) -> tuple[FloatArray, float]:
     """Return how far the middle of the strip's upper end has gone (2,) [mm], and by what angle it turned [rad]."""
     end = state.body.nodes_near(y_m=connector_m, within_m=1e-9)
     end = end[np.argsort(state.body.nodes_m[end, 0])]
@@ -117,7 +118,7 @@ def block(
         axes.add_patch(shapes.Circle(centre, 0.5 * MM * hole.diameter_m, facecolor="white", **look))
 
 
-def stress_mesh(axes: Axes, state: Equilibrium) -> Any:
+def stress_mesh(axes: Axes, state: BodyEquilibrium) -> Any:
     """Draw the stress on the pulled strip; each element of nine nodes as a ring of triangles around its middle."""
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.tri import Triangulation
@@ -134,7 +135,7 @@ def stress_mesh(axes: Axes, state: Equilibrium) -> Any:
     return drawn
 
 
-def draw_curve(axes: Axes, made: Pretensioner) -> None:
+def draw_curve(axes: Axes, made: PretensionerDesign) -> None:
     """Draw pull and stress over travel, with what they are judged by."""
     curve, duty = made.curve, made.duty
     travel = np.linspace(0.0, curve.travel_m[-1], 200)
@@ -157,7 +158,7 @@ def draw_curve(axes: Axes, made: Pretensioner) -> None:
     draw_stress(axes, made)
 
 
-def draw_stress(axes: Axes, made: Pretensioner) -> None:
+def draw_stress(axes: Axes, made: PretensionerDesign) -> None:
     """Draw the largest stress over travel on an axis of its own, up to what is allowed."""
     curve, allowed = made.curve, made.material.allowable_stress_pa.value
     travel = np.linspace(0.0, curve.travel_m[-1], 200)

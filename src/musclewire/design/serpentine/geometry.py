@@ -141,13 +141,13 @@ class SerpentineGeometry:
         pitch_m: float,
         thickness_m: float,
         depth_m: float,
-        corner_share: float = USUAL_CORNER,
+        corner_fraction: float = USUAL_CORNER,
     ) -> SerpentineGeometry:
         """Return a serpentine whose corners have an inner radius of a share of the thickness, or what fits.
 
         Larger ones are gentler to the material and take more from the length that the closed form counts.
         """
-        radius = min(corner_share * thickness_m, 0.5 * (pitch_m - thickness_m))
+        radius = min(corner_fraction * thickness_m, 0.5 * (pitch_m - thickness_m))
         return cls(beams, half_length_m, pitch_m, thickness_m, depth_m, max(radius, 0.0))
 
     def with_(self, **changes: float) -> SerpentineGeometry:

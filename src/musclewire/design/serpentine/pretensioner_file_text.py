@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from musclewire.design.serpentine.analysis import Pretensioner
+from musclewire.design.serpentine.analysis import PretensionerDesign
 from musclewire.design.serpentine.geometry import SerpentineGeometry
 from musclewire.parameters.parameter_groups import Parameter
 from musclewire.parameters.pretensioner_file import PretensionerFile
@@ -18,7 +18,7 @@ def geometry_of(file: PretensionerFile) -> SerpentineGeometry:
     return SerpentineGeometry(file.geometry.beams, **{name: getattr(file.geometry, name) for name in DIMENSIONS})
 
 
-def pretensioner_text(made: Pretensioner, material_name: str) -> str:
+def pretensioner_text(made: PretensionerDesign, material_name: str) -> str:
     """Return the text of a pretensioner's file; every number keeps all its bits."""
     geometry = made.geometry
     lines = [
@@ -36,7 +36,7 @@ def pretensioner_text(made: Pretensioner, material_name: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def computed(made: Pretensioner) -> dict[str, Parameter]:
+def computed(made: PretensionerDesign) -> dict[str, Parameter]:
     """Return the numbers that a file tells its reader."""
     source = "musclewire design pretensioner, plane-stress finite elements"
     values = {

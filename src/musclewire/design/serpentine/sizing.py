@@ -16,7 +16,14 @@ from typing import NamedTuple
 from scipy.optimize import brentq
 
 from musclewire.design.serpentine import closed_form
-from musclewire.design.serpentine.analysis import WANTED_TOLERANCE, Check, Duty, Pretensioner, analyse, finger_problem
+from musclewire.design.serpentine.analysis import (
+    WANTED_TOLERANCE,
+    DesignCheck,
+    Duty,
+    PretensionerDesign,
+    analyse,
+    finger_problem,
+)
 from musclewire.design.serpentine.geometry import (
     MIN_HALF_BEAM,
     USUAL_CORNER,
@@ -50,7 +57,7 @@ class PretensionerRequest:
     process: str | None = None
 
     @property
-    def least_m(self) -> float:
+    def min_m(self) -> float:
         """Thinnest strip and slot that the process makes [m]."""
         return self.material.minimum_thickness_by(self.process)
 
@@ -68,16 +75,16 @@ class Candidate(NamedTuple):
     problem: str
 
 
-def design_pretensioner(request: PretensionerRequest) -> Pretensioner:
+def design_pretensioner(request: PretensionerRequest) -> PretensionerDesign:
     """Return a serpentine whose plane-stress stiffness is within 1 % of what is wanted, all limits kept.
 
     Raises CallerError, naming the limit that binds and by how much, where there is none.
     """
     require_sense(request)
     closest: Candidate | None = None
-    almost: list[Pretensioner] = []
-    for corner_share in CORNER_FRACTIONS:
-        for form in forms(corner_share):
+    almost: list[PretensionerDesign] = []
+    for corner_fraction in CORNER_FRACTIONS:
+        for form in forms(corner_fraction):
             for candidate in tried(request, form):
                 made = made_of(request, candidate) if candidate.excess <= 0.0 else None
                 if made is not None and made.holds:
@@ -90,7 +97,7 @@ def design_pretensioner(request: PretensionerRequest) -> Pretensioner:
     raise CallerError(close_call(request, almost) if almost else closest.problem)
 
 
-def made_of(request: PretensionerRequest, candidate: Candidate) -> Pretensioner | None:
+def made_of(request: PretensionerRequest, candidate: Candidate) -> PretensionerDesign | None:
     """Return a candidate rounded, trimmed and computed by finite elements; None where trimming misses the stiffness."""
     trimmed = trim(request, candidate.geometry)
     if trimmed is None:
@@ -124,13 +131,13 @@ class Form(NamedTuple):
     """What a search goes over: beams, half length over that which fills the width, corner radius over thickness."""
 
     beams: int
-    width_share: float
-    corner_share: float
+    width_fraction: float
+    corner_fraction: float
 
 
-def forms(corner_share: float) -> list[Form]:
+def forms(corner_fraction: float) -> list[Form]:
     """Return all forms with such corners, the simplest and widest first."""
-    return [Form(beams, share, corner_share) for beams in BEAM_NUMBERS for share in WIDTH_FRACTIONS]
+    return [Form(beams, fraction, corner_fraction) for beams in BEAM_NUMBERS for fraction in WIDTH_FRACTIONS]
 
 
 def shape(request: PretensionerRequest, form: Form, thickness_m: float) -> SerpentineGeometry:
@@ -138,19 +145,19 @@ def shape(request: PretensionerRequest, form: Form, thickness_m: float) -> Serpe
     fittings = Fittings()
     room = request.envelope.along_m - fittings.pad_height_m - fittings.connector_height_m
     pitch = (room + thickness_m) / (form.beams + 2)
-    half = 0.5 * form.width_share * (request.envelope.across_m - thickness_m)
-    return SerpentineGeometry.of(form.beams, half, pitch, thickness_m, request.envelope.depth_m, form.corner_share)
+    half = 0.5 * form.width_fraction * (request.envelope.across_m - thickness_m)
+    return SerpentineGeometry.of(form.beams, half, pitch, thickness_m, request.envelope.depth_m, form.corner_fraction)
 
 
 def thickest_m(request: PretensionerRequest, form: Form) -> float:
     """Return the largest thickness [m] with slots wide enough and beams long enough; 0 or less where none does."""
     fittings = Fittings()
     room = request.envelope.along_m - fittings.pad_height_m - fittings.connector_height_m
-    slots = (room - (form.beams + 2) * request.least_m) / (form.beams + 1)
+    slots = (room - (form.beams + 2) * request.min_m) / (form.beams + 1)
     across = request.envelope.across_m
     if across < max(fittings.pad_width_m, fittings.connector_width_m):
         return 0.0
-    beam = form.width_share * across / (2.0 * (MIN_HALF_BEAM + form.corner_share + 0.5) + form.width_share)
+    beam = form.width_fraction * across / (2.0 * (MIN_HALF_BEAM + form.corner_fraction + 0.5) + form.width_fraction)
     return min(slots, beam) * (1.0 - 1e-9)
 
 
@@ -164,31 +171,31 @@ def estimate_n_per_m(request: PretensionerRequest, geometry: SerpentineGeometry)
 
 def tried(request: PretensionerRequest, form: Form) -> list[Candidate]:
     """Return the serpentine of this form that has the wanted stiffness; nothing where none fits."""
-    most = thickest_m(request, form)
-    if most <= THINNEST_M:
+    max_thickness_m = thickest_m(request, form)
+    if max_thickness_m <= THINNEST_M:
         return []
 
     def miss(thickness: float) -> float:
         return math.log(estimate_n_per_m(request, shape(request, form, thickness)) / request.stiffness_n_per_m)
 
-    if miss(most) < 0.0 or miss(THINNEST_M) > 0.0:
+    if miss(max_thickness_m) < 0.0 or miss(THINNEST_M) > 0.0:
         return []
-    geometry = shape(request, form, brentq(miss, THINNEST_M, most, xtol=1e-9))
+    geometry = shape(request, form, brentq(miss, THINNEST_M, max_thickness_m, xtol=1e-9))
     return [judged(request, geometry)]
 
 
 def judged(request: PretensionerRequest, geometry: SerpentineGeometry) -> Candidate:
     """Return a serpentine with the limit it breaks worst."""
-    least, allowed = request.least_m, request.material.allowable_stress_pa.value
+    min_thickness_m, allowed = request.min_m, request.material.allowable_stress_pa.value
     process = request.process or request.material.processes[0]
     stress = closed_form.nominal_stress_pa(geometry, request.stiffness_n_per_m * request.travel_m)
     stress *= closed_form.corner_stress_factor(geometry)
     where = f"{request.stiffness_n_per_m:g} N/m of {request.material.name} with {geometry.beams} beams in this envelope"
     thin = (
-        least / geometry.thickness_m - 1.0,
+        min_thickness_m / geometry.thickness_m - 1.0,
         f"too thin to make: {where} would be {1e3 * geometry.thickness_m:.3f} mm thick, "
-        f"{1e3 * (least - geometry.thickness_m):.3f} mm below the {1e3 * least:g} mm that '{process}' makes; "
-        "give a larger envelope, less depth, a softer material or another process",
+        f"{1e3 * (min_thickness_m - geometry.thickness_m):.3f} mm below the {1e3 * min_thickness_m:g} mm that "
+        f"'{process}' makes; give a larger envelope, less depth, a softer material or another process",
     )
     weak = (
         stress / allowed - 1.0,
@@ -204,11 +211,11 @@ def judged(request: PretensionerRequest, geometry: SerpentineGeometry) -> Candid
 def out_of_reach(request: PretensionerRequest) -> str:
     """Return why no serpentine has the wanted stiffness: the envelope holds none, or none that stiff or that soft."""
     fittings, envelope = Fittings(), request.envelope
-    least_across = max(fittings.pad_width_m, fittings.connector_width_m)
-    least_along = fittings.pad_height_m + fittings.connector_height_m + 4.0 * request.least_m + 3.0 * request.least_m
+    min_across = max(fittings.pad_width_m, fittings.connector_width_m)
+    min_along = fittings.pad_height_m + fittings.connector_height_m + 4.0 * request.min_m + 3.0 * request.min_m
     for name, room, need in (
-        ("across", envelope.across_m, least_across),
-        ("along", envelope.along_m, least_along),
+        ("across", envelope.across_m, min_across),
+        ("along", envelope.along_m, min_along),
     ):
         if room < need:
             return (
@@ -222,9 +229,9 @@ def stiffness_out_of_reach(request: PretensionerRequest) -> str:
     """Return that the envelope holds serpentines, and none that stiff or that soft."""
     stiffest = 0.0
     for form in forms(USUAL_CORNER):
-        most = thickest_m(request, form)
-        if most > THINNEST_M:
-            stiffest = max(stiffest, estimate_n_per_m(request, shape(request, form, most)))
+        max_thickness_m = thickest_m(request, form)
+        if max_thickness_m > THINNEST_M:
+            stiffest = max(stiffest, estimate_n_per_m(request, shape(request, form, max_thickness_m)))
     wanted = request.stiffness_n_per_m
     if stiffest < wanted:
         return (
@@ -237,10 +244,10 @@ def stiffness_out_of_reach(request: PretensionerRequest) -> str:
     )
 
 
-def close_call(request: PretensionerRequest, almost: Sequence[Pretensioner]) -> str:
+def close_call(request: PretensionerRequest, almost: Sequence[PretensionerDesign]) -> str:
     """Return which limit binds where closed forms kept it and finite elements do not, by how much at the best."""
 
-    def beyond(check: Check) -> float:
+    def beyond(check: DesignCheck) -> float:
         return abs(check.value / check.reference - 1.0)
 
     worst = [max((check for check in made.checks if not check.ok), key=beyond) for made in almost]
@@ -260,7 +267,7 @@ def trim(request: PretensionerRequest, geometry: SerpentineGeometry) -> Serpenti
     Thickness and pitch are rounded down, which makes it softer or leaves it; a shorter half length makes up for it.
     None where even that misses by more than 1 %.
     """
-    thickness = max(down(geometry.thickness_m), request.least_m)
+    thickness = max(down(geometry.thickness_m), request.min_m)
     pitch = down(geometry.pitch_m)
     radius = max(min(down(geometry.corner_radius_m), down(0.5 * (pitch - thickness))), 0.0)
     rounded = geometry.with_(thickness_m=thickness, pitch_m=pitch, corner_radius_m=radius)
@@ -271,11 +278,13 @@ def trim(request: PretensionerRequest, geometry: SerpentineGeometry) -> Serpenti
 
     # Stiffness falls with a power of the half length between 2 and 3; a few secants in logarithms land within a step.
     half, power = geometry.half_length_m, -2.7
-    most = 0.5 * (request.envelope.across_m - thickness)
+    max_half_length_m = 0.5 * (request.envelope.across_m - thickness)
     for _ in range(4):
-        half = min(half * (wanted / stiffness(half)) ** (1.0 / power), most)
+        half = min(half * (wanted / stiffness(half)) ** (1.0 / power), max_half_length_m)
     steps = [down(half), down(half) + STEP_M]
-    best = min((step for step in steps if step <= most + 1e-12), key=lambda step: abs(stiffness(step) - wanted))
+    best = min(
+        (step for step in steps if step <= max_half_length_m + 1e-12), key=lambda step: abs(stiffness(step) - wanted)
+    )
     best = round(best, 9)
     found = rounded.with_(half_length_m=best)
     return found if abs(stiffness(best) / wanted - 1.0) <= WANTED_TOLERANCE else None

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray, IntArray
-from musclewire.design.elasticity import Equilibrium, Load, load_path, solve_large, solve_linear
+from musclewire.design.elasticity import BodyEquilibrium, BodyLoad, load_path, solve_large, solve_linear
 from musclewire.design.plane_body import PlaneBody
 from musclewire.design.serpentine.closed_form import places_on
 from musclewire.design.serpentine.geometry import Arc, SerpentineGeometry
@@ -59,7 +59,7 @@ class ForceCurve(NamedTuple):
     force_n: FloatArray
     stress_pa: FloatArray
     safe_travel_m: float
-    furthest: Equilibrium
+    furthest: BodyEquilibrium
 
     def force_at(self, travel_m: float) -> float:
         """Return the pull [N] at a travel [m]; NaN beyond the curve."""
@@ -97,17 +97,17 @@ def sections(geometry: SerpentineGeometry, across: int) -> tuple[FloatArray, Flo
     tangents: list[FloatArray] = []
     for piece in geometry.centre_line():
         if isinstance(piece, Arc):
-            share = np.linspace(0.0, 1.0, ARC_ELEMENTS * across + ARC_MORE + 1)
-            angle = piece.start_rad + share * piece.turn_rad
+            fraction = np.linspace(0.0, 1.0, ARC_ELEMENTS * across + ARC_MORE + 1)
+            angle = piece.start_rad + fraction * piece.turn_rad
             tangent = math.copysign(1.0, piece.turn_rad) * np.stack([-np.sin(angle), np.cos(angle)], axis=1)
         else:
             count = math.ceil(piece.length_m * across / (SLENDER * geometry.thickness_m))
             count = min(count, MAX_ALONG * across)
-            share = np.linspace(0.0, 1.0, max(count, 2) + 1)
+            fraction = np.linspace(0.0, 1.0, max(count, 2) + 1)
             way = (np.array(piece.end_m) - np.array(piece.start_m)) / piece.length_m
-            tangent = np.broadcast_to(way, (share.size, 2))
+            tangent = np.broadcast_to(way, (fraction.size, 2))
         first = 1 if points else 0  # a piece begins where the last one ended
-        points.append(places_on(piece, share)[first:])
+        points.append(places_on(piece, fraction)[first:])
         tangents.append(tangent[first:])
     along = np.concatenate(tangents)
     return np.concatenate(points), np.stack([-along[:, 1], along[:, 0]], axis=1)
@@ -123,34 +123,34 @@ def strip_body(geometry: SerpentineGeometry, material: Material, across: int = F
     )
 
 
-class Ends(NamedTuple):
+class StripEnds(NamedTuple):
     """A strip's ends: nodes held at the pad, nodes at the connector, and the share of a pull on each of these."""
 
     held: IntArray
     pulled: IntArray
-    shares: FloatArray
+    weights: FloatArray
 
     @classmethod
-    def of(cls, body: PlaneBody, geometry: SerpentineGeometry) -> Ends:
+    def of(cls, body: PlaneBody, geometry: SerpentineGeometry) -> StripEnds:
         """Find the ends of a body made by strip_body."""
         near = 1e-6 * geometry.thickness_m
         held = body.nodes_near(y_m=geometry.fittings.pad_height_m, within_m=near)
         pulled = body.nodes_near(y_m=geometry.connector_m, within_m=near)
         pulled = pulled[np.argsort(body.nodes_m[pulled, 0])]
         # Even traction on sides of quadratic elements: Simpson's 1, 4, 1, shared where elements meet.
-        shares = np.full(pulled.size, 2.0)
-        shares[1::2], shares[[0, -1]] = 4.0, 1.0
-        return cls(held, pulled, shares / shares.sum())
+        weights = np.full(pulled.size, 2.0)
+        weights[1::2], weights[[0, -1]] = 4.0, 1.0
+        return cls(held, pulled, weights / weights.sum())
 
     def travel_m(self, displacement_m: FloatArray) -> float:
         """Return how far the connector has gone along the wire [m]."""
-        return float(self.shares @ displacement_m[self.pulled, 1])
+        return float(self.weights @ displacement_m[self.pulled, 1])
 
-    def pulling(self, body: PlaneBody, force_n: float) -> Load:
+    def pulling(self, body: PlaneBody, force_n: float) -> BodyLoad:
         """Return the load of a pull along the wire."""
         forces = np.zeros_like(body.nodes_m)
-        forces[self.pulled, 1] = force_n * self.shares
-        return Load(Load.held(self.held), forces)
+        forces[self.pulled, 1] = force_n * self.weights
+        return BodyLoad(BodyLoad.held(self.held), forces)
 
 
 def linear_answer(
@@ -158,10 +158,10 @@ def linear_answer(
 ) -> LinearAnswer:
     """Return stiffness and stress for small displacements; ``guided`` lets the end neither turn nor move aside."""
     body = strip_body(geometry, material, across)
-    ends = Ends.of(body, geometry)
+    ends = StripEnds.of(body, geometry)
     if guided:
-        told = Load.held(ends.held) | Load.moved(ends.pulled, {0: 0.0, 1: 1e-6})
-        found = solve_linear(body, Load(told))
+        prescribed_m = BodyLoad.held(ends.held) | BodyLoad.moved(ends.pulled, {0: 0.0, 1: 1e-6})
+        found = solve_linear(body, BodyLoad(prescribed_m))
         force, travel = float(found.reaction_n(ends.pulled)[1]), 1e-6
     else:
         force = 1.0
@@ -171,25 +171,27 @@ def linear_answer(
 
 
 def force_curve(
-    geometry: SerpentineGeometry, material: Material, least_travel_m: float, across: int = FINEST
+    geometry: SerpentineGeometry, material: Material, min_travel_m: float, across: int = FINEST
 ) -> ForceCurve:
-    """Return force and stress over travel with large displacements, to the safe travel and ``least_travel_m``.
+    """Return force and stress over travel with large displacements, to the safe travel and ``min_travel_m``.
 
     Raises NumericsError where no balance is found.
     """
     allowed = material.allowable_stress_pa.value
     linear = linear_answer(geometry, material, across)
     body = strip_body(geometry, material, across)
-    ends = Ends.of(body, geometry)
-    unit_n = max(allowed / linear.stress_pa_per_n, least_travel_m * linear.stiffness_n_per_m)
+    ends = StripEnds.of(body, geometry)
+    unit_n = max(allowed / linear.stress_pa_per_n, min_travel_m * linear.stiffness_n_per_m)
     rows = [(0.0, 0.0, 0.0)]
 
-    def far_enough(state: Equilibrium) -> bool:
-        rows.append((ends.travel_m(state.displacement_m), state.share * unit_n, float(state.von_mises_pa.max())))
-        return rows[-1][0] >= least_travel_m and rows[-1][2] >= allowed
+    def far_enough(state: BodyEquilibrium) -> bool:
+        rows.append(
+            (ends.travel_m(state.displacement_m), state.load_fraction * unit_n, float(state.von_mises_pa.max()))
+        )
+        return rows[-1][0] >= min_travel_m and rows[-1][2] >= allowed
 
-    shares = np.arange(1, round(FURTHEST * CURVE_STEPS) + 1) / CURVE_STEPS
-    states = list(load_path(body, ends.pulling(body, unit_n), shares, far_enough))
+    load_fractions = np.arange(1, round(FURTHEST * CURVE_STEPS) + 1) / CURVE_STEPS
+    states = list(load_path(body, ends.pulling(body, unit_n), load_fractions, far_enough))
     travel, force, stress = np.array(rows).T
     safe = float(np.interp(allowed, np.maximum.accumulate(stress), travel))
     if (np.diff(stress) > 0.0).all() and stress[-1] >= allowed:
@@ -197,7 +199,9 @@ def force_curve(
     return ForceCurve(travel, force, stress, safe, states[-1])
 
 
-def pulled_strip(geometry: SerpentineGeometry, material: Material, force_n: float, across: int = FINEST) -> Equilibrium:
+def pulled_strip(
+    geometry: SerpentineGeometry, material: Material, force_n: float, across: int = FINEST
+) -> BodyEquilibrium:
     """Return the balance under a pull [N] along the wire. Raises NumericsError where there is none."""
     body = strip_body(geometry, material, across)
-    return solve_large(body, Ends.of(body, geometry).pulling(body, force_n), steps=2)
+    return solve_large(body, StripEnds.of(body, geometry).pulling(body, force_n), steps=2)

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.experiment.doctor.evidence import Evidence, Line, noise_v
-from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
+from musclewire.experiment.doctor.evidence import Evidence, LinearFit, noise_v
+from musclewire.experiment.doctor.findings import Findings, RigCheck, SkippedCheck
 from musclewire.experiment.doctor.probing import Level
 
 __all__ = ["finite_check", "hum_check", "moving_checks", "offset_checks", "quiet_checks", "range_check"]
@@ -33,13 +33,13 @@ HUM_RATE_HZ = 150.0
 BEYOND = 1.5
 
 
-def finite_check(levels: tuple[Level, ...]) -> Check:
+def finite_check(levels: tuple[Level, ...]) -> RigCheck:
     """Check that every reading is a number."""
     lost = sum(
         int(np.count_nonzero(~np.isfinite(level.wire_voltage_v) | ~np.isfinite(level.shunt_voltage_v)))
         for level in levels
     )
-    return Check(
+    return RigCheck(
         "readings_are_numbers",
         lost == 0,
         float(lost),
@@ -57,18 +57,18 @@ def offset_checks(evidence: Evidence) -> Findings:
     return Findings(tuple(offset_check(name, zero_v, reading_v, evidence) for name, zero_v, reading_v in pairs))
 
 
-def offset_check(name: str, zero_v: FloatArray, at_sense_v: float, evidence: Evidence) -> Check:
+def offset_check(name: str, zero_v: FloatArray, at_sense_v: float, evidence: Evidence) -> RigCheck:
     """Check one channel at 0 V against what it reads at the sense voltage."""
     offset = float(zero_v.mean())
     # A channel that does not follow the drive has nothing to be compared with but the sense voltage itself.
     reading = at_sense_v if evidence.carries else evidence.sense_voltage_v
     error = SIGMAS * float(zero_v.std()) / math.sqrt(len(zero_v))
-    share = abs(offset) / reading
+    fraction = abs(offset) / reading
     ok = abs(offset) <= OFFSET_FRACTION * reading + error
-    advice = f"{100 * share:.2g} % of the reading at the sense voltage"
+    advice = f"{100 * fraction:.2g} % of the reading at the sense voltage"
     if not ok:
         advice += ": write it into the rig file (--write), or a shunt with more ohm and a smaller input range"
-    return Check(name, ok, offset, "V", advice)
+    return RigCheck(name, ok, offset, "V", advice)
 
 
 def quiet_checks(evidence: Evidence, at_sense: Level | None, sample_period_s: float) -> Findings:
@@ -77,7 +77,7 @@ def quiet_checks(evidence: Evidence, at_sense: Level | None, sample_period_s: fl
     wire_v, shunt_v = noise_v(zero.wire_voltage_v), noise_v(zero.shunt_voltage_v)
     if not evidence.carries:
         names = ("wire_noise_v", "shunt_noise_v", "resistance_noise_strain", "resolution_bits")
-        return Findings((), tuple(Unchecked(name, "no current follows the drive") for name in names))
+        return Findings((), tuple(SkippedCheck(name, "no current follows the drive") for name in names))
     calmer = math.sqrt(min(1.0, sample_period_s / JUDGED_S))
     checks = [
         noise_check("wire_noise_v", wire_v, evidence.wire_at_sense_v, calmer),
@@ -85,40 +85,40 @@ def quiet_checks(evidence: Evidence, at_sense: Level | None, sample_period_s: fl
         bits_check(evidence, wire_v, shunt_v),
     ]
     if at_sense is None:
-        return Findings(tuple(checks), (Unchecked("resistance_noise_strain", "the sense voltage was not put out"),))
+        return Findings(tuple(checks), (SkippedCheck("resistance_noise_strain", "the sense voltage was not put out"),))
     return Findings((*checks, strain_noise_check(at_sense, evidence, calmer)))
 
 
-def noise_check(name: str, rms_v: float, at_sense_v: float, calmer: float) -> Check:
+def noise_check(name: str, rms_v: float, at_sense_v: float, calmer: float) -> RigCheck:
     """Check the noise of one channel against its reading at the sense voltage; ``calmer`` is what averaging leaves."""
-    share = rms_v * calmer / at_sense_v
-    ok = share <= NOISE_FRACTION
+    fraction = rms_v * calmer / at_sense_v
+    ok = fraction <= NOISE_FRACTION
     advice = (
-        f"rms of a sample; {100 * share:.2g} % of the reading at the sense voltage in a mean over 50 ms or a sample"
+        f"rms of a sample; {100 * fraction:.2g} % of the reading at the sense voltage in a mean over 50 ms or a sample"
     )
     if not ok:
         advice += ": twist the pair, shield it, average more readings, a smaller input range, or a larger shunt"
-    return Check(name, ok, rms_v, "V", advice)
+    return RigCheck(name, ok, rms_v, "V", advice)
 
 
-def bits_check(evidence: Evidence, wire_noise_v: float, shunt_noise_v: float) -> Check:
+def bits_check(evidence: Evidence, wire_noise_v: float, shunt_noise_v: float) -> RigCheck:
     """Check how many steps the sense voltage has on the poorer channel: converter's steps and noise alike."""
     pairs = (
         (evidence.wire_at_sense_v, wire_noise_v, evidence.levels, "wire_voltage_v"),
         (evidence.shunt_at_sense_v, shunt_noise_v, evidence.levels, "shunt_voltage_v"),
     )
     bits = min(
-        math.log2(max(reading_v / max(rms_v * math.sqrt(12.0), smallest_step_v(levels, name)), 1.0))
+        math.log2(max(reading_v / max(rms_v * math.sqrt(12.0), min_step_v(levels, name)), 1.0))
         for reading_v, rms_v, levels, name in pairs
     )
     ok = bits >= MIN_BITS
     advice = "effective bits of the poorer channel at the sense voltage, from its noise and its smallest step"
     if not ok:
         advice += ": use a smaller input range, an amplifier, a larger shunt, or more readings in a sample"
-    return Check("resolution_bits", ok, bits, "bit", advice)
+    return RigCheck("resolution_bits", ok, bits, "bit", advice)
 
 
-def smallest_step_v(levels: tuple[Level, ...], name: str) -> float:
+def min_step_v(levels: tuple[Level, ...], name: str) -> float:
     """Return the smallest difference between two readings of a channel that are not the same."""
     steps = np.diff(np.unique(np.concatenate([getattr(level, name) for level in levels])))
     # Sums of many readings differ in their last bit, which is no step of a converter.
@@ -126,7 +126,7 @@ def smallest_step_v(levels: tuple[Level, ...], name: str) -> float:
     return float(steps.min()) if steps.size else 0.0
 
 
-def strain_noise_check(at_sense: Level, evidence: Evidence, calmer: float) -> Check:
+def strain_noise_check(at_sense: Level, evidence: Evidence, calmer: float) -> RigCheck:
     """Check how much strain the noise of the resistance looks like at the sense voltage."""
     resistance = (at_sense.wire_voltage_v - evidence.wire.offset_v) / (
         at_sense.shunt_voltage_v - evidence.shunt.offset_v
@@ -140,7 +140,7 @@ def strain_noise_check(at_sense: Level, evidence: Evidence, calmer: float) -> Ch
     )
     if not ok:
         advice += ". Too much: see the noise of the channels, or a higher sense voltage"
-    return Check("resistance_noise_strain", ok, strain, "1", advice)
+    return RigCheck("resistance_noise_strain", ok, strain, "1", advice)
 
 
 def moving_checks(evidence: Evidence) -> Findings:
@@ -150,7 +150,7 @@ def moving_checks(evidence: Evidence) -> Findings:
         values = np.concatenate([getattr(level, f"{name}_voltage_v") for level in evidence.levels])
         alive = bool(np.any(values != values[0]))
         checks.append(
-            Check(
+            RigCheck(
                 f"{name}_channel_alive",
                 alive,
                 float(len(np.unique(values))),
@@ -164,16 +164,16 @@ def moving_checks(evidence: Evidence) -> Findings:
     return Findings(tuple(checks))
 
 
-def polarity_check(name: str, line: Line) -> Check:
+def polarity_check(name: str, line: LinearFit) -> RigCheck:
     """Check that a channel does not fall when the drive rises."""
     reversed_pair = line.moves and line.slope < 0.0
     advice = "rises with the drive" if line.moves else "does not follow the drive; see the current"
     if reversed_pair:
         advice = f"falls when the drive rises: exchange the two leads of the {name}'s pair"
-    return Check(f"{name}_polarity", not reversed_pair, line.slope, "V/V", advice)
+    return RigCheck(f"{name}_polarity", not reversed_pair, line.slope, "V/V", advice)
 
 
-def range_check(evidence: Evidence) -> Check:
+def range_check(evidence: Evidence) -> RigCheck:
     """Check that no channel reads more than is out."""
     worst = 0.0
     for level in evidence.levels:
@@ -181,7 +181,7 @@ def range_check(evidence: Evidence) -> Check:
         for readings in (level.wire_voltage_v, level.shunt_voltage_v):
             worst = max(worst, abs(float(np.median(readings))) / room)
     ok = worst <= 1.0
-    return Check(
+    return RigCheck(
         "readings_in_range",
         ok,
         worst,
@@ -200,19 +200,19 @@ def hum_check(evidence: Evidence, sample_period_s: float) -> Findings:
             f"{1.0 / sample_period_s:g} samples a second cannot show 50 Hz; averaging over whole mains periods "
             "(20 ms or 16.7 ms) takes it out"
         )
-        return Findings((), (Unchecked("mains_hum_v", reason),))
+        return Findings((), (SkippedCheck("mains_hum_v", reason),))
     if not evidence.carries:
-        return Findings((), (Unchecked("mains_hum_v", "no current follows the drive"),))
+        return Findings((), (SkippedCheck("mains_hum_v", "no current follows the drive"),))
     readings = evidence.zero.shunt_voltage_v - evidence.zero.shunt_voltage_v.mean()
     times = evidence.zero.time_s
     found = {hertz: tone_rms_v(times, readings, hertz) for hertz in HUMS_HZ}
     hertz = max(found, key=lambda one: found[one])
-    share = found[hertz] / evidence.shunt_at_sense_v
-    ok = share <= NOISE_FRACTION
-    advice = f"at {hertz:g} Hz, {100 * share:.2g} % of the shunt's reading at the sense voltage"
+    fraction = found[hertz] / evidence.shunt_at_sense_v
+    ok = fraction <= NOISE_FRACTION
+    advice = f"at {hertz:g} Hz, {100 * fraction:.2g} % of the shunt's reading at the sense voltage"
     if not ok:
         advice += ": twist and shield the pairs, one ground point, or average over whole mains periods"
-    return Findings((Check("mains_hum_v", ok, found[hertz], "V", advice),))
+    return Findings((RigCheck("mains_hum_v", ok, found[hertz], "V", advice),))
 
 
 def tone_rms_v(time_s: FloatArray, readings_v: FloatArray, hertz: float) -> float:

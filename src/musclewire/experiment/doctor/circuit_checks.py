@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from musclewire.experiment.doctor.evidence import Evidence
-from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
+from musclewire.experiment.doctor.findings import Findings, RigCheck, SkippedCheck
 
 __all__ = ["ExpectedWire", "circuit_findings"]
 
@@ -40,13 +40,13 @@ def circuit_findings(evidence: Evidence, expected: ExpectedWire) -> Findings:
     swapped = swapped_findings(evidence, expected)
     if not evidence.carries:
         names = ("wire_resistance_ohm", "resistance_in_window", "shunt_share", "outside_resistance_ohm")
-        rest = tuple(Unchecked(name, "no current follows the drive") for name in names)
+        rest = tuple(SkippedCheck(name, "no current follows the drive") for name in names)
         return Findings(tuple(made)) + swapped + Findings((), rest)
-    made += [shunt_share_check(evidence), outside_check(evidence)]
+    made += [shunt_fraction_check(evidence), outside_check(evidence)]
     return Findings(tuple(made)) + swapped + resistance_findings(evidence, expected)
 
 
-def output_at_zero_check(evidence: Evidence) -> Check:
+def output_at_zero_check(evidence: Evidence) -> RigCheck:
     """Check that 0 V is 0 V: an output that stays on heats whatever software says."""
     level = evidence.zero
     volts = float((level.wire_voltage_v + level.shunt_voltage_v).mean())
@@ -57,10 +57,10 @@ def output_at_zero_check(evidence: Evidence) -> Check:
             "wire and shunt carry this at 0 V. CUT THE POWER before anything else: the output is stuck, the transistor "
             "has failed, or the channels have a large offset"
         )
-    return Check("output_at_zero_v", ok, volts, "V", advice)
+    return RigCheck("output_at_zero_v", ok, volts, "V", advice)
 
 
-def output_gain_check(evidence: Evidence) -> Check:
+def output_gain_check(evidence: Evidence) -> RigCheck:
     """Check that what arrives at wire and shunt grows as the command does."""
     gain = abs(evidence.wire.slope) + abs(evidence.shunt.slope)
     ok = abs(gain - 1.0) <= GAIN_FRACTION
@@ -73,10 +73,10 @@ def output_gain_check(evidence: Evidence) -> Check:
         )
     elif gain > 1.0 + GAIN_FRACTION:
         advice += ": too many; the amplifier's gain or a channel's range is not as the rig file says"
-    return Check("output_gain", ok, gain, "V/V", advice)
+    return RigCheck("output_gain", ok, gain, "V/V", advice)
 
 
-def current_check(evidence: Evidence) -> Check:
+def current_check(evidence: Evidence) -> RigCheck:
     """Check that enough current flows at the sense voltage for a resistance to be had."""
     current = abs(evidence.sense_current_a) if evidence.shunt.moves else 0.0
     ok = current >= MIN_SENSE_CURRENT_A
@@ -90,18 +90,18 @@ def current_check(evidence: Evidence) -> Check:
         )
     elif not ok:
         advice = "neither channel follows the drive: see the output's gain"
-    return Check("sense_current_a", ok, current, "A", advice)
+    return RigCheck("sense_current_a", ok, current, "A", advice)
 
 
 def swapped_findings(evidence: Evidence, expected: ExpectedWire) -> Findings:
     """Check that wire and shunt have not changed places, where their resistances differ enough to tell."""
     if not evidence.carries or expected.resistance_ohm is None:
         why = expected.why_unknown if evidence.carries else "no current follows the drive"
-        return Findings((), (Unchecked("channels_in_place", why),))
+        return Findings((), (SkippedCheck("channels_in_place", why),))
     measured, shunt, right = abs(evidence.resistance_ohm), evidence.shunt_resistance_ohm, expected.resistance_ohm
     if abs(math.log(right / shunt)) < math.log(1.5):
         reason = f"wire ({right:.3g} ohm) and shunt ({shunt:.3g} ohm) are too alike to tell them apart"
-        return Findings((), (Unchecked("channels_in_place", reason),))
+        return Findings((), (SkippedCheck("channels_in_place", reason),))
     # In each other's place they would give shunt^2 / wire.
     as_is, other_way = abs(math.log(measured / right)), abs(math.log(shunt * shunt / right / measured))
     ok = as_is <= other_way
@@ -110,35 +110,35 @@ def swapped_findings(evidence: Evidence, expected: ExpectedWire) -> Findings:
         if ok
         else ("the channels have changed places: swap their cables, or the channels in the rig file")
     )
-    return Findings((Check("channels_in_place", ok, measured, "ohm", advice),))
+    return Findings((RigCheck("channels_in_place", ok, measured, "ohm", advice),))
 
 
 def resistance_findings(evidence: Evidence, expected: ExpectedWire) -> Findings:
     """Check the wire's resistance against the maker's per metre, and against the protection's window."""
     measured = evidence.resistance_ohm
-    made: list[Check] = []
-    missing: list[Unchecked] = []
+    made: list[RigCheck] = []
+    missing: list[SkippedCheck] = []
     if expected.resistance_ohm is None:
-        missing.append(Unchecked("wire_resistance_ohm", expected.why_unknown))
+        missing.append(SkippedCheck("wire_resistance_ohm", expected.why_unknown))
     else:
         made.append(resistance_check(measured, expected.resistance_ohm, evidence))
     if expected.low_ohm is None or expected.high_ohm is None:
-        missing.append(Unchecked("resistance_in_window", "this rig tells no limits of its protection"))
+        missing.append(SkippedCheck("resistance_in_window", "this rig tells no limits of its protection"))
     else:
         ok = expected.low_ohm <= measured <= expected.high_ohm
         advice = f"the protection allows {expected.low_ohm:.3g} to {expected.high_ohm:.3g} ohm"
-        made.append(Check("resistance_in_window", ok, measured, "ohm", advice))
+        made.append(RigCheck("resistance_in_window", ok, measured, "ohm", advice))
     return Findings(tuple(made), tuple(missing))
 
 
-def resistance_check(measured_ohm: float, right_ohm: float, evidence: Evidence) -> Check:
+def resistance_check(measured_ohm: float, right_ohm: float, evidence: Evidence) -> RigCheck:
     """Check the wire's resistance against that of a cold wire of its length, and guess what is wrong."""
     ratio = measured_ohm / right_ohm
     ok = abs(ratio - 1.0) <= RESISTANCE_FRACTION
     advice = f"the wire file's ohm per metre times the length is {right_ohm:.4g} ohm"
     if not ok:
         advice += "; " + likely_cause(ratio, evidence)
-    return Check("wire_resistance_ohm", ok, measured_ohm, "ohm", advice)
+    return RigCheck("wire_resistance_ohm", ok, measured_ohm, "ohm", advice)
 
 
 def likely_cause(ratio: float, evidence: Evidence) -> str:
@@ -161,19 +161,19 @@ def likely_cause(ratio: float, evidence: Evidence) -> str:
     return "too large: a longer or thinner wire, a strand half broken, a bad clamp, or a shunt of less ohm than said"
 
 
-def shunt_share_check(evidence: Evidence) -> Check:
+def shunt_fraction_check(evidence: Evidence) -> RigCheck:
     """Check that the shunt takes enough to be read and not so much that it wastes the drive."""
-    share = abs(evidence.shunt.slope / evidence.wire.slope)
-    ok = MIN_SHUNT_FRACTION <= share <= MAX_SHUNT_FRACTION
+    fraction = abs(evidence.shunt.slope / evidence.wire.slope)
+    ok = MIN_SHUNT_FRACTION <= fraction <= MAX_SHUNT_FRACTION
     advice = "the shunt's voltage over the wire's"
-    if share > MAX_SHUNT_FRACTION:
+    if fraction > MAX_SHUNT_FRACTION:
         advice += ": the shunt takes much of the drive and warms up; a smaller one (musclewire simulate says which)"
     elif not ok:
         advice += ": hard to read; a larger shunt (musclewire simulate says which)"
-    return Check("shunt_share", ok, share, "1", advice)
+    return RigCheck("shunt_share", ok, fraction, "1", advice)
 
 
-def outside_check(evidence: Evidence) -> Check:
+def outside_check(evidence: Evidence) -> RigCheck:
     """Check what lies between the output and the measured voltages: leads, clamps, switch, amplifier."""
     lost = 1.0 - abs(evidence.wire.slope) - abs(evidence.shunt.slope)
     outside = evidence.shunt_resistance_ohm * lost / abs(evidence.shunt.slope)
@@ -181,4 +181,4 @@ def outside_check(evidence: Evidence) -> Check:
     advice = "leads, clamps and amplifier outside the measured voltages, if the output is as commanded"
     if not ok:
         advice += ": too much; shorter or thicker leads, clean clamps, or the output's gain is not as the rig file says"
-    return Check("outside_resistance_ohm", ok, outside, "ohm", advice)
+    return RigCheck("outside_resistance_ohm", ok, outside, "ohm", advice)

@@ -11,14 +11,14 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.experiment.doctor.probing import Level
 
-__all__ = ["Evidence", "Line", "evidence_of", "noise_v"]
+__all__ = ["Evidence", "LinearFit", "evidence_of", "noise_v"]
 
 # Fewer volts than this per volt of drive are nothing, whatever the statistics say.
 MIN_SLOPE = 1e-5
 SIGMAS = 6.0
 
 
-class Line(NamedTuple):
+class LinearFit(NamedTuple):
     """A channel over the commanded voltage: volts at no drive, volts per volt, and the standard error of that."""
 
     offset_v: float
@@ -35,9 +35,9 @@ class Evidence(NamedTuple):
     """All that the levels say: ``wire``, ``shunt`` and both together (``circuit``) over the drive, in volts."""
 
     levels: tuple[Level, ...]
-    wire: Line
-    shunt: Line
-    circuit: Line
+    wire: LinearFit
+    shunt: LinearFit
+    circuit: LinearFit
     sense_voltage_v: float
     shunt_resistance_ohm: float
 
@@ -87,14 +87,14 @@ def evidence_of(levels: Sequence[Level], sense_voltage_v: float, shunt_resistanc
     )
 
 
-def line(drive_v: FloatArray, reading_v: FloatArray) -> Line:
+def line(drive_v: FloatArray, reading_v: FloatArray) -> LinearFit:
     """Return the least-squares line through readings."""
     away = drive_v - drive_v.mean()
     spread = float(away @ away)
     slope = float(away @ reading_v) / spread
     offset = float(reading_v.mean()) - slope * float(drive_v.mean())
     rest = reading_v - offset - slope * drive_v
-    return Line(offset, slope, math.sqrt(float(rest @ rest) / (len(rest) - 2) / spread))
+    return LinearFit(offset, slope, math.sqrt(float(rest @ rest) / (len(rest) - 2) / spread))
 
 
 def noise_v(readings_v: FloatArray) -> float:

@@ -19,7 +19,7 @@ from musclewire.experiment.doctor.channel_checks import (
 )
 from musclewire.experiment.doctor.circuit_checks import ExpectedWire, circuit_findings
 from musclewire.experiment.doctor.evidence import Evidence, evidence_of
-from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
+from musclewire.experiment.doctor.findings import Findings, RigCheck, SkippedCheck
 from musclewire.experiment.doctor.probing import LOW_FRACTIONS, Level, OnProbe, Probe
 from musclewire.experiment.doctor.sense_checks import clock_findings, protection_findings, warmth_findings
 from musclewire.parameters.library import load_wire
@@ -117,9 +117,9 @@ def examine(
 def trip_findings(trouble: RigError | None) -> Findings:
     """Return whether the rig kept going: a trip of its protection names the cause better than any check here."""
     if trouble is None:
-        return Findings((Check("rig_kept_going", True, "yes", "", "the protection had nothing to switch off"),))
+        return Findings((RigCheck("rig_kept_going", True, "yes", "", "the protection had nothing to switch off"),))
     cause = trouble.event.name.lower() if isinstance(trouble, ProtectionTripError) else "rig fault"
-    return Findings((Check("rig_kept_going", False, cause, "", str(trouble)),))
+    return Findings((RigCheck("rig_kept_going", False, cause, "", str(trouble)),))
 
 
 def probed(
@@ -182,7 +182,7 @@ def identity_findings(subject: Subject) -> Findings:
         f"sense {rig.sense_voltage_v:g} V of at most {rig.maximum_voltage_v:g} V, shunt "
         f"{rig.shunt_resistance_ohm:g} ohm, a sample every {rig.sample_period_s:g} s"
     )
-    return Findings((Check("identity", ok, said, "", advice),))
+    return Findings((RigCheck("identity", ok, said, "", advice),))
 
 
 def look_low(probe: Probe, rig: Rig) -> tuple[Level, ...]:
@@ -193,8 +193,8 @@ def look_low(probe: Probe, rig: Rig) -> tuple[Level, ...]:
     out_v = abs(float((zero.wire_voltage_v + zero.shunt_voltage_v).mean()))
     if out_v > rig.sense_voltage_v:
         return tuple(probe.levels)  # an output that does not obey is not asked for more
-    for share in LOW_FRACTIONS:
-        if probe.hold(share * rig.sense_voltage_v, LOW_S) is None:
+    for fraction in LOW_FRACTIONS:
+        if probe.hold(fraction * rig.sense_voltage_v, LOW_S) is None:
             break
     return tuple(probe.levels)
 
@@ -202,11 +202,11 @@ def look_low(probe: Probe, rig: Rig) -> tuple[Level, ...]:
 def low_findings(levels: tuple[Level, ...], subject: Subject) -> tuple[Evidence | None, Findings]:
     """Return what the low levels tell, as lines and as checks; no lines where there are too few numbers."""
     if not levels:
-        return None, Findings((), (Unchecked("wiring", "the rig gave no sample at all"),))
+        return None, Findings((), (SkippedCheck("wiring", "the rig gave no sample at all"),))
     finite = finite_check(levels)
     if not finite.ok or len(levels) < 2 or min(len(level.time_s) for level in levels) < 3:
         stuck = stuck_findings(levels, subject) if finite.ok else Findings(())
-        return None, Findings((finite,), (Unchecked("wiring", "too few sound samples"),)) + stuck
+        return None, Findings((finite,), (SkippedCheck("wiring", "too few sound samples"),)) + stuck
     rig = subject.rig
     evidence = evidence_of(levels, rig.sense_voltage_v, rig.shunt_resistance_ohm)
     findings = Findings((finite, range_check(evidence)))
@@ -224,7 +224,7 @@ def stuck_findings(levels: tuple[Level, ...], subject: Subject) -> Findings:
         "wire and shunt carry this at 0 V. CUT THE POWER before anything else: the output is stuck, the transistor has "
         "failed, or a channel is saturated or not connected"
     )
-    return Findings((Check("output_at_zero_v", False, volts, "V", advice),))
+    return Findings((RigCheck("output_at_zero_v", False, volts, "V", advice),))
 
 
 def sense_findings(evidence: Evidence, at_sense: Level | None, subject: Subject) -> Findings:

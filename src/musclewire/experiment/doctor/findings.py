@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["Check", "Findings", "Unchecked"]
+__all__ = ["RigCheck", "Findings", "SkippedCheck"]
 
 
-class Check(NamedTuple):
+class RigCheck(NamedTuple):
     """One check: what was measured, whether it will do, and what to do if not, else what it means."""
 
     name: str
@@ -17,7 +17,7 @@ class Check(NamedTuple):
     advice: str
 
 
-class Unchecked(NamedTuple):
+class SkippedCheck(NamedTuple):
     """A check that this rig, or what was found before, leaves no way to make, and why."""
 
     name: str
@@ -27,8 +27,8 @@ class Unchecked(NamedTuple):
 class Findings(NamedTuple):
     """Checks that were made and checks that could not be."""
 
-    checks: tuple[Check, ...]
-    unchecked: tuple[Unchecked, ...] = ()
+    checks: tuple[RigCheck, ...]
+    unchecked: tuple[SkippedCheck, ...] = ()
 
     def __add__(self, other: object) -> Findings:
         """Return both lists, one after the other."""

@@ -7,7 +7,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.experiment.doctor.evidence import Evidence
-from musclewire.experiment.doctor.findings import Check, Findings, Unchecked
+from musclewire.experiment.doctor.findings import Findings, RigCheck, SkippedCheck
 from musclewire.experiment.doctor.probing import Level
 from musclewire.identify.electrical_sizing import steady_temperature_k
 from musclewire.parameters.parameter_groups import Wire
@@ -29,20 +29,22 @@ def warmth_findings(
     """Return what the sense voltage does to the wire: drift that is measured, and a temperature that is computed."""
     if at_sense is None:
         why = "the sense voltage was not put out"
-        return Findings((), (Unchecked("sense_drift", why), Unchecked("sense_warming_k", why)))
+        return Findings((), (SkippedCheck("sense_drift", why), SkippedCheck("sense_warming_k", why)))
     drift = drift_check(evidence, at_sense)
     if wire is None or length_m is None:
-        return Findings((drift,), (Unchecked("sense_warming_k", "the rig names no wire that is known, or no length"),))
+        return Findings(
+            (drift,), (SkippedCheck("sense_warming_k", "the rig names no wire that is known, or no length"),)
+        )
     power_w = float(np.mean(at_sense.wire_voltage_v * at_sense.shunt_voltage_v)) / evidence.shunt_resistance_ohm
     rise = steady_temperature_k(max(power_w, 0.0) / length_m, wire, ambient_k) - ambient_k
     ok = rise <= MAX_RISE_K
     advice = f"by {1e3 * power_w:.2g} mW in still air, computed from the wire file, not measured"
     if not ok:
         advice += ": the sense voltage heats; lower it"
-    return Findings((drift, Check("sense_warming_k", ok, rise, "K", advice)))
+    return Findings((drift, RigCheck("sense_warming_k", ok, rise, "K", advice)))
 
 
-def drift_check(evidence: Evidence, at_sense: Level) -> Check:
+def drift_check(evidence: Evidence, at_sense: Level) -> RigCheck:
     """Check that the resistance rests while the sense voltage is held: first third against last."""
     resistance = (
         evidence.shunt_resistance_ohm
@@ -59,7 +61,7 @@ def drift_check(evidence: Evidence, at_sense: Level) -> Check:
         advice += (
             ": the wire is still cooling from before, a contact moves, or the sense voltage heats: wait, then again"
         )
-    return Check("sense_drift", ok, drift, "1", advice)
+    return RigCheck("sense_drift", ok, drift, "1", advice)
 
 
 def clock_findings(levels: tuple[Level, ...], sample_period_s: float, paced: bool) -> Findings:
@@ -71,14 +73,14 @@ def clock_findings(levels: tuple[Level, ...], sample_period_s: float, paced: boo
     advice = f"usual step of the sample clock; {sample_period_s:g} s is what the rig says"
     if off > 0.0:
         advice += f"; {100 * off:.2g} % of the steps are others: samples lost or late, take load off the machine"
-    period = Check("sample_period_s", ok, usual, "s", advice)
+    period = RigCheck("sample_period_s", ok, usual, "s", advice)
     if not paced:
         reason = "this rig does not run by a real clock"
-        return Findings((period,), tuple(Unchecked(name, reason) for name in ("clock_rate", "arrival_jitter_s")))
+        return Findings((period,), tuple(SkippedCheck(name, reason) for name in ("clock_rate", "arrival_jitter_s")))
     return Findings((period, *host_checks(levels[-1], sample_period_s)))
 
 
-def host_checks(level: Level, sample_period_s: float) -> tuple[Check, Check]:
+def host_checks(level: Level, sample_period_s: float) -> tuple[RigCheck, RigCheck]:
     """Check the rig's clock beside the host's, and how evenly samples arrive."""
     span = level.time_s[-1] - level.time_s[0]
     rate = float((level.host_s[-1] - level.host_s[0]) / span)
@@ -90,15 +92,15 @@ def host_checks(level: Level, sample_period_s: float) -> tuple[Check, Check]:
     off_pace = "" if right else ": the samples do not keep the pace that the rig file says"
     uneven = "" if even else ": take load off the machine, or a longer sample period"
     return (
-        Check("clock_rate", right, rate, "s/s", f"the host's seconds for each second of the rig{off_pace}"),
-        Check("arrival_jitter_s", even, jitter, "s", f"99 of 100 samples arrive this evenly{uneven}"),
+        RigCheck("clock_rate", right, rate, "s/s", f"the host's seconds for each second of the rig{off_pace}"),
+        RigCheck("arrival_jitter_s", even, jitter, "s", f"99 of 100 samples arrive this evenly{uneven}"),
     )
 
 
 def protection_findings(limits: ProtectionLimits | None) -> Findings:
     """Return whether the protection is armed, and with what."""
     if limits is None:
-        return Findings((), (Unchecked("protection", "this rig does not tell the limits of its protection"),))
+        return Findings((), (SkippedCheck("protection", "this rig does not tell the limits of its protection"),))
     said = (
         f"armed: {limits.maximum_current_a:.3g} A, {limits.maximum_power_w:.3g} W, "
         f"{limits.resistance_low_ohm:.3g} to {limits.resistance_high_ohm:.3g} ohm, "
@@ -108,4 +110,4 @@ def protection_findings(limits: ProtectionLimits | None) -> Findings:
         "these tell faults, not what the wire may carry: set the supply's own current limit by musclewire simulate "
         "(one and a half times the one-second current, or at most the one for long where nobody watches)"
     )
-    return Findings((Check("protection", True, said, "", advice),))
+    return Findings((RigCheck("protection", True, said, "", advice),))

@@ -11,8 +11,8 @@ from musclewire.controllers.fuzzy import infer_surface
 from musclewire.controllers.kernels import gain_from_ratio
 from musclewire.controllers.rules import DEFAULT_RULE_BASE, load_rule_base
 from musclewire.experiment.metrics import determined
-from musclewire.experiment.reproduce.checks import Check, Compare
 from musclewire.experiment.reproduce.measures import plain_gap_pct
+from musclewire.experiment.reproduce.paper_checks import Compare, PaperCheck
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.parameters.library import read_published
 
@@ -23,7 +23,7 @@ UNITS = {"proportional_gain": "1", "integral_gain": "1/s", "derivative_gain": "s
 REACH_FRACTION = 0.05
 
 
-def checks() -> list[Check]:
+def checks() -> list[PaperCheck]:
     """Return the checks of Eqs. 1 to 7; where nothing else is said ours is a deviation, and 0 would be exact."""
     return [
         deviation("eq1.resistance_rms_error_ohm", "ohm", 0.01, resistance_error_ohm,
@@ -32,9 +32,9 @@ def checks() -> list[Check]:
         deviation("eq2.gap_difference_pct", "%", 0.1, gap_difference_pct,
             "the gap by NumPy alone, samples sorted by resistance, against ours; 0.1 points: ours smooths first, and "
             "the noise that stays in the plain way widens its gap a little"),
-        Check("eq3.normalised_resistance[R_min]", 0.0, "1", 1e-9, "exact but for rounding", "equation",
+        PaperCheck("eq3.normalised_resistance[R_min]", 0.0, "1", 1e-9, "exact but for rounding", "equation",
             partial(normalised_at, end="resistance_min_ohm")),
-        Check("eq3.normalised_resistance[R_max]", 1.0, "1", 1e-9, "exact but for rounding", "equation",
+        PaperCheck("eq3.normalised_resistance[R_max]", 1.0, "1", 1e-9, "exact but for rounding", "equation",
             partial(normalised_at, end="resistance_max_ohm")),
         *polyfit_checks(),
         deviation("eq5.average_difference_pct", "% strain", 1e-6, average_difference_pct,
@@ -48,7 +48,7 @@ def checks() -> list[Check]:
     ]  # fmt: skip
 
 
-def polyfit_checks() -> list[Check]:
+def polyfit_checks() -> list[PaperCheck]:
     """Return the check of Eq. 4 for both branches."""
     return [
         deviation(f"eq4.polyfit_rms_difference_pct[{branch}]", "% strain", 0.02,
@@ -59,9 +59,9 @@ def polyfit_checks() -> list[Check]:
     ]  # fmt: skip
 
 
-def deviation(name: str, unit: str, tolerance: float, measure: Callable[[Runs], float], why: str) -> Check:
+def deviation(name: str, unit: str, tolerance: float, measure: Callable[[Runs], float], why: str) -> PaperCheck:
     """Return a check that a deviation is at most ``tolerance``."""
-    return Check(name, 0.0, unit, tolerance, why, "equation", measure, "at most")
+    return PaperCheck(name, 0.0, unit, tolerance, why, "equation", measure, "at most")
 
 
 def resistance_error_ohm(runs: Runs) -> float:
@@ -114,7 +114,7 @@ def inverse_difference_pct(runs: Runs) -> float:
     return float(100.0 * np.abs(np.asarray(model.strain(np.asarray(model.resistance_ohm(desired)))) - desired).max())
 
 
-def gain_checks() -> list[Check]:
+def gain_checks() -> list[PaperCheck]:
     """Return whether each gain kept to its printed range over the staircase, and whether it can reach both ends."""
     printed = read_published("lan_fan_2010")["controller"]
     sides: tuple[tuple[str, int, Compare], ...] = (("least", 0, "at least"), ("largest", 1, "at most"))
@@ -124,12 +124,12 @@ def gain_checks() -> list[Check]:
         "logarithmic output sets of Zhao et al. end at 0.02 and 0.98, not at 0 and 1"
     )
     return [
-        Check(f"eq6.{gain}[{end}]", printed[gain][place], UNITS[gain], 0.0, inside, "printed",
+        PaperCheck(f"eq6.{gain}[{end}]", printed[gain][place], UNITS[gain], 0.0, inside, "printed",
             partial(gain_end, gain=gain, end=end), side)
         for gain in RATIO_OF
         for end, place, side in sides
     ] + [
-        Check(f"eq6.{gain}_reach[{end}]", printed[gain][place], UNITS[gain],
+        PaperCheck(f"eq6.{gain}_reach[{end}]", printed[gain][place], UNITS[gain],
             REACH_FRACTION * (printed[gain][1] - printed[gain][0]), reach, "printed",
             partial(gain_reach, gain=gain, end=end, low=printed[gain][0], high=printed[gain][1]))
         for gain in RATIO_OF

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from musclewire.experiment.reproduce.checks import Check
+from musclewire.experiment.reproduce.paper_checks import PaperCheck
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.identify.isobaric_loops import half_transformation_slope_pa_per_k
 from musclewire.parameters.library import read_published
@@ -19,23 +19,23 @@ HALF_WHY = (
 )
 
 
-def checks() -> list[Check]:
+def checks() -> list[PaperCheck]:
     """Return strokes, half-transformation temperatures and slopes beside the measured ones."""
     published = read_published("flexinol_isobars")
     strokes = [
-        Check(f"isobars.stroke_pct[{stress:.0f}MPa]", published["stroke_pct"][index], "% strain",
+        PaperCheck(f"isobars.stroke_pct[{stress:.0f}MPa]", published["stroke_pct"][index], "% strain",
             STROKE_TOLERANCE_PCT, "0.3 %: a fifteenth of the stroke; set before the alloy was fitted",
             "literature", partial(stroke_pct, stress_mpa=stress))
         for index, stress in enumerate(published["stress_mpa"])
     ]  # fmt: skip
     halves = [
-        Check(f"isobars.half_{branch}_degc[{stress:.0f}MPa]", published[f"{branch}_degc"][index][1], "C",
+        PaperCheck(f"isobars.half_{branch}_degc[{stress:.0f}MPa]", published[f"{branch}_degc"][index][1], "C",
             HALF_TOLERANCE_K, HALF_WHY, "literature", partial(half_degc, branch=branch, stress_mpa=stress))
         for branch in ("heating", "cooling")
         for index, stress in enumerate(published["stress_mpa"])
     ]  # fmt: skip
     return strokes + halves + [
-        Check(f"isobars.{branch}_slope_mpa_per_k", published[f"{branch}_slope_mpa_per_k"], "MPa/K",
+        PaperCheck(f"isobars.{branch}_slope_mpa_per_k", published[f"{branch}_slope_mpa_per_k"], "MPa/K",
             SLOPE_TOLERANCE_MPA_PER_K, "straight line through the half-transformation temperatures; published slopes "
             "of NiTi wire lie between 5 and 12 MPa/K", "literature", partial(slope_mpa_per_k, branch=branch))
         for branch in ("heating", "cooling")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from musclewire.experiment.reproduce import equations, isobars, section2, section3, section4, table1
-from musclewire.experiment.reproduce.checks import Check, Row, judged, selected
+from musclewire.experiment.reproduce.paper_checks import PaperCheck, ReproductionRow, judged, selected
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.experiment.run import OnSample
 from musclewire.parameters.known_failures import known_failures
@@ -19,28 +19,28 @@ __all__ = ["Reproduction", "all_checks", "reproduce"]
 class Reproduction:
     """The rows that were asked for, and the runs behind them."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[ReproductionRow, ...]
     runs: Runs
     seed: int
     wall_s: float
 
     @property
-    def failing(self) -> list[Row]:
+    def failing(self) -> list[ReproductionRow]:
         """Rows that do not keep to their tolerance."""
         return [row for row in self.rows if not row.ok]
 
     @property
-    def new_failures(self) -> list[Row]:
+    def new_failures(self) -> list[ReproductionRow]:
         """Failing rows that the committed list does not have."""
         return [row for row in self.failing if not row.known_failure]
 
     @property
-    def repaired(self) -> list[Row]:
+    def repaired(self) -> list[ReproductionRow]:
         """Rows of the committed list that hold."""
         return [row for row in self.rows if row.ok and row.known_failure]
 
 
-def all_checks() -> list[Check]:
+def all_checks() -> list[PaperCheck]:
     """Return every check in the order of the paper, the isobars last."""
     modules = (table1, equations, section2, section3, section4, isobars)
     return [check for module in modules for check in module.checks()]

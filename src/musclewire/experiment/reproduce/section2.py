@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from musclewire.experiment.reproduce.checks import Check
 from musclewire.experiment.reproduce.loops import Loop
 from musclewire.experiment.reproduce.measures import (
     drive_gap_pct,
@@ -17,6 +16,7 @@ from musclewire.experiment.reproduce.measures import (
     lowest_place,
     outside_loop_pct,
 )
+from musclewire.experiment.reproduce.paper_checks import PaperCheck
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.experiment.reproduce.table1 import WIRES, diameter_label
 from musclewire.parameters.library import load_wire, read_published
@@ -42,7 +42,7 @@ MUCH_SMALLER = 5.0
 ORDERED = '"two smaller hysteresis loops": the stroke of the smaller amplitude over that of the larger, below 1'
 
 
-def checks() -> list[Check]:
+def checks() -> list[PaperCheck]:
     """Return the checks of Figs. 3 to 8."""
     paper = read_published("lan_fan_2010")
     return [
@@ -61,7 +61,7 @@ def loop_of_amplitude(runs: Runs, volts: float) -> Loop:
     return runs.loop(MAIN_WIRE, pretension, amplitude_v=float(volts))
 
 
-def minor_loop_checks(setup: dict[str, Any]) -> list[Check]:
+def minor_loop_checks(setup: dict[str, Any]) -> list[PaperCheck]:
     """Return whether smaller amplitudes give smaller loops inside the larger ones (Fig. 3a)."""
     amplitudes = setup["amplitude_v"]
     inside = (
@@ -69,19 +69,19 @@ def minor_loop_checks(setup: dict[str, Any]) -> list[Check]:
         "strains may be off, and a few times what the noise of the displacement sensor leaves"
     )
     found = [
-        Check(f"fig3a.amplitude_v[{volts:.2f}V]", volts, "V", 0.0, "taken over from the paper", "input",
+        PaperCheck(f"fig3a.amplitude_v[{volts:.2f}V]", volts, "V", 0.0, "taken over from the paper", "input",
             partial(amplitude_of, volts=volts))
         for volts in amplitudes
     ]  # fmt: skip
     pairs = [(amplitudes[1], amplitudes[0]), (amplitudes[2], amplitudes[0]), (amplitudes[2], amplitudes[1])]
     found += [
-        Check(f"fig3a.stroke_ratio[{small:.2f}V,{large:.2f}V]", 1.0, "1", 0.0, ORDERED, "words",
+        PaperCheck(f"fig3a.stroke_ratio[{small:.2f}V,{large:.2f}V]", 1.0, "1", 0.0, ORDERED, "words",
             partial(stroke_ratio, small=small, large=large), "at most")
         for small, large in pairs
     ]  # fmt: skip
     return found + [
-        Check(f"fig3a.outside_pct[{small:.2f}V,{large:.2f}V]", 0.0, "% strain", OUTSIDE_TOLERANCE_PCT, inside, "words",
-            partial(outside_pct, small=small, large=large), "at most")
+        PaperCheck(f"fig3a.outside_pct[{small:.2f}V,{large:.2f}V]", 0.0, "% strain", OUTSIDE_TOLERANCE_PCT, inside,
+            "words", partial(outside_pct, small=small, large=large), "at most")
         for small, large in pairs
     ]  # fmt: skip
 
@@ -101,15 +101,15 @@ def outside_pct(runs: Runs, *, small: float, large: float) -> float:
     return outside_loop_pct(loop_of_amplitude(runs, small), loop_of_amplitude(runs, large))
 
 
-def segment_checks(setup: dict[str, Any]) -> list[Check]:
+def segment_checks(setup: dict[str, Any]) -> list[PaperCheck]:
     """Return the shares of segments A-B and B-C, and how much closer resistance brings the branches (Fig. 3b)."""
     from_b = setup["segment_bc_pct"]
     why = 'heating branch; "roughly 85 %" is read as within 4 points'
     return [
-        Check("fig3b.segment_ab_pct", 100 - from_b, "% of strain", 4.0, why, "printed", segment_ab_pct),
-        Check("fig3b.segment_bc_pct", from_b, "% of strain", 4.0, why + "; the same number from the other side",
+        PaperCheck("fig3b.segment_ab_pct", 100 - from_b, "% of strain", 4.0, why, "printed", segment_ab_pct),
+        PaperCheck("fig3b.segment_bc_pct", from_b, "% of strain", 4.0, why + "; the same number from the other side",
             "printed", lambda runs: 100.0 - segment_ab_pct(runs)),
-        Check("fig3b.gap_ratio", MUCH_SMALLER, "1", 0.0,
+        PaperCheck("fig3b.gap_ratio", MUCH_SMALLER, "1", 0.0,
             'gap at equal voltage over gap at equal resistance (Eq. 2 for both); "much smaller" is read as at least '
             "five times",
             "words", gap_ratio, "at least"),
@@ -133,18 +133,18 @@ def sweep_settings_n() -> list[float]:
     return [round(float(force), 2) for force in np.linspace(low, high, SWEEP_POINTS)]
 
 
-def strain_gap_checks(printed: dict[str, Any]) -> list[Check]:
+def strain_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     """Return the printed strain gaps of the 125 um wire, and that the gap falls between them (Fig. 4)."""
     pairs = zip(printed["pretension_n"], printed["strain_gap_pct"], strict=True)
     found = [
-        Check(f"fig4.strain_gap_pct[125um,{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
+        PaperCheck(f"fig4.strain_gap_pct[125um,{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
             "half a point, six per cent of the larger one; set before the wire was fitted",
             "printed", partial(strain_gap_pct, wire=SWEEP_WIRE, force=force))
         for force, gap in pairs
     ]  # fmt: skip
     steps = SWEEP_POINTS - 1
     found.append(
-        Check("fig4.falling_steps[125um]", steps, "1", 0.0,
+        PaperCheck("fig4.falling_steps[125um]", steps, "1", 0.0,
             f"steps of a sweep from the first printed pretension to the second, {SWEEP_POINTS} settings, at which the "
             "gap falls: all of them, or it does not fall monotonically",
             "words", falling_count)
@@ -167,18 +167,18 @@ def falling_count(runs: Runs) -> float:
     return falling_steps([strain_gap_pct(runs, wire=SWEEP_WIRE, force=force) for force in sweep_settings_n()])
 
 
-def force_gap_checks(printed: dict[str, Any]) -> list[Check]:
+def force_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     """Return where the force gap of the 125 um wire is smallest, how small, and that it grows again (Fig. 5)."""
     force, gap = printed["pretension_n"], printed["force_gap_pct"]
     return [
-        Check("fig5.smallest_force_gap_at_n[125um]", force, "N", 0.4,
+        PaperCheck("fig5.smallest_force_gap_at_n[125um]", force, "N", 0.4,
             "vertex of the parabola through the three lowest of the sweep, whose settings are 0.25 N apart; 0.4 N: the "
             "paper's own settings are some 1.5 N apart where it prints them",
             "printed", smallest_force_gap_at_n),
-        Check(f"fig5.force_gap_pct[125um,{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
+        PaperCheck(f"fig5.force_gap_pct[125um,{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
             "half a point, as for the strain gaps of this wire", "printed",
             partial(force_gap_pct, wire=SWEEP_WIRE, force=force)),
-        Check("fig5.force_gap_rise_pct[125um]", 0.0, "%", 0.0,
+        PaperCheck("fig5.force_gap_rise_pct[125um]", 0.0, "%", 0.0,
             '"gradually moves closer to the cooling path and then moves away": force gap at the largest pretension '
             "less the smallest of the sweep, above 0",
             "words", force_gap_rise_pct, "at least"),
@@ -207,11 +207,11 @@ def loops_at_ratio(runs: Runs, wire: str) -> list[Loop]:
     return [runs.loop(wire, round(ratio * largest, 3)) for ratio in FORCE_RATIOS]
 
 
-def diameter_checks() -> list[Check]:
+def diameter_checks() -> list[PaperCheck]:
     """Return the order of the three wires, and that strain gaps get below force gaps (Fig. 6)."""
     labels = " < ".join(diameter_label(wire) for wire in WIRES)
     found = [
-        Check("fig6a.ratios_in_order", len(FORCE_RATIOS), "1", 0.0,
+        PaperCheck("fig6a.ratios_in_order", len(FORCE_RATIOS), "1", 0.0,
             f"force ratios of {FORCE_RATIOS} at which the strain gaps are in the order {labels}: all of them",
             "words", ratios_in_order)
     ]  # fmt: skip
@@ -220,7 +220,7 @@ def diameter_checks() -> list[Check]:
         "the smallest strain gap, above 0"
     )
     return found + [
-        Check(f"fig6b.force_gap_less_strain_gap_pct[{diameter_label(wire)}]", 0.0, "%", 0.0, why, "words",
+        PaperCheck(f"fig6b.force_gap_less_strain_gap_pct[{diameter_label(wire)}]", 0.0, "%", 0.0, why, "words",
             partial(force_less_strain_pct, wire=wire), "at least")
         for wire in WIRES
     ]  # fmt: skip
@@ -245,7 +245,7 @@ def loop_of_stiffness(runs: Runs, factor: float) -> Loop:
     return runs.loop(MAIN_WIRE, paper["stiffness_100um"]["pretension_n"], stiffness_n_per_m=stiffness)
 
 
-def stiffness_checks() -> list[Check]:
+def stiffness_checks() -> list[PaperCheck]:
     """Return how near strain curves of three stiffnesses are, and how force curves differ (Figs. 7, 8)."""
     near = (
         'largest distance of two strain curves, B to C, heating or cooling, where they overlap; "minimal" is read as '
@@ -258,12 +258,12 @@ def stiffness_checks() -> list[Check]:
     )
     pairs = [(0.5, 1.0), (1.0, 2.0), (0.5, 2.0)]
     found = [
-        Check(f"fig7.strain_distance_pct[{soft:g}x,{stiff:g}x]", 0.0, "% of S_max", 5.0, near, "words",
+        PaperCheck(f"fig7.strain_distance_pct[{soft:g}x,{stiff:g}x]", 0.0, "% of S_max", 5.0, near, "words",
             partial(strain_distance_pct, soft=soft, stiff=stiff), "at most")
         for soft, stiff in pairs
     ]  # fmt: skip
     return found + [
-        Check(f"fig8.force_ratio[{soft:g}x,{stiff:g}x]", stiff / soft, "1", 0.1 * (stiff / soft), apart, "words",
+        PaperCheck(f"fig8.force_ratio[{soft:g}x,{stiff:g}x]", stiff / soft, "1", 0.1 * (stiff / soft), apart, "words",
             partial(stiffness_force_ratio, soft=soft, stiff=stiff))
         for soft, stiff in pairs
     ]  # fmt: skip

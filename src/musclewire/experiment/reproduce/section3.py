@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from musclewire.experiment.metrics import determined, elapsed
-from musclewire.experiment.reproduce.checks import Check
 from musclewire.experiment.reproduce.measures import outside_band
+from musclewire.experiment.reproduce.paper_checks import PaperCheck
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.library import read_published
@@ -26,7 +26,7 @@ STEP_TOLERANCE_PCT, MAX_STEP_TOLERANCE_PCT = 1.0, 0.9
 SAME = "taken over from the paper: the number the run was made with"
 
 
-def checks() -> list[Check]:
+def checks() -> list[PaperCheck]:
     """Return the checks of Fig. 9, Table 2, Figs. 11 and 12."""
     paper = read_published("lan_fan_2010")
     return [
@@ -37,7 +37,7 @@ def checks() -> list[Check]:
     ]
 
 
-def loop_checks(printed: dict[str, Any]) -> list[Check]:
+def loop_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     """Return R_min, R_max, the gap and the quality of the polynomials (Fig. 9)."""
     ends = "0.02 ohm: a hundredth of the printed span from R_min to R_max"
     residual = (
@@ -45,17 +45,17 @@ def loop_checks(printed: dict[str, Any]) -> list[Check]:
         'rms, so that "sufficient accuracy" is not what limits them'
     )
     return [
-        Check("fig9.resistance_min_ohm", printed["resistance_min_ohm"], "ohm", RESISTANCE_TOLERANCE_OHM, ends,
+        PaperCheck("fig9.resistance_min_ohm", printed["resistance_min_ohm"], "ohm", RESISTANCE_TOLERANCE_OHM, ends,
             "printed", lambda runs: runs.model.resistance_min_ohm),
-        Check("fig9.resistance_max_ohm", printed["resistance_max_ohm"], "ohm", RESISTANCE_TOLERANCE_OHM, ends,
+        PaperCheck("fig9.resistance_max_ohm", printed["resistance_max_ohm"], "ohm", RESISTANCE_TOLERANCE_OHM, ends,
             "printed", lambda runs: runs.model.resistance_max_ohm),
-        Check("fig9.strain_gap_pct[100um,1.90N]", printed["strain_gap_pct"], "%", 0.25,
+        PaperCheck("fig9.strain_gap_pct[100um,1.90N]", printed["strain_gap_pct"], "%", 0.25,
             "a quarter of a point: a fifth of the printed gap", "printed",
             lambda runs: runs.main_loop().strain_gap_pct),
-        Check("fig9.polynomial_order", printed["polynomial_order"], "1", 0.0, SAME, "input",
+        PaperCheck("fig9.polynomial_order", printed["polynomial_order"], "1", 0.0, SAME, "input",
             lambda runs: float(runs.model.order)),
         *(
-            Check(f"fig9.fit_rms_pct[{branch}]", 0.0, "% strain", STRAIN_RMS_PCT, residual, "words",
+            PaperCheck(f"fig9.fit_rms_pct[{branch}]", 0.0, "% strain", STRAIN_RMS_PCT, residual, "words",
                 partial(fit_rms_pct, branch=branch), "at most")
             for branch in ("heating", "cooling")
         ),
@@ -67,34 +67,34 @@ def fit_rms_pct(runs: Runs, *, branch: str) -> float:
     return float(100.0 * getattr(runs.model, f"rmse_{branch}"))
 
 
-def strain_checks(table: dict[str, Any]) -> list[Check]:
+def strain_checks(table: dict[str, Any]) -> list[PaperCheck]:
     """Return the strains of Table 2 at the paper's resistances, and the resistances that ours requires."""
     desired, printed_ohm = table["desired_strain_pct"], table["required_resistance_ohm"]
     found = [
-        Check(f"table2.desired_strain_pct[{target:.1f}]", target, "% strain", 0.0, SAME, "input",
+        PaperCheck(f"table2.desired_strain_pct[{target:.1f}]", target, "% strain", 0.0, SAME, "input",
             partial(staircase_level_pct, index=index))
         for index, target in enumerate(desired)
     ]  # fmt: skip
     found += [
-        Check(f"table2.required_resistance_ohm[{target:.1f}]", ohm, "ohm", REQUIRED_TOLERANCE_OHM,
+        PaperCheck(f"table2.required_resistance_ohm[{target:.1f}]", ohm, "ohm", REQUIRED_TOLERANCE_OHM,
             "our own g_a inverted; 0.04 ohm is 0.05 % strain on the slope of the printed table",
             "printed", partial(required_ohm, target_pct=target))
         for target, ohm in zip(desired, printed_ohm, strict=True)
     ]  # fmt: skip
     found += branch_checks(table)
     found.append(
-        Check("table2.strain_rms_pct", 0.0, "% strain", STRAIN_RMS_PCT,
+        PaperCheck("table2.strain_rms_pct", 0.0, "% strain", STRAIN_RMS_PCT,
             "rms of the twelve differences; 0.02 %: single ones may be off by more, all together may not",
             "words", strain_rms_pct, "at most")
     )  # fmt: skip
     return found
 
 
-def branch_checks(table: dict[str, Any]) -> list[Check]:
+def branch_checks(table: dict[str, Any]) -> list[PaperCheck]:
     """Return both branches' strains at the paper's resistances."""
     desired, printed_ohm = table["desired_strain_pct"], table["required_resistance_ohm"]
     return [
-        Check(f"table2.strain_{branch}_pct[{target:.1f}]", strain, "% strain", STRAIN_TOLERANCE_PCT,
+        PaperCheck(f"table2.strain_{branch}_pct[{target:.1f}]", strain, "% strain", STRAIN_TOLERANCE_PCT,
             "our polynomial at the paper's printed resistance; 0.05 %: a sixth of a step; set before the wire "
             "was fitted",
             "printed", partial(strain_at_pct, branch=branch, ohm=ohm))
@@ -129,13 +129,13 @@ def strain_rms_pct(runs: Runs) -> float:
     return float(np.sqrt(np.mean(np.square(differences))))
 
 
-def error_checks(table: dict[str, Any], text: dict[str, Any]) -> list[Check]:
+def error_checks(table: dict[str, Any], text: dict[str, Any]) -> list[PaperCheck]:
     """Return the MAE of every step, the largest, and the largest of the others (Table 2, Eq. 7)."""
     found = []
     for direction in ("rise", "return"):
         for target, error in zip(table["desired_strain_pct"], table[f"mae_{direction}_pct"], strict=False):
             found.append(
-                Check(f"table2.mae_{direction}_pct[{target:.1f}]", error, "% of target", STEP_TOLERANCE_PCT,
+                PaperCheck(f"table2.mae_{direction}_pct[{target:.1f}]", error, "% of target", STEP_TOLERANCE_PCT,
                     "one-sided, a smaller error is no failure; 1 point: the paper's own steps scatter by more than "
                     "that (0.2 to 2.6 %), and it prints neither its rule base nor the unit of its gains",
                     "printed", partial(step_mae_pct, target_pct=target, direction=direction), "at most")
@@ -144,10 +144,10 @@ def error_checks(table: dict[str, Any], text: dict[str, Any]) -> list[Check]:
     below = text["other_mae_below_pct"]
     return [
         *found,
-        Check("table2.mae_largest_pct", max(printed), "% of target", MAX_STEP_TOLERANCE_PCT,
+        PaperCheck("table2.mae_largest_pct", max(printed), "% of target", MAX_STEP_TOLERANCE_PCT,
             "one-sided; 0.9 points: the closed loop was built to stay below 3.5 %, whatever the wire",
             "printed", lambda runs: determined(runs.control_run.metrics.mae_max_pct, "the largest error"), "at most"),
-        Check("table2.mae_largest_other_pct", below, "% of target", 0.0,
+        PaperCheck("table2.mae_largest_other_pct", below, "% of target", 0.0,
             f'"for other desired strains, the MAE is less than {below} %": the largest but that of 1.5 % (return); the '
             "paper's own table prints 2.000 there",
             "words", largest_other_mae_pct, "at most"),
@@ -169,21 +169,21 @@ def largest_other_mae_pct(runs: Runs) -> float:
     return max(determined(step.mae_pct, "a step's error") for step in runs.control_run.metrics.steps[:-1])
 
 
-def staircase_checks(paper: dict[str, Any]) -> list[Check]:
+def staircase_checks(paper: dict[str, Any]) -> list[PaperCheck]:
     """Return what Figs. 11 and 12 say: sizes of the steps, estimate against sensor, the trace within its loop."""
     text, largest = paper["staircase"], max(paper["table2"]["mae_return_pct"])
     lowest = min(paper["table2"]["desired_strain_pct"])
     near = round(largest / 100.0 * lowest, 3)
     return [
-        Check("fig11.step_pct", text["step_pct"], "% strain", 0.0, SAME, "input", step_size_pct),
-        Check("fig11.step_s", text["step_s"], "s", 0.0, SAME, "input", lambda runs: runs.staircase.hold_s),
-        Check("fig11.estimate_rms_pct", 0.0, "% strain", near,
+        PaperCheck("fig11.step_pct", text["step_pct"], "% strain", 0.0, SAME, "input", step_size_pct),
+        PaperCheck("fig11.step_s", text["step_s"], "s", 0.0, SAME, "input", lambda runs: runs.staircase.hold_s),
+        PaperCheck("fig11.estimate_rms_pct", 0.0, "% strain", near,
             f'rms of resistance-converted less actual strain after the approach; "very close" is read as {near} % '
             f"strain, the largest printed MAE ({largest} % of {lowest} %)",
             "words", estimate_rms_pct, "at most"),
-        Check("fig12.sample_period_s", paper["controller"]["sample_period_s"], "s", 0.0, SAME, "input",
+        PaperCheck("fig12.sample_period_s", paper["controller"]["sample_period_s"], "s", 0.0, SAME, "input",
             lambda runs: float(np.median(np.diff(runs.control_run["time_s"])))),
-        Check("fig12.outside_band_pct", 0.0, "% strain", TRACE_TOLERANCE_PCT,
+        PaperCheck("fig12.outside_band_pct", 0.0, "% strain", TRACE_TOLERANCE_PCT,
             "largest distance of a sample of the staircase, noise included, from the band between the loop's branches; "
             '5 % of the largest strain, as "minimal" is read in Fig. 7',
             "words", outside_band_pct, "at most"),

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from musclewire.experiment.metrics import determined, elapsed
-from musclewire.experiment.reproduce.checks import Check
+from musclewire.experiment.reproduce.designed_parts import designed_pretensioner, schemes_of_fig13
 from musclewire.experiment.reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n, staircase_of_fig18
 from musclewire.experiment.reproduce.measures import falling_steps, lowest_place
+from musclewire.experiment.reproduce.paper_checks import PaperCheck
 from musclewire.experiment.reproduce.runs import Runs
-from musclewire.experiment.reproduce.sized import designed_pretensioner, schemes_of_fig13
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.library import read_published
 from musclewire.rigs.configuration import simulated_configuration
@@ -34,7 +34,7 @@ ONE_SIDED = (
 )
 
 
-def checks() -> list[Check]:
+def checks() -> list[PaperCheck]:
     """Return the checks of Figs. 13 to 18, Eqs. 8 and 9, and Table 3."""
     paper = read_published("lan_fan_2010")
     return [
@@ -59,44 +59,44 @@ def geometry_mm(_runs: Runs, *, name: str) -> float:
     return float(1e3 * shipped_finger().geometry[name].value)
 
 
-def finger_checks(printed: dict[str, Any]) -> list[Check]:
+def finger_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     """Return what is printed of the finger, and the comparison of Fig. 13(a)."""
     return [
-        Check("fig13a.range_ratio", 1.0, "1", 0.0,
+        PaperCheck("fig13a.range_ratio", 1.0, "1", 0.0,
             '"distributed actuation provides larger range to length ratio": tendon through all columns over one chord '
             "to the last column, both to the same stress in the beam or to the end of their range",
             "words", lambda _: schemes_of_fig13().ratio, "at least"),
         *(
-            Check(f"fig13b.{name}", printed[name], "mm", 0.0, SAME, "input",
+            PaperCheck(f"fig13b.{name}", printed[name], "mm", 0.0, SAME, "input",
                 partial(geometry_mm, name=name.replace("_mm", "_m")))
             for name in ("overall_length_mm", "plate_length_mm")
         ),
-        Check("fig13b.columns", printed["columns"], "1", 0.0, SAME, "input",
+        PaperCheck("fig13b.columns", printed["columns"], "1", 0.0, SAME, "input",
             lambda _: float(shipped_finger().geometry["columns"].value)),
-        Check("fig14.finger_stiffness_n_per_m", printed["stiffness_n_per_m"], "N/m",
+        PaperCheck("fig14.finger_stiffness_n_per_m", printed["stiffness_n_per_m"], "N/m",
             STIFFNESS_FRACTION * printed["stiffness_n_per_m"],
             "slope of the finger's statics where the tendon begins to pull; 1 %: a designed number", "printed",
             lambda _: shipped_finger().curve.stiffness_n_per_m),
     ]  # fmt: skip
 
 
-def pretensioner_checks(printed: dict[str, Any]) -> list[Check]:
+def pretensioner_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     """Return a pretensioner designed for the printed stiffness in the printed envelope."""
     sides = ("across", "along", "out of plane")
     found = [
-        Check("fig14.pretensioner_stiffness_n_per_m", printed["stiffness_n_per_m"], "N/m",
+        PaperCheck("fig14.pretensioner_stiffness_n_per_m", printed["stiffness_n_per_m"], "N/m",
             STIFFNESS_FRACTION * printed["stiffness_n_per_m"],
             "plane-stress finite elements of the serpentine that the design finds for it; 1 %", "printed",
             lambda _: designed_pretensioner().stiffness_n_per_m),
         *(
-            Check(f"fig14.envelope_mm[{side}]", size, "mm", 0.0, "the design keeps within the printed size", "printed",
-                partial(designed_size_mm, index=index), "at most")
+            PaperCheck(f"fig14.envelope_mm[{side}]", size, "mm", 0.0, "the design keeps within the printed size",
+                "printed", partial(designed_size_mm, index=index), "at most")
             for index, (side, size) in enumerate(zip(sides, printed["envelope_mm"], strict=True))
         ),
     ]  # fmt: skip
     return [
         *found,
-        Check("fig14.softer_than_finger", 1.0, "1", 0.0,
+        PaperCheck("fig14.softer_than_finger", 1.0, "1", 0.0,
             '"it has to be smaller than the finger stiffness": k_p over k_f, as designed', "words",
             lambda _: designed_pretensioner().stiffness_n_per_m / shipped_finger().curve.stiffness_n_per_m, "at most"),
     ]  # fmt: skip
@@ -107,29 +107,29 @@ def designed_size_mm(_runs: Runs, *, index: int) -> float:
     return 1e3 * designed_pretensioner().size_m[index]
 
 
-def deflection_checks() -> list[Check]:
+def deflection_checks() -> list[PaperCheck]:
     """Return what the pretensioner is for: no deflection of the finger before anything is heated (Fig. 14)."""
     return [
-        Check("fig14.initial_deflection_mm[pretensioner]", 0.0, "mm", NONE_MM,
+        PaperCheck("fig14.initial_deflection_mm[pretensioner]", 0.0, "mm", NONE_MM,
             '"the pretension force can be adjusted without initially deflecting the finger": 0.01 mm, three times the '
             "laser's noise", "words", partial(deflection_mm, kept=True), "at most"),
-        Check("fig14.initial_deflection_mm[none]", OBVIOUS_MM, "mm", 0.0,
+        PaperCheck("fig14.initial_deflection_mm[none]", OBVIOUS_MM, "mm", 0.0,
             '"an obvious initial deflection" where the SMA pulls the tendon directly: read as 1 mm of the 6', "words",
             partial(deflection_mm, kept=False), "at least"),
     ]  # fmt: skip
 
 
-def stage_checks(printed: dict[str, Any]) -> list[Check]:
+def stage_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     """Return the forces at the connector (Eq. 8), the wire's length and the zero of Linear Stage 2 (Fig. 15)."""
     return [
-        Check("eq8.force_rms_error_n", 0.0, "N", EQUATION_8_N,
+        PaperCheck("eq8.force_rms_error_n", 0.0, "N", EQUATION_8_N,
             "rms of the load cell, mean of heating and cooling at equal x, less F_p, k_p x and the tendon's force; "
             "friction along the tendon, which Eq. 8 leaves out, cancels in that mean; 0.02 N, 1 % of the contraction "
             "force",
             "equation", eq8_error_n, "at most"),
-        Check("fig15.wire_length_cm", printed["wire_length_cm"], "cm", 0.0, SAME, "input",
+        PaperCheck("fig15.wire_length_cm", printed["wire_length_cm"], "cm", 0.0, SAME, "input",
             lambda runs: 100.0 * runs.finger.loop(pretension_n()).recording.facts.wire_length_m),
-        Check("fig15.tendon_zero_um", 0.0, "um", ZERO_UM,
+        PaperCheck("fig15.tendon_zero_um", 0.0, "um", ZERO_UM,
             "how far the zero of the tendon is found from the true one, by the load cell, from a stage 40 um off; "
             "5 um: less than the noise of the load cell over the finger's stiffness would be in a single reading",
             "words", lambda runs: 1e6 * abs(runs.finger.tendon_zero.slack_m), "at most"),
@@ -162,26 +162,26 @@ def gaps_over_pretension(runs: Runs, wire: str, quantity: str = "displacement") 
     return [float(getattr(runs.finger.loop(force, wire), f"{quantity}_gap_pct")) for force in SWEEP_N]
 
 
-def falling_check(wire: str, whose: str) -> Check:
+def falling_check(wire: str, whose: str) -> PaperCheck:
     """Return whether the displacement gap falls from the slack end to the chosen pretension (Fig. 16)."""
     before = SWEEP_N.index(pretension_n())
-    return Check(f"fig16.falling_steps[{wire}]", before, "1", 0.0,
+    return PaperCheck(f"fig16.falling_steps[{wire}]", before, "1", 0.0,
         '"heating and cooling paths are closer with increasing pretension force": steps from the slack end to '
         f"{pretension_n()} N at which the displacement gap falls; {whose}",
         "words", partial(falling_count, wire=wire))  # fmt: skip
 
 
-def gap_checks(printed: dict[str, Any], wire: str, whose: str) -> list[Check]:
+def gap_checks(printed: dict[str, Any], wire: str, whose: str) -> list[PaperCheck]:
     """Return the displacement gap over pretension (Fig. 17, Eq. 9) for one spool."""
     force, gap = printed["pretension_n"], printed["displacement_gap_pct"]
     return [
-        Check(f"fig17.smallest_gap_at_n[{wire}]", force, "N", PLACE_TOLERANCE_N,
+        PaperCheck(f"fig17.smallest_gap_at_n[{wire}]", force, "N", PLACE_TOLERANCE_N,
             f"vertex of the parabola through the lowest three of the sweep; {whose}", "printed",
             partial(smallest_gap_at_n, wire=wire)),
-        Check(f"fig17.displacement_gap_pct[{wire},{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
+        PaperCheck(f"fig17.displacement_gap_pct[{wire},{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
             f"Eq. 9 at the chosen pretension; 0.7 points, a third of it; {whose}", "printed",
             partial(gap_at_choice_pct, wire=wire)),
-        Check(f"fig17.grows_again_pct[{wire}]", 0.0, "%", 0.0,
+        PaperCheck(f"fig17.grows_again_pct[{wire}]", 0.0, "%", 0.0,
             '"if the pretension force is too large, the paths move away from each other": gap at the largest setting '
             f"less that at {force} N, above 0; {whose}",
             "words", partial(grows_again_pct, wire=wire), "at least"),
@@ -209,43 +209,44 @@ def grows_again_pct(runs: Runs, *, wire: str) -> float:
     return gaps_over_pretension(runs, wire)[-1] - gap_at_choice_pct(runs, wire=wire)
 
 
-def staircase_checks(table: dict[str, Any]) -> list[Check]:
+def staircase_checks(table: dict[str, Any]) -> list[PaperCheck]:
     """Return the MAE of every step of the finger's staircase, the largest and the mean (Table 3, Fig. 18)."""
     printed = [*table["mae_rise_pct"], *table["mae_return_pct"]]
     return [
         *level_checks(table),
         *step_checks(table),
-        Check("table3.mae_largest_pct", max(printed), "% of target", MAX_MAE_PCT - max(printed), ONE_SIDED,
+        PaperCheck("table3.mae_largest_pct", max(printed), "% of target", MAX_MAE_PCT - max(printed), ONE_SIDED,
             "printed", largest_mae_pct, "at most"),
-        Check("table3.mae_mean_pct", round(float(np.mean(printed)), 3), "% of target",
+        PaperCheck("table3.mae_mean_pct", round(float(np.mean(printed)), 3), "% of target",
             MEAN_MAE_PCT - round(float(np.mean(printed)), 3), "one-sided; the mean of the paper's fifteen, rounded",
             "printed", mean_mae_pct, "at most"),
-        Check("fig18.step_mm", table["step_mm"], "mm", 0.0, SAME, "input", step_size_mm),
-        Check("fig18.step_s", table["step_s"], "s", 0.0, SAME, "input",
+        PaperCheck("fig18.step_mm", table["step_mm"], "mm", 0.0, SAME, "input", step_size_mm),
+        PaperCheck("fig18.step_s", table["step_s"], "s", 0.0, SAME, "input",
             lambda _: staircase_of_fig18().hold_s),
-        Check("fig18.reach_mm", max(table["desired_displacement_mm"]), "mm", 0.0,
+        PaperCheck("fig18.reach_mm", max(table["desired_displacement_mm"]), "mm", 0.0,
             "largest endpoint displacement of the slow sine: the finger must get there", "words",
             lambda runs: 1e3 * float(runs.finger.loop(pretension_n()).recording["endpoint_displacement_m"].max()),
             "at least"),
-        Check("fig18.estimate_rms_mm", 0.0, "mm", round(max(printed) / 100.0 * table["desired_displacement_mm"][0], 3),
+        PaperCheck("fig18.estimate_rms_mm", 0.0, "mm",
+            round(max(printed) / 100.0 * table["desired_displacement_mm"][0], 3),
             "rms of resistance-converted less laser after the approach; the largest printed MAE in mm", "words",
             estimate_rms_mm, "at most"),
     ]  # fmt: skip
 
 
-def level_checks(table: dict[str, Any]) -> list[Check]:
+def level_checks(table: dict[str, Any]) -> list[PaperCheck]:
     """Return whether the levels that ran are those of Table 3."""
     return [
-        Check(f"table3.desired_displacement_mm[{target:.1f}]", target, "mm", 0.0, SAME, "input",
+        PaperCheck(f"table3.desired_displacement_mm[{target:.1f}]", target, "mm", 0.0, SAME, "input",
             partial(level_mm, index=index))
         for index, target in enumerate(table["desired_displacement_mm"])
     ]  # fmt: skip
 
 
-def step_checks(table: dict[str, Any]) -> list[Check]:
+def step_checks(table: dict[str, Any]) -> list[PaperCheck]:
     """Return the MAE of every step, on the way up and back."""
     return [
-        Check(f"table3.mae_{direction}_pct[{target:.1f}]", error, "% of target", MAX_MAE_PCT - error,
+        PaperCheck(f"table3.mae_{direction}_pct[{target:.1f}]", error, "% of target", MAX_MAE_PCT - error,
             ONE_SIDED, "printed", partial(step_mae_pct, target_mm=target, direction=direction), "at most")
         for direction in ("rise", "return")
         for target, error in zip(table["desired_displacement_mm"], table[f"mae_{direction}_pct"], strict=False)

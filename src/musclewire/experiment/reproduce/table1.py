@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from musclewire.experiment.reproduce.checks import Check
+from musclewire.experiment.reproduce.paper_checks import PaperCheck
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.parameters.library import load_wire, read_published
 
@@ -28,25 +28,25 @@ def diameter_label(wire: str) -> str:
     return wire.removeprefix("paper-")
 
 
-def checks() -> list[Check]:
+def checks() -> list[PaperCheck]:
     """Return the checks of Table 1, the force ratios, and the setup."""
     paper = read_published("lan_fan_2010")
     return [*table_checks(paper["table1"]), *stress_checks(), *ratio_checks(paper), *setup_checks(paper)]
 
 
-def table_checks(table: dict[str, Any]) -> list[Check]:
+def table_checks(table: dict[str, Any]) -> list[PaperCheck]:
     """Return the rows of Table 1, property by property."""
     diameters = table["diameter_um"]
     taken = (("diameter_um", "um", "diameter_m", 1e6), ("maximum_force_n", "N", "maximum_force_n", 1.0),
              ("nominal_force_n", "N", "nominal_force_n", 1.0))  # fmt: skip
     found = [
-        Check(f"table1.{name}[{diameter}um]", printed, unit, 0.0, SAME, "input",
+        PaperCheck(f"table1.{name}[{diameter}um]", printed, unit, 0.0, SAME, "input",
             partial(wire_number, name=key, wire=wire_name(diameter), factor=factor))
         for name, unit, key, factor in taken
         for diameter, printed in zip(diameters, table[name], strict=True)
     ]  # fmt: skip
     return found + [
-        Check(
+        PaperCheck(
             f"table1.resistance_per_metre_ohm_per_m[{diameter}um]", printed, "ohm/m", RESISTANCE_TOLERANCE * printed,
             "the cold simulated wire, each leg under the nominal force, by Eq. 1; 5 %: spools of the vendor's own size "
             "table differ by more than that in resistance times section, and nominal force is a light pull, under "
@@ -67,14 +67,14 @@ def cold_resistance(runs: Runs, *, wire: str) -> float:
     return runs.cold_resistance_per_metre(wire)
 
 
-def stress_checks() -> list[Check]:
+def stress_checks() -> list[PaperCheck]:
     """Return whether each force of Table 1 means one stress for all three diameters."""
     why = (
         "both forces should be one stress times the section; 2.5 %: the nominal forces are whole grams (28, 43, 110), "
         "half a gram is 1.8 %, and a micrometre of diameter is 2 % of section"
     )
     return [
-        Check(
+        PaperCheck(
             f"table1.{kind}_stress_spread_pct", 0.0, "%", STRESS_SPREAD_PCT, why, "words",
             partial(stress_spread_pct, name=f"{kind}_force_n"), "at most",
         )
@@ -99,7 +99,7 @@ def printed_settings(paper: dict[str, Any]) -> list[tuple[int, float]]:
     ]
 
 
-def ratio_checks(paper: dict[str, Any]) -> list[Check]:
+def ratio_checks(paper: dict[str, Any]) -> list[PaperCheck]:
     """Return the force ratio of every printed pretension: F_p over the maximal force of Table 1."""
     table = paper["table1"]
     why = (
@@ -111,7 +111,7 @@ def ratio_checks(paper: dict[str, Any]) -> list[Check]:
     for diameter, force in printed_settings(paper):
         ratio = round(force / table["maximum_force_n"][table["diameter_um"].index(diameter)], 4)
         found.append(
-            Check(f"table1.force_ratio[{diameter}um,{force:.2f}N]", ratio, "1", 0.02 * ratio, why, "printed",
+            PaperCheck(f"table1.force_ratio[{diameter}um,{force:.2f}N]", ratio, "1", 0.02 * ratio, why, "printed",
                 partial(force_ratio, wire=wire_name(diameter), pretension_n=force))
         )  # fmt: skip
     return found
@@ -124,7 +124,7 @@ def force_ratio(runs: Runs, *, wire: str, pretension_n: float) -> float:
     return float(recording["force_n"][first].mean()) / load_wire(wire).maximum_force_n.value
 
 
-def setup_checks(paper: dict[str, Any]) -> list[Check]:
+def setup_checks(paper: dict[str, Any]) -> list[PaperCheck]:
     """Return what section 2.1 sets, read back from the recording of the main loop."""
     setup = paper["setup"]
     frequency = 1.0 / float(setup["frequency_hz"].partition("/")[2])
@@ -135,10 +135,10 @@ def setup_checks(paper: dict[str, Any]) -> list[Check]:
         ("sample_period_s", paper["controller"]["sample_period_s"], "s", "sample_period_s", 1.0),
     ]
     found = [
-        Check(f"setup.{name}", value, unit, 0.0, SAME, "input", partial(noted, key=key, factor=factor))
+        PaperCheck(f"setup.{name}", value, unit, 0.0, SAME, "input", partial(noted, key=key, factor=factor))
         for name, value, unit, key, factor in main
     ]
-    found.append(Check("setup.frequency_hz", frequency, "Hz", 0.0, SAME, "input", main_frequency_hz))
+    found.append(PaperCheck("setup.frequency_hz", frequency, "Hz", 0.0, SAME, "input", main_frequency_hz))
     return found
 
 

@@ -9,13 +9,13 @@ from matplotlib.figure import Figure
 
 from musclewire.design.finger.figures import plot_finger
 from musclewire.design.finger.finger_study import FingerStudy, FingerStudyResult, study_finger
-from musclewire.design.finger.statics import Foam
 from musclewire.parameters.materials import load_material
+from musclewire.wire.loads import ElasticObject
 
 
-def answered(foam: Foam | None) -> FingerStudyResult:
+def answered(obstacle: ElasticObject | None) -> FingerStudyResult:
     return study_finger(
-        FingerStudy(load_material("pom"), 5e-3, 1.0e-3, geometry=CURVED, foam=foam, finite_elements=False)
+        FingerStudy(load_material("pom"), 5e-3, 1.0e-3, geometry=CURVED, obstacle=obstacle, finite_elements=False)
     )
 
 
@@ -29,13 +29,13 @@ def test_every_axis_names_quantity_and_unit_in_brackets() -> None:
 
 
 def test_with_an_object_both_the_free_and_the_touching_finger_are_marked_and_named() -> None:
-    answer = answered(Foam(100.0, 3e-3))
+    answer = answered(ElasticObject(100.0, 3e-3))
     figure = plot_finger(answer)
     force = next(axes for axes in figure.axes if "force" in axes.get_ylabel())
     named = {line.get_label(): line.get_ydata()[0] for line in force.get_lines()}
-    assert answer.foam is not None
+    assert answer.contact is not None
     assert named["free, endpoint asked for"] == answer.at.tendon_force_n
-    assert named["on the object"] == answer.foam.tendon_force_n
+    assert named["on the object"] == answer.contact.tendon_force_n
     legend = force.get_legend()
     assert legend is not None
     assert "on the object" in [text.get_text() for text in legend.get_texts()]

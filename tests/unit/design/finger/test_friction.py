@@ -38,7 +38,7 @@ def test_pulling_costs_more_and_easing_less(coefficient: float) -> None:
     assert found.easing_n < BENT.tendon_force_n < found.pulling_n
     # To first order the mean of the turns up to each chord counts.
     first = coefficient * hole_turns_rad(BENT.placed, BENT.angles_rad).mean()
-    assert found.share == pytest.approx(first, rel=0.06)
+    assert found.fraction == pytest.approx(first, rel=0.06)
 
 
 def test_one_column_alone_costs_exactly_what_its_one_edge_takes() -> None:
@@ -52,7 +52,7 @@ def test_one_column_alone_costs_exactly_what_its_one_edge_takes() -> None:
 
 
 def test_without_friction_there_is_none() -> None:
-    assert friction_at(CHAIN, CURVED.stiffness_n_m2, BENT, 0.0).share == 0.0
+    assert friction_at(CHAIN, CURVED.stiffness_n_m2, BENT, 0.0).fraction == 0.0
 
 
 def test_what_cannot_be_is_refused() -> None:

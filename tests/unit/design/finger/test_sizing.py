@@ -26,8 +26,8 @@ PAPER = FingerRequest(
     column_width_m=0.3e-3,
     inward_angle_rad=0.14,
     depth_m=5e-3,
-    most_depth_m=10e-3,
-    least_thickness_m=0.1e-3,
+    max_depth_m=10e-3,
+    min_thickness_m=0.1e-3,
 )
 
 
@@ -58,7 +58,7 @@ def test_a_stiffer_finger_is_thicker_and_one_with_more_travel_has_its_tendon_fur
 @pytest.mark.slow
 def test_all_lengths_and_the_stiffness_four_times_as_large_make_a_finger_four_times_as_large() -> None:
     lengths = [
-        name for name in vars(PAPER) if name.endswith("_m") and name not in ("least_thickness_m", "stiffness_n_per_m")
+        name for name in vars(PAPER) if name.endswith("_m") and name not in ("min_thickness_m", "stiffness_n_per_m")
     ]
     large = replace(PAPER, stiffness_n_per_m=4.0 * 1084.4, **{name: 4.0 * getattr(PAPER, name) for name in lengths})
     first, finger = design_finger(PAPER, POM), design_finger(large, POM)
@@ -78,9 +78,9 @@ def test_a_finger_far_longer_than_its_endpoint_moves_is_still_sized() -> None:
         ({"endpoint_m": 9e-3}, r"gives at most 7\.\d\d mm however far it curls, 1\d\.\d % too little"),
         ({"stiffness_n_per_m": 5000.0}, r"would bear 6\d\.\d MPa .* \d % above the 65 MPa at which pom yields"),
         ({"stiffness_n_per_m": 20.0}, r"two tendon legs want 2 mm, \d\.\d times that"),
-        ({"least_thickness_m": 1e-3}, r"a beam of 1\.00 mm, the thinnest to be made, .* times that: another process"),
-        ({"most_depth_m": 1e-3}, r"no room for two tendon legs side by side: 1 mm more"),
-        ({"most_depth_m": 2e-3, "least_thickness_m": 0.22e-3}, r"\d\.\d\d mm more than there is room for"),
+        ({"min_thickness_m": 1e-3}, r"a beam of 1\.00 mm, the thinnest to be made, .* times that: another process"),
+        ({"max_depth_m": 1e-3}, r"no room for two tendon legs side by side: 1 mm more"),
+        ({"max_depth_m": 2e-3, "min_thickness_m": 0.22e-3}, r"\d\.\d\d mm more than there is room for"),
         ({"travel_m": 0.3e-3}, r"hole wants 0\.30 mm: .* is 7 % too little"),
         ({"columns": 12}, r"would overlap by 0\.\d\d\d mm"),
         ({"plate_length_m": 9.5e-3}, "nothing is left to bend"),

@@ -21,14 +21,14 @@ from musclewire.design.finger.curve import (
 )
 from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.statics import (
-    Foam,
-    Problem,
+    FingerProblem,
     equilibria,
     equilibrium,
     loaded_cantilever,
     sensitivity,
 )
 from musclewire.errors import CallerError, NumericsError
+from musclewire.wire.loads import ElasticObject
 
 TRAVELS = np.linspace(0.0, 1.05e-3, 22)
 
@@ -78,7 +78,7 @@ angles = st.lists(st.floats(-1.5, 1.5), min_size=16, max_size=16).map(np.array)
 @given(angles, st.floats(-2.0, 2.0), st.floats(-0.5, 0.5))
 def test_the_derivatives_are_those_of_the_energy(at: np.ndarray, force: float, push: float) -> None:
     chain = finger_chain(CURVED, elements_per_segment=4)
-    problem = Problem(chain, CURVED.stiffness_n_m2)
+    problem = FingerProblem(chain, CURVED.stiffness_n_m2)
 
     def energy(angles_rad: np.ndarray) -> float:
         placed = place(chain, angles_rad)
@@ -116,8 +116,8 @@ def test_the_tendon_feels_an_endpoint_force_as_the_endpoint_feels_the_travel(fin
 
 def test_the_linear_answer_to_an_endpoint_force_holds_over_the_working_range() -> None:
     worst = linear_error(CURVED, TRAVELS[1:], np.array([0.05, 0.1]))
-    assert worst.displacement_share < 0.002
-    assert worst.tendon_force_share < 0.01
+    assert worst.displacement_fraction < 0.002
+    assert worst.tendon_force_fraction < 0.01
     # What is left out is of second order: half the force leaves a quarter.
     half = linear_error(CURVED, TRAVELS[1:], np.array([0.025, 0.05]))
     assert worst.displacement_m / half.displacement_m == pytest.approx(4.0, rel=0.15)
@@ -125,19 +125,19 @@ def test_the_linear_answer_to_an_endpoint_force_holds_over_the_working_range() -
 
 @given(st.floats(4.5e-3, 6.5e-3), st.floats(5.0, 1e5))
 def test_an_object_pushes_back_as_deep_as_it_is_pressed(clearance: float, stiffness: float) -> None:
-    for at in touch_curve(CURVED, TRAVELS, Foam(clearance, stiffness)):
+    for at in touch_curve(CURVED, TRAVELS, ElasticObject(stiffness, clearance)):
         depth = max(at.endpoint_displacement_m - clearance, 0.0)
         assert at.endpoint_force_n == pytest.approx(stiffness * depth)
 
 
 def test_an_object_out_of_reach_changes_nothing() -> None:
     free = equilibria(finger_chain(CURVED), CURVED.stiffness_n_m2, TRAVELS)[-1]
-    there = touch_curve(CURVED, TRAVELS, Foam(0.02, 100.0))[-1]
+    there = touch_curve(CURVED, TRAVELS, ElasticObject(100.0, 0.02))[-1]
     assert there.tendon_force_n == pytest.approx(free.tendon_force_n, rel=1e-9)
 
 
 def test_an_object_too_hard_to_press_stops_the_endpoint_and_costs_the_tendon() -> None:
-    at = touch_curve(CURVED, TRAVELS, Foam(5e-3, 1e6))[-1]
+    at = touch_curve(CURVED, TRAVELS, ElasticObject(1e6, 5e-3))[-1]
     free = equilibria(finger_chain(CURVED), CURVED.stiffness_n_m2, TRAVELS)[-1]
     assert at.endpoint_displacement_m == pytest.approx(5e-3, rel=1e-3)
     assert at.tendon_force_n > 2.0 * free.tendon_force_n

@@ -10,7 +10,7 @@ from fingers import CURVED
 
 from musclewire.design.finger.chain import finger_chain
 from musclewire.design.finger.comparison import compare_schemes
-from musclewire.design.finger.curve import beam_stress_pa, longest_free_travel_m
+from musclewire.design.finger.curve import beam_stress_pa, max_free_travel_m
 from musclewire.design.finger.finger_file_text import curve_of_file, geometry_of_file
 from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.plane_stress import finger_body, plane_stress_path
@@ -78,8 +78,8 @@ def test_distributed_actuation_reaches_further_for_its_length() -> None:
 
 
 def test_the_curve_ends_before_columns_touch_or_the_endpoint_turns_back() -> None:
-    assert longest_free_travel_m(GEOMETRY, 1.4e-3) == pytest.approx(1.4e-3)
-    assert longest_free_travel_m(CURVED, 5e-3) < 2.5e-3
+    assert max_free_travel_m(GEOMETRY, 1.4e-3) == pytest.approx(1.4e-3)
+    assert max_free_travel_m(CURVED, 5e-3) < 2.5e-3
 
 
 def test_the_papers_wire_gives_stroke_and_force_with_the_papers_pretensioner() -> None:

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.experiment.reproduce import Check, Runs, all_checks, judged, selected
-from musclewire.experiment.reproduce.checks import Compare, subject_of
+from musclewire.experiment.reproduce import PaperCheck, Runs, all_checks, judged, selected
+from musclewire.experiment.reproduce.paper_checks import Compare, subject_of
 from musclewire.parameters.known_failures import known_failures, parsed_known_failures
 from musclewire.parameters.library import read_published
 
@@ -21,8 +21,8 @@ CHECKS = all_checks()
 NAMES = [check.name for check in CHECKS]
 
 
-def check(ours: float, compare: Compare = "within", paper: float = 2.0, tolerance: float = 0.5) -> Check:
-    return Check("fig0.number", paper, "ohm", tolerance, "because", "printed", lambda _: ours, compare)
+def check(ours: float, compare: Compare = "within", paper: float = 2.0, tolerance: float = 0.5) -> PaperCheck:
+    return PaperCheck("fig0.number", paper, "ohm", tolerance, "because", "printed", lambda _: ours, compare)
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_a_loop_that_cannot_be_used_fails_its_row_and_says_why() -> None:
     def measure(_: Runs) -> float:
         raise RecordingError("no complete\ncycle")
 
-    row = judged(Check("fig0.gap", 1.0, "%", 9.0, "because", "printed", measure), RUNS, {})
+    row = judged(PaperCheck("fig0.gap", 1.0, "%", 9.0, "because", "printed", measure), RUNS, {})
     assert (row.ours, row.ok, row.problem) == (None, False, "no complete cycle")
 
 

@@ -12,7 +12,7 @@ from musclewire.errors import CallerError, MusclewireError, nearest_hint
 if TYPE_CHECKING:
     from musclewire.experiment.reproduce.runs import Runs
 
-__all__ = ["Check", "Compare", "Kind", "Row", "holds", "judged", "selected", "subject_of"]
+__all__ = ["PaperCheck", "Compare", "Kind", "ReproductionRow", "holds", "judged", "selected", "subject_of"]
 
 # printed: a measured number; words: a sentence, or several numbers, turned into one; equation: how far our run is from
 # obeying it; input: a number of the paper that we took over; literature: published elsewhere.
@@ -23,7 +23,7 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
-class Check:
+class PaperCheck:
     """What the paper says and how to find what we have; ``measure`` may raise whatever a bad loop raises.
 
     ``paper`` and ``tolerance`` are in ``unit``. "within" wants ours no further than the tolerance from the paper's
@@ -41,7 +41,7 @@ class Check:
 
 
 @dataclass(frozen=True)
-class Row:
+class ReproductionRow:
     """A check with its outcome; ``ours`` is None where no number could be had, and ``problem`` says why."""
 
     name: str
@@ -68,7 +68,7 @@ def subject_of(name: str) -> str:
     return name.partition(".")[0]
 
 
-def holds(check: Check, ours: float) -> bool:
+def holds(check: PaperCheck, ours: float) -> bool:
     """Tell whether our number keeps to the tolerance."""
     room = check.tolerance + ROUNDING * max(1.0, abs(check.paper))
     if check.compare == "at most":
@@ -78,10 +78,10 @@ def holds(check: Check, ours: float) -> bool:
     return abs(ours - check.paper) <= room
 
 
-def judged(check: Check, runs: Runs, known: Mapping[str, str]) -> Row:
+def judged(check: PaperCheck, runs: Runs, known: Mapping[str, str]) -> ReproductionRow:
     """Return the row of a check. A loop that cannot be used, or a number that is not finite, fails the row."""
     ours, problem = measured(check, runs)
-    return Row(
+    return ReproductionRow(
         name=check.name,
         paper=float(check.paper),
         ours=ours,
@@ -97,7 +97,7 @@ def judged(check: Check, runs: Runs, known: Mapping[str, str]) -> Row:
     )
 
 
-def measured(check: Check, runs: Runs) -> tuple[float | None, str | None]:
+def measured(check: PaperCheck, runs: Runs) -> tuple[float | None, str | None]:
     """Return what a check measures, or None and why there is no number."""
     try:
         ours = float(check.measure(runs))
@@ -106,7 +106,7 @@ def measured(check: Check, runs: Runs) -> tuple[float | None, str | None]:
     return (ours, None) if math.isfinite(ours) else (None, "the result is not a finite number")
 
 
-def selected(checks: Sequence[Check], only: str | None) -> list[Check]:
+def selected(checks: Sequence[PaperCheck], only: str | None) -> list[PaperCheck]:
     """Return the checks whose names begin with ``only``, all without one.
 
     A number is not cut in two: "fig1" is not the beginning of "fig11". Raises CallerError, suggesting the nearest

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["Check"]
+__all__ = ["DesignCheck"]
 
 
-class Check(NamedTuple):
+class DesignCheck(NamedTuple):
     """A number beside the one it is judged by.
 
     ``rule`` is "about" (within ``tolerance`` of it, relative), "below", "above", or "shown" where nothing is judged.

@@ -15,19 +15,19 @@ from musclewire.experiment.open_loop import Waveform, WaveformPolicy
 from musclewire.experiment.run import OnSample, run_on_rig
 from musclewire.identify.contact_fitting import KnownGrip, fit_free_closing, fit_grip_curve
 from musclewire.rigs.configuration import RigConfiguration, open_rig, simulated_configuration
-from musclewire.rigs.load_part import Obstacle, Pull
+from musclewire.rigs.load_part import Pull
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.contact_detection import FreeClosing
 from musclewire.sensing.grip_force import GripCurve
 from musclewire.signals.recording import MetadataValue, Recording
 from musclewire.signals.run_facts import RunFacts
 from musclewire.signals.whole_files import write_text_whole
+from musclewire.wire.loads import ElasticObject
 
 __all__ = [
     "CLOSING_S",
     "Gripper",
     "GripperKnowledge",
-    "Object",
     "close_fingers",
     "closing_waveform",
     "fingers_of",
@@ -66,22 +66,6 @@ SHOWN = {
     "fingers": ("fingers:", 1.0, ""),
     "pretension_n": ("pretension", 1.0, " N"),
 }
-
-
-@dataclass(frozen=True)
-class Object:
-    """A block in the fingers' way.
-
-    Parameters
-    ----------
-    stiffness_n_per_m
-        Its stiffness [N/m].
-    clearance_m
-        How far the endpoints go, together, before they touch it [m].
-    """
-
-    stiffness_n_per_m: float
-    clearance_m: float
 
 
 @dataclass(frozen=True)
@@ -195,8 +179,8 @@ def closing_waveform(rig: Rig, closing_s: float, rest_s: float = REST_S) -> Wave
         )
 
     def drive_voltage_v(time_s: float) -> float:
-        share = min(max((time_s - rest_s) / closing_s, 0.0), 1.0)
-        return math.sqrt(low**2 + (high**2 - low**2) * share)
+        fraction = min(max((time_s - rest_s) / closing_s, 0.0), 1.0)
+        return math.sqrt(low**2 + (high**2 - low**2) * fraction)
 
     return drive_voltage_v
 
@@ -232,7 +216,7 @@ def close_fingers(
     return run_on_rig(rig, policy, rest_s + closing_s, metadata=metadata, on_sample=on_sample)
 
 
-def with_object(rig: str | Path | RigConfiguration, block: Object | None) -> RigConfiguration:
+def with_object(rig: str | Path | RigConfiguration, block: ElasticObject | None) -> RigConfiguration:
     """Return a rig with another block between its fingers, or with it taken away.
 
     Parameters
@@ -253,13 +237,12 @@ def with_object(rig: str | Path | RigConfiguration, block: Object | None) -> Rig
     """
     configuration, _ = simulated_configuration(rig)
     there = object_of(rig)
-    wanted = block or Object(there.stiffness_n_per_m, AWAY_M)
-    obstacle = Obstacle(wanted.stiffness_n_per_m, wanted.clearance_m)
-    load = [part.with_obstacle(obstacle) for part in configuration.load]
+    wanted = block or ElasticObject(there.stiffness_n_per_m, AWAY_M)
+    load = [part.with_obstacle(wanted) for part in configuration.load]
     return configuration.model_copy(update={"load": load})
 
 
-def object_of(rig: str | Path | RigConfiguration) -> Object:
+def object_of(rig: str | Path | RigConfiguration) -> ElasticObject:
     """Return the block between a rig's fingers. Raises CallerError for a rig without finger or part "contact"."""
     configuration, where = simulated_configuration(rig)
     block = next((part.obstacle for part in configuration.load if part.obstacle is not None), None)
@@ -267,7 +250,7 @@ def object_of(rig: str | Path | RigConfiguration) -> Object:
         raise CallerError(
             f"{where} has nothing to grip: it needs the parts 'finger' and 'contact', as the rig 'gripper' has"
         )
-    return Object(*block)
+    return block
 
 
 def fingers_of(configuration: RigConfiguration) -> int:
@@ -328,7 +311,7 @@ def learn_gripper(
     first_seed = configuration.seed if seed is None else seed
     for index, clearance in enumerate(clearances, start=1):
         say(f"grip of a block of {KNOWN_STIFFNESS_N_PER_M:g} N/m, {1e3 * clearance:g} mm away")
-        block = Object(KNOWN_STIFFNESS_N_PER_M, clearance)
+        block = ElasticObject(KNOWN_STIFFNESS_N_PER_M, clearance)
         with open_rig(with_object(configuration, block), seed=first_seed + SEED_STEP * index) as opened:
             known.append(KnownGrip(close_fingers(opened, on_sample=on_sample), KNOWN_STIFFNESS_N_PER_M))
     return GripperKnowledge(free, fit_grip_curve(free_runs, known, free, fingers=fingers), gripper)

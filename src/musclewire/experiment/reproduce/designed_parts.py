@@ -7,7 +7,7 @@ from functools import cache
 
 from musclewire.design.finger.comparison import Scheme, compare_schemes
 from musclewire.design.finger.finger_file_text import geometry_of_file
-from musclewire.design.serpentine.analysis import Duty, Pretensioner
+from musclewire.design.serpentine.analysis import Duty, PretensionerDesign
 from musclewire.design.serpentine.geometry import Envelope
 from musclewire.design.serpentine.sizing import PretensionerRequest, design_pretensioner
 from musclewire.parameters.finger_file import load_finger
@@ -42,7 +42,7 @@ class Schemes:
 
 
 @cache
-def paper_pretensioner() -> Pretensioner:
+def paper_pretensioner() -> PretensionerDesign:
     """Return a pretensioner designed for the paper's stiffness, pretension and envelope."""
     paper = read_published("lan_fan_2010")
     printed = paper["pretensioner"]
