@@ -11,9 +11,9 @@ them. Do not edit it by hand.
 
 A simulated wire is two rows: what it remembers from step to step, and what does not change while it runs. A row is a
 NumPy record: compiled code reads and writes `state.temperature_k` in place, Python reads the same name
-(`rig.wire_state.temperature_k`), and many wires are an array of rows. A state that was handed out never changes: a step
-works on a copy. `state.replace(time_s=0.0)` is another state, `state.values()` every field by name, `state.row` the
-record itself, in an array of one.
+(`true_state_of(rig).wire_state.temperature_k`), and many wires are an array of rows. A state that was handed out never
+changes: a step works on a copy. `state.replace(time_s=0.0)` is another state, `state.values()` every field by name,
+`state.row` the record itself, in an array of one.
 
 Every number is a double. `grains` is the number of grain classes of the bench (160 unless a rig file says otherwise);
 each number of them has a layout of its own, for which the kernels are compiled once and kept on disk.

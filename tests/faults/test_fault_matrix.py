@@ -164,7 +164,7 @@ def test_another_version_of_the_protocol_is_refused_before_anything_is_driven(
         other.setattr(frames, "PROTOCOL_VERSION", 2)
         other.setattr(device, "PROTOCOL_VERSION", 2)
         with pytest.raises(RigError, match=r"version|no answer"):
-            mounted(board.port_url, row, CLOCK_PATIENCE_S).open()
+            open_rig(mounted(board.port_url, row, CLOCK_PATIENCE_S))
     assert judged_s(board, since, row) == 0.0
 
 
