@@ -1,1 +1,1 @@
-"""Stand-ins for hardware, with the simulated wire behind them; for tests and for trying things without a bench."""
+"""Emulated hardware that drives the simulated wire, for tests and for trials without a bench."""

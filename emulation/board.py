@@ -1,4 +1,4 @@
-"""A board that is not there: its firmware in an emulator, the simulated wire on its pins, its serial line on a port.
+"""An emulated board: its firmware in an emulator, the simulated wire on its pins, its serial line on a port.
 
     python -m emulation.board --wire paper-100um
 
@@ -6,7 +6,7 @@ prints the port for a rig file (`port = "socket://127.0.0.1:..."`) and runs unti
 
     with EmulatedBoard(pace="lockstep") as board:
         ...                                  # talk to board.port_url
-        truth = board.log()                  # what was really at the wire
+        truth = board.log()                  # the true state of the wire
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def firmware_for(board: str, folder: Path, options: Sequence[str] = ()) -> Path:
     return folder / f"musclewire-{board}.elf"
 
 
-# An emulator starts in a tenth of a second, on a machine that is busy with other programs in many.
+# An emulator starts in a tenth of a second, but in many seconds on a machine that is busy with other programs.
 START_S = 60.0
 
 
@@ -158,11 +158,11 @@ class EmulatedBoard:
         raise RigError(f"the emulator did not start the board: {self._messages.read_text(encoding='utf-8').strip()}")
 
     def figures(self) -> dict[str, Any]:
-        """Return ticks passed, late ticks and what has gone wrong on the line so far."""
+        """Return the counts of ticks, late ticks and faults on the line."""
         return self._say({"do": "figures"})
 
     def messages(self) -> str:
-        """Return what the emulator has said so far: for the Arduino, cycles per tick."""
+        """Return what the emulator has printed: for the Arduino, cycles per tick."""
         return self._messages.read_text(encoding="utf-8")
 
     def log(self) -> dict[str, NDArray[np.float64]]:
@@ -176,11 +176,11 @@ class EmulatedBoard:
         self._say({"do": "fault", "faults": [{"kind": kind, **details}]})
 
     def repair(self) -> None:
-        """Mend wire, circuit and channels."""
+        """Repair wire, circuit and channels."""
         self._say({"do": "repair"})
 
     def spoil_line(self, **faults: Any) -> None:
-        """Let things go wrong on the host's line: the attributes of ``LineFaults``; without any it is sound again."""
+        """Inject faults into the host's line: the attributes of ``LineFaults``; without any it is sound again."""
         self._say({"do": "line", **faults})
 
     def unplug(self) -> None:
@@ -192,7 +192,7 @@ class EmulatedBoard:
         self._say({"do": "plug"})
 
     def kill_power(self) -> None:
-        """Take the board's power away in the middle of whatever it does."""
+        """Cut the board's power, whatever it is doing."""
         self._say({"do": "kill_power"})
 
     def restart(self) -> None:
@@ -221,9 +221,9 @@ class EmulatedBoard:
         time.sleep(duration_s)
         self._say({"do": "button", "down": False})
 
-    def turn_knob(self, share: float) -> None:
+    def turn_knob(self, fraction: float) -> None:
         """Turn the knob of a board that has one: 0 to 1."""
-        self._say({"do": "knob", "share": share})
+        self._say({"do": "knob", "fraction": fraction})
 
     def release(self, ticks: int) -> None:
         """In lockstep: let some ticks pass without a command, and wait until they have."""

@@ -1,4 +1,4 @@
-"""What hangs on the terminals of the emulated card: the simulated wire, wired as a nidaq rig file says."""
+"""The simulated wire on the terminals of the emulated card, wired as a nidaq rig file says."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ MIN_STEP_S = 0.001
 
 
 class WiredRig:
-    """A simulated rig whose voltages stand at the terminals that a nidaq rig file names.
+    """A simulated rig whose voltages are at the terminals that a nidaq rig file names.
 
-    ``errors`` are gain and offset [V] that a terminal truly has beside what the file says, by terminal: what
+    ``errors`` are gain and offset [V] of a terminal in addition to those of the file, by terminal: the errors that
     ``doctor`` is to find.
     """
 
@@ -59,9 +59,9 @@ class WiredRig:
         """Return the voltages at the input terminals after a tick with these at the outputs."""
         drive_v = self._wiring.output.rule.quantity(outputs_v[self._wiring.output.channel])
         self.largest_drive_v = max(self.largest_drive_v, drive_v)
-        # A rig's exchange would protect the wire; behind a card nothing does but who drives the card.
+        # A rig's exchange would protect the wire; on a card only the program that drives the card does.
         sample = self.device.exchange(Drive(max(drive_v, 0.0)))
-        assert isinstance(sample, RawSample)  # nothing paces it, and a wire behind a card has no faults of its own
+        assert isinstance(sample, RawSample)  # nothing paces it, and the wire on a card has no faults of its own
         read_v = {}
         for column, item in self._inputs.items():
             value = getattr(sample, column)
@@ -83,7 +83,7 @@ def card_of(
     """
     found = wiring if isinstance(wiring, NiDaqConfiguration) else rig_configuration(wiring)[0]
     if not isinstance(found, NiDaqConfiguration):
-        raise CallerError(f"{wiring} is no rig of kind nidaq: it says what is wired to the card")
+        raise CallerError(f"{wiring} is no rig of kind nidaq: give the one that describes the wiring of the card")
     model = PCI_6229 if found.output_timing == "hardware" else USB_6001
     tick_s = 1.0 / found.reading_rate
     # Each reading of the card is one of the converter: the rig averages what it reads.
@@ -100,7 +100,7 @@ def card_of(
     device = rig.device
     if not isinstance(device, SimulatedDevice):
         rig.close()
-        raise CallerError(f"{wire} is not simulated: it cannot stand behind an emulated card")
+        raise CallerError(f"{wire} is not simulated: it cannot be connected to an emulated card")
     if paced:
         ready_to_run_by_the_clock()
     return Card(found.device, model, WiredRig(device, found, errors), tick_s, paced=paced)

@@ -54,7 +54,7 @@ class Terminals(Protocol):
 
 @dataclass(frozen=True)
 class Model:
-    """What kind of card it is: its terminals, and what one reading is worth."""
+    """A model of card: its terminals, its resolution and its noise."""
 
     product: str
     inputs: tuple[str, ...]
@@ -68,7 +68,7 @@ class Model:
 
 @dataclass
 class CardTask:
-    """A task of the driver: its channels, its clock, what it has read and nobody has fetched."""
+    """A task of the driver: its channels, its clock and the readings that have not been fetched."""
 
     number: int
     inputs: list[tuple[str, float]] = field(default_factory=list)
@@ -91,7 +91,7 @@ class Card:
     """One card with a device name; every call may come from another thread."""
 
     def __init__(self, name: str, model: Model, terminals: Terminals, tick_s: float, *, paced: bool) -> None:
-        """Start at 0 V. ``paced`` lets the clock run in real time; otherwise time passes only where somebody reads."""
+        """Start at 0 V. ``paced`` lets the clock run in real time; otherwise time passes only during a read."""
         self.name, self.model, self.tick_s, self.paced = name, model, tick_s, paced
         self.outputs_v = dict.fromkeys(model.outputs, 0.0)
         self.late_writes = 0
@@ -190,7 +190,7 @@ class Card:
             task.rate_hz, task.mode = rate_hz, mode
 
     def start(self, number: int) -> None:
-        """Reserve what a task needs and start it. Raises CardError where another task has it."""
+        """Reserve what a task needs and start it. Raises CardError if another task has reserved it."""
         with self._changed:
             task = self.task(number)
             self._reserve(task)
@@ -274,7 +274,7 @@ class Card:
             raise CardError(OVERWRITTEN, "The application is not able to keep up: unread samples were overwritten.")
 
     def _tick(self) -> None:
-        """Let one tick pass: what hangs on the terminals goes on, then inputs are read, then outputs change."""
+        """Let one tick pass: the wiring advances, then inputs are read, then outputs change."""
         read_v = self._terminals.advance(self.outputs_v)
         for task in self._tasks.values():
             if not task.running or task.rate_hz is None or not self._triggered(task):
@@ -287,7 +287,7 @@ class Card:
                 self._put(task)
 
     def _triggered(self, task: CardTask) -> bool:
-        """Return whether a task's clock runs: at once, or from the start of the inputs where they trigger it."""
+        """Return whether a task's clock runs: at once, or from the start of the inputs if they trigger it."""
         if not task.trigger or task.ticks:
             return True
         return any(other.running and other.inputs and other.ticks <= 1 for other in self._tasks.values())
@@ -301,7 +301,7 @@ class Card:
 
     def _put(self, task: CardTask) -> None:
         if task.pending_v is None:
-            # The output holds; the driver says so at the next write.
+            # The output holds; the driver reports it at the next write.
             self.late_writes += 1
             task.late = True
         else:
@@ -314,7 +314,7 @@ class Card:
         while not self._closed:
             due = int((time.monotonic() - start) / self.tick_s)
             with self._changed:
-                # A few ticks at a time, so that calls get in where the wire takes longer than the clock.
+                # A few ticks at a time, so that calls are served even if the wire takes longer than the clock.
                 for _ in range(min(due - done, 20)):
                     self._tick()
                     done += 1

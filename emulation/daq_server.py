@@ -1,4 +1,4 @@
-"""A server that speaks NI's gRPC protocol, with an emulated card and the simulated wire behind it.
+"""A server of NI's gRPC protocol for an emulated card that drives the simulated wire.
 
     python -m emulation.daq_server --card ni-pci-6229 --wire simulated --pace clock
 
@@ -47,7 +47,7 @@ RELEASING = {TaskMode.TASK_UNRESERVE.value, TaskMode.TASK_ABORT.value}
 
 
 def answered(method: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a call whose errors reach the client as the driver's do: a number beside the text."""
+    """Return a call whose errors reach the client as the driver's do: as a number with a text."""
 
     def call(self: Service, request: Any, context: grpc.ServicerContext) -> Any:
         try:
@@ -68,7 +68,7 @@ class Service(services.NiDAQmxServicer):
 
     @answered
     def GetSystemInfoAttributeUInt32(self, request: Any) -> Any:  # noqa: N802, ARG002
-        # No driver stands behind this: its version is nought.
+        # There is no driver: its version is 0.
         return messages.GetSystemInfoAttributeUInt32Response(value=0)
 
     @answered
@@ -178,7 +178,7 @@ class Service(services.NiDAQmxServicer):
     @answered
     def ReadAnalogF64(self, request: Any) -> Any:  # noqa: N802
         rows = self._card.read(request.task.id, request.num_samps_per_chan, request.timeout)
-        # The client of nidaqmx asks for all readings of a channel behind each other.
+        # The client of nidaqmx requests all readings of one channel before those of the next.
         by_channel = zip(*rows, strict=True) if request.fill_mode_raw == GROUPED_BY_CHANNEL else rows
         values = [value for group in by_channel for value in group]
         return messages.ReadAnalogF64Response(read_array=values, samps_per_chan_read=len(rows))
@@ -201,7 +201,7 @@ class DaqServer:
     """The service on an address of this machine; leaving the ``with`` block stops it."""
 
     def __init__(self, card: Card, port: int = 0) -> None:
-        """Listen on this machine only. Raises OSError where the port is taken."""
+        """Listen on this machine only. Raises OSError if the port is taken."""
         self.card = card
         self._server = grpc.server(futures.ThreadPoolExecutor(max_workers=8), options=(("grpc.so_reuseport", 0),))
         services.add_NiDAQmxServicer_to_server(Service(card), self._server)
@@ -238,7 +238,7 @@ def main(arguments: list[str] | None = None) -> int:
     from emulation.daq_bench import card_of
 
     parser = argparse.ArgumentParser(prog="python -m emulation.daq_server", description=__doc__)
-    parser.add_argument("--card", default="ni-pci-6229", help="the nidaq rig (name or file) that says what is wired")
+    parser.add_argument("--card", default="ni-pci-6229", help="the nidaq rig (name or file) that describes the wiring")
     parser.add_argument("--wire", default="simulated", help="the simulated rig (name or file) at its terminals")
     parser.add_argument("--pace", choices=("clock", "free"), default="clock", help="free: time passes by reading")
     parser.add_argument("--port", type=int, default=31763, help="0: any that is free")
@@ -247,7 +247,7 @@ def main(arguments: list[str] | None = None) -> int:
         action="append",
         default=[],
         metavar="ai0=1.002,0.005",
-        help="what a terminal truly reads: gain and offset [V] beside the rig file's, for doctor to find",
+        help="errors of a terminal: gain and offset [V] in addition to the rig file's, for doctor to find",
     )
     chosen = parser.parse_args(arguments)
     errors = {name: (float(gain), float(offset)) for name, gain, offset in (split(text) for text in chosen.error)}

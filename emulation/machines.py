@@ -31,9 +31,9 @@ def start_machine(
 
 
 def prepared(board: str, elf: Path, folder: Path) -> Path:
-    """Return the firmware where its emulator wants it; for simavr the program that runs it is compiled beside it.
+    """Return the firmware at the path that its emulator requires; for simavr the runner is compiled next to it.
 
-    Raises CallerError where a compiler or a library is missing.
+    Raises CallerError if a compiler or a library is missing.
     """
     emulator = {"mps2-an386": "qemu-system-arm", "arduino-uno": "gcc"}[board]
     packages = {"mps2-an386": "qemu-system-arm", "arduino-uno": "gcc libc6-dev libsimavr-dev libelf-dev"}[board]
@@ -67,7 +67,7 @@ def qemu(elf: str, host_port: int, wire_port: int) -> list[str]:
 
 
 def simavr(elf: str, host_port: int, wire_port: int) -> list[str]:
-    """Return the command of the ATmega328P in simavr, by the small program beside this file."""
+    """Return the command of the ATmega328P in simavr, run by the small program next to this file."""
     return [str(Path(elf).with_name("simavr_board")), elf, str(host_port), str(wire_port)]
 
 

@@ -36,7 +36,7 @@ __all__ = ["COLUMNS", "Plant"]
 # A row of the log; all are numbers of 8 bytes.
 COLUMNS = ("tick", "clock_s", "code", "powered", *Truth._fields)
 CONVERSION, CONVERTING, OUTPUT, OUTPUT_AT_START = 0xA5, 0x5A, 0x3C, 0x3D
-# Two more things that hang on the Arduino.
+# Two more inputs of the Arduino.
 BUTTON, KNOB = 0xB7, 0xB8
 OUTPUT_BYTES = 5
 AFTER_THE_HOST_S = 0.5
@@ -111,7 +111,7 @@ class Plant:
             # would take the processor from it.
             self.pins if self.lockstep else None: self._read_pins,
             self.host if self.lockstep else None: self._read_host,
-            # A full line is not read on: that is how a real port holds its sender back.
+            # A full line is not read any further, as a real port holds its sender back.
             self.user if len(self.to_board) < LINE_BYTES else None: self._read_user,
         }
         sources = [source for source in readable if source is not None]
@@ -159,7 +159,7 @@ class Plant:
         if self.pins is not None and now - self.converting_s > CONVERTING_EVERY_S:
             self.converting_s = now
             self._to_pins(bytes([CONVERTING]))
-        if self.released and self.waiting is None:  # nobody waits for a board that is gone: time passes all the same
+        if self.released and self.waiting is None:  # time passes also without an answer of a board that is gone
             self.released -= 1
             self._tick()
 
@@ -195,7 +195,7 @@ class Plant:
             if self.pins is not None:
                 self.pins.send(data)
         except BlockingIOError:
-            pass  # a stopped emulator: its converter runs on unheard
+            pass  # a stopped emulator: its converter runs on unread
         except OSError:
             self._lose_pins()
 
@@ -206,7 +206,7 @@ class Plant:
         self.waiting = None
 
     def _lose_pins(self) -> None:
-        """Take the board as dead: nothing drives the gate of the output stage any more, its pull-down switches off."""
+        """Mark the board as dead: nothing drives the gate of the output stage any more, its pull-down switches off."""
         if self.pins is not None:
             self.pins.close()
         self.pins, self.code, self.waiting = None, 0, None
@@ -254,7 +254,7 @@ class Plant:
             try:
                 self.user.send(arrived)
             except BlockingIOError:
-                pass  # nobody reads: a serial port's buffer is full
+                pass  # the host does not read: a serial port's buffer is full
             except OSError:
                 self._lose_user()
 
@@ -271,7 +271,7 @@ class Plant:
             self.user.close()
         plain(user)
         self.user = user
-        # What was under way when the last host let go is over.
+        # Bytes that were in transit when the last host closed the port are dropped.
         self.released = 0
 
     def _lose_user(self) -> None:
@@ -329,7 +329,7 @@ class Plant:
             "monitor": self._monitor,
             "release": self._release,
             "button": lambda down: self._to_pins(bytes([BUTTON, int(down)])),
-            "knob": lambda share: self._to_pins(bytes([KNOB, round(255 * share)])),
+            "knob": lambda fraction: self._to_pins(bytes([KNOB, round(255 * fraction)])),
         }
         what = order.pop("do")
         try:
@@ -338,7 +338,7 @@ class Plant:
             return {"ok": False, "error": f"{what}: {error}"}
 
     def figures(self) -> dict[str, Any]:
-        """Return where the bench stands, with its log written out."""
+        """Return the bench's counts, after writing its log to the file."""
         self.log.flush()
         return {
             "ticks": self.ticks,
@@ -376,7 +376,7 @@ class Plant:
         self.machine = self._start_machine()
 
     def _monitor(self, text: str) -> None:
-        """Say something to the emulator's monitor, such as QEMU's system_reset, stop or cont."""
+        """Send a line to the emulator's monitor, such as QEMU's system_reset, stop or cont."""
         assert self.machine.stdin is not None
         self.machine.stdin.write(f"{text}\n".encode())
         self.machine.stdin.flush()
@@ -387,13 +387,13 @@ class Plant:
 
 
 def plain(connection: socket.socket) -> None:
-    """Make a connection that neither blocks nor waits for more to send."""
+    """Configure a connection so that it neither blocks nor waits for more to send."""
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     connection.setblocking(False)
 
 
 def received(connection: socket.socket | None) -> bytes | None:
-    """Return what has come, None where the other side has gone."""
+    """Return the bytes that have come, None if the other side has closed the connection."""
     assert connection is not None
     try:
         return connection.recv(4096) or None
@@ -415,7 +415,7 @@ def go_first() -> None:
 
 
 def main() -> None:
-    """Read the settings, say the port, work."""
+    """Read the settings, print the port, run the bench."""
     go_first()
     plant = Plant(json.loads(sys.stdin.readline()))
     say({"ok": True, "port": plant.user_listener.getsockname()[1]})

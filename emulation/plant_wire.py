@@ -22,7 +22,7 @@ __all__ = ["BenchWire", "Converted", "Truth"]
 STEP_S = 1e-3
 NOISE_AHEAD = 4096
 FAULT = TypeAdapter(Fault)
-# What happens behind a board's pins; what else a rig file knows is the host's to suffer.
+# Faults that occur at a board's pins; the other faults of a rig file belong to the host.
 POSSIBLE = (
     "wire_open",
     "wire_short",
@@ -44,7 +44,7 @@ class Converted(NamedTuple):
 
 
 class Truth(NamedTuple):
-    """What is really at the wire: what the tests judge by."""
+    """The true state of the wire, with which the tests compare."""
 
     output_voltage_v: float
     wire_current_a: float
@@ -56,7 +56,7 @@ class Truth(NamedTuple):
 
 
 class BenchWire:
-    """A simulated wire behind a board's output stage, amplifiers and converter; repeatable for one seed."""
+    """A simulated wire with a board's output stage, amplifiers and converter; repeatable for one seed."""
 
     def __init__(
         self, board: Mapping[str, Any], wire: str, seed: int, settings: Mapping[str, float | str] | None = None
@@ -76,11 +76,11 @@ class BenchWire:
         self._noise: list[float] = []
         self._faults: list[Fault] = []
         self._active = Faults(())
-        # Where the emulator has a converter of its own, the bench gives it finer steps and leaves the noise to it.
+        # If the emulator has a converter of its own, the bench gives it finer steps and leaves the noise to it.
         self._full = 2 ** int(board.get("bench_bits", board["converter_bits"])) - 1
         self._noise_v = float(board.get("bench_noise_v", board["converter_noise_v"]))
         self.time_s = 0.0
-        # A voltage that heats by nothing shows the resistance before anything is driven.
+        # A voltage that does not heat shows the resistance before anything is driven.
         self._wire_ohm = self._measured_ohm(self._wires.advance(1e-3, STEP_S, 1))
 
     def _measured_ohm(self, means: Any) -> float:
@@ -127,15 +127,15 @@ class BenchWire:
         return self._converted(wire_v + shunt_v, shunt_v), truth
 
     def _converted(self, node_v: float, shunt_v: float) -> Converted:
-        """Return what dividers, amplifiers and a converter with noise make of two voltages."""
+        """Return the codes of two voltages after divider, amplifier and a converter with noise."""
         inputs_v = (node_v * self._board["divider_share"], shunt_v * self._board["shunt_gain"])
         if self._faults:
             inputs_v = self._active.readings_v(*inputs_v, self.time_s)
         codes = []
         for input_v in inputs_v:
-            share = input_v / self._board["converter_range_v"]
+            fraction = input_v / self._board["converter_range_v"]
             noise = self._noise_v / self._board["converter_range_v"] * self._next_noise()
-            code = round((share + noise) * self._full)
+            code = round((fraction + noise) * self._full)
             codes.append(min(max(code, 0), self._full))
         return Converted(*codes)
 
@@ -146,7 +146,7 @@ class BenchWire:
         return 0.0 if self._is_frozen() else noise
 
     def _is_frozen(self) -> bool:
-        # A frozen channel repeats its last code: no noise on what the fault has put there.
+        # A frozen channel repeats its last code: no noise is added to it.
         return self._faults != [] and any(
             fault.kind == "channel_frozen" and fault.active(self.time_s) for fault in self._faults
         )

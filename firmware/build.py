@@ -3,8 +3,8 @@
     python firmware/build.py --board mps2-an386
     python firmware/build.py --board arduino-uno --model model.json --wire wire.toml -o build
 
-A wire file says what hangs on the board, with the keys of a rig file (firmware/models/paper-100um.toml is one). The
-compilers are Debian's: gcc-arm-none-eabi with libnewlib-arm-none-eabi, gcc-avr with avr-libc.
+The wire file describes the wire on the board, with the keys of a rig file (firmware/models/paper-100um.toml is one).
+The compilers are Debian's: gcc-arm-none-eabi with libnewlib-arm-none-eabi, gcc-avr with avr-libc.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ UNO = ["-mmcu=atmega328p", "-DF_CPU=16000000UL"]
 
 @dataclass(frozen=True)
 class Toolchain:
-    """The compiler of a kind of processor and what it is told."""
+    """The compiler of a kind of processor, the packages that install it and its options."""
 
     prefix: str
     packages: str
@@ -61,7 +61,7 @@ TOOLCHAINS = {
 
 
 def boards() -> list[str]:
-    """Return the boards that there is a hardware layer for."""
+    """Return the names of the boards with a hardware layer."""
     return sorted(file.parent.name for file in (FIRMWARE / "boards").glob("*/board.toml"))
 
 
@@ -73,7 +73,7 @@ def board_description(board: str) -> dict[str, Any]:
 
 
 def read_wire(path: Path) -> MountedWire:
-    """Return what a wire file says. Raises CallerError naming file and key."""
+    """Return the content of a wire file, checked. Raises CallerError naming file and key."""
     if not path.is_file():
         raise CallerError(f"there is no wire file {path}: give one with the keys of firmware/models/paper-100um.toml")
     return validated(MountedWire, tomllib.loads(path.read_text(encoding="utf-8")), f"wire file {path}")
@@ -86,7 +86,7 @@ def ranges_v(description: dict[str, Any]) -> tuple[float, float]:
 
 
 def require_fit(board: str, description: dict[str, Any], wire: MountedWire) -> None:
-    """Raise CallerError where board and wire do not fit together."""
+    """Raise CallerError if board and wire do not fit together."""
     if description["shunt_resistance_ohm"] != wire.shunt:
         raise CallerError(
             f"board {board} has a shunt of {description['shunt_resistance_ohm']:g} ohm and the wire file says "
@@ -100,7 +100,7 @@ def require_fit(board: str, description: dict[str, Any], wire: MountedWire) -> N
 
 
 def board_constants(board: str, description: dict[str, Any], model: SensingModel, wire: MountedWire) -> str:
-    """Return the text of board_constants.h. Raises CallerError where board and wire do not fit together."""
+    """Return the text of board_constants.h. Raises CallerError if board and wire do not fit together."""
     require_fit(board, description, wire)
     node_v, shunt_v = ranges_v(description)
     full_code = (2 ** description["converter_bits"] - 1) * description.get("readings_per_tick", 1)
@@ -117,7 +117,7 @@ def board_constants(board: str, description: dict[str, Any], model: SensingModel
         "SHUNT_RANGE_V": f"{shunt_v!r}f",
         "OUTPUT_FULL_CODE": f"{2 ** description['output_bits'] - 1}u",
         "OUTPUT_RANGE_V": f"{description['output_range_v']!r}f",
-        # Below the model's range a target only lets the wire cool; above it the loop would heat for ever.
+        # Below the model's range a target only lets the wire cool; above it the loop would heat without end.
         "TARGET_LOWEST": f"{model.quantity_min - span!r}f",
         "TARGET_HIGHEST": f"{model.quantity_max!r}f",
         "BOARD_HAS_BUTTON": f"{int(description['has_button'])}",
@@ -154,7 +154,7 @@ def tool(chain: Toolchain, name: str) -> str:
 
 
 def run(command: Sequence[str]) -> str:
-    """Run a tool and return what it says. Raises CallerError with its own words where it fails."""
+    """Run a tool and return its output. Raises CallerError with its messages if it fails."""
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise CallerError(f"{Path(command[0]).name} failed:\n{done.stderr.strip()}")
@@ -197,14 +197,16 @@ def size_of(board: str, elf: Path) -> str:
 
 
 def main() -> int:
-    """Build as the command line says; 2 with one line where that cannot be."""
+    """Build as the command line says; an error is one line on stderr and the exit code."""
     parser = argparse.ArgumentParser(description="Build the reference firmware for a board.")
     parser.add_argument("--board", default="mps2-an386", help=f"one of: {', '.join(boards())}")
     parser.add_argument("--model", type=Path, default=MODEL, help="sensing model, as musclewire fit writes it")
-    parser.add_argument("--wire", type=Path, default=WIRE, help="what hangs on the board (TOML)")
+    parser.add_argument("--wire", type=Path, default=WIRE, help="the wire on the board (TOML)")
     parser.add_argument("-o", "--out", type=Path, default=None, help="folder; firmware/build/BOARD without it")
     parser.add_argument("--standalone", action="store_true", help="closes the loop by itself, started by a button")
-    parser.add_argument("--fault-injection", action="store_true", help="for tests: the command that makes it fail")
+    parser.add_argument(
+        "--fault-injection", action="store_true", help="for tests: include the command that injects faults"
+    )
     given = parser.parse_args()
     folder = given.out or FIRMWARE / "build" / given.board
     flags = {"-DMW_STANDALONE": given.standalone, "-DMW_FAULT_INJECTION": given.fault_injection}

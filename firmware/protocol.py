@@ -1,9 +1,10 @@
-"""Write what Python, C and the documentation say of the serial protocol from its one definition.
+"""Write the serial protocol's messages for Python, C and the documentation from their one definition.
 
     python firmware/protocol.py
 
-The definition is src/musclewire/rigs/serial/data/protocol.toml. Written are message_types.py beside it,
-firmware/src/messages.h and the tables of docs/reference/firmware_protocol.md; a test holds the committed files to it.
+The definition is src/musclewire/rigs/serial/data/protocol.toml. From it follow src/musclewire/rigs/serial/
+message_types.py, firmware/src/messages.h and the tables of docs/reference/firmware_protocol.md; a test compares the
+committed files with it.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ OUTSIDE_THE_PAYLOAD_BYTES = 8
 
 
 class Part(BaseModel):
-    """What every part of the definition forbids: keys that it does not know."""
+    """A part of the definition; unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -53,7 +54,7 @@ class FieldRow(Part):
 
     @property
     def letters(self) -> str:
-        """The field in the language of Python's struct."""
+        """Format characters of the field for Python's struct."""
         return f"{self.bytes}s" if self.type == "text" else LETTERS[self.type]
 
     @property
@@ -81,7 +82,7 @@ class MessageRow(Part):
 
     @property
     def layout(self) -> str:
-        """The payload in the language of Python's struct."""
+        """Format of the payload for Python's struct."""
         return "<" + "".join(field.letters for field in self.field)
 
     @property
@@ -270,7 +271,7 @@ TABLES: dict[str, Callable[[Protocol], str]] = {"host": host_table, "board": boa
 
 
 def page_text(of: Protocol, page: str) -> str:
-    """Return the text of the page with its tables written anew. Raises ValueError where the place of one is missing."""
+    """Return the page with its tables replaced by those of the definition. Raises ValueError if a marker is missing."""
     for name, table in TABLES.items():
         start, end = f"<!-- {name}: written by firmware/protocol.py -->\n", f"\n<!-- end of {name} -->"
         if page.count(start) != 1 or page.count(end) != 1:
@@ -281,7 +282,7 @@ def page_text(of: Protocol, page: str) -> str:
 
 
 def written() -> dict[Path, str]:
-    """Return every file with the text that the definition gives it."""
+    """Return each generated file with its text."""
     of = protocol()
     page = page_text(of, PAGE.read_text(encoding="utf-8"))
     return {PYTHON: python_text(of), HEADER: header_text(of), PAGE: page}

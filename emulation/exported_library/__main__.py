@@ -1,4 +1,4 @@
-"""What an exported library costs on a board: ``python -m emulation.exported_library FOLDER [--double]``.
+"""Print what an exported library costs on a board: ``python -m emulation.exported_library FOLDER [--double]``.
 
 Flash and memory of the library's objects, and the instructions (Cortex-M, in QEMU) or cycles (ATmega, in simavr) of a
 whole tick. A compiler or emulator that is missing is named with the line that installs it.

@@ -168,11 +168,11 @@ class HostLibrary:
         self._c.shim_command(self._state, *_doubles(drive_voltage_v))
 
     def missing(self, event: int, missing_s: float) -> None:
-        """Tell the protection what has been missing for how long."""
+        """Report to the protection which event has been missing for how long."""
         self._c.shim_missing(self._state, ctypes.c_ubyte(event), *_doubles(missing_s))
 
     def event(self, event: int, missing_s: float) -> None:
-        """Let the protection do what its table says of an event."""
+        """Let the protection act on an event as its table says."""
         self._c.shim_event(self._state, ctypes.c_ubyte(event), *_doubles(missing_s))
 
     def trip(self, event: int) -> None:
@@ -188,7 +188,7 @@ class HostLibrary:
         self._c.shim_rest(self._state)
 
     def recover(self, event: int) -> bool:
-        """Say that what was missing under an event is back; return whether it was missing."""
+        """Report that what was missing under an event is back; return whether it was missing."""
         return bool(self._c.shim_recover(self._state, ctypes.c_ubyte(event)))
 
     def follows(self) -> bool:

@@ -30,7 +30,7 @@ class Target(NamedTuple):
 
     @property
     def size_program(self) -> str:
-        """The program beside the compiler that prints the size of objects."""
+        """The program of the same toolchain that prints the size of objects."""
         return f"{self.compiler.removesuffix('gcc')}size"
 
 
@@ -73,7 +73,7 @@ TARGETS = (
 
 
 def missing_tool(program: str, packages: str) -> str:
-    """Return the line that installs a program that is not there, "" where it is."""
+    """Return the line that installs a program that is missing, "" if it is installed."""
     if shutil.which(program):
         return ""
     return f"{program} is missing: apt-get install --no-install-recommends -y {packages}"

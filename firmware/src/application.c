@@ -20,7 +20,7 @@ static void retain(uint8_t state, uint8_t event)
     board_retained.magic = RETAINED_MAGIC;
 }
 
-/* What the board was doing when it was reset, as an event; 0 after a clean end or a real power-on. */
+/* The event that describes what the reset interrupted; 0 after a clean end or a real power-on. */
 static uint8_t event_at_reset(uint8_t cause)
 {
     if (cause == MW_RESET_WATCHDOG) {
@@ -36,7 +36,7 @@ static void send(mw_application *application, mw_message *message)
 {
     uint8_t frame[MW_FRAME_MAX];
     message->version = MW_PROTOCOL_VERSION;
-    message->sequence = application->sequence++; /* counts frames that found no room, too: the host sees the gap */
+    message->sequence = application->sequence++; /* counts dropped frames, too: the host sees the gap */
     (void)board_put(frame, mw_frame_encode(message, frame));
 }
 
@@ -80,7 +80,7 @@ static void send_identity(mw_application *application)
     send(application, &message);
 }
 
-/* Means over the ticks since the last sample, and what the core makes of them. Without a reading they are no numbers. */
+/* Sends the means over the ticks since the last sample, with resistance and estimate; NaN without a reading. */
 static void send_sample(mw_application *application)
 {
     const mw_control_loop *loop = &application->loop;
@@ -107,7 +107,7 @@ static void send_sample(mw_application *application)
     memset(sums, 0, sizeof *sums);
 }
 
-/* Puts out what may be out now; a change of the state is sent to the host and kept in the retained memory. */
+/* Puts out the drive that is allowed now; a change of the state is sent to the host and kept in retained memory. */
 static void settle(mw_application *application)
 {
     const uint8_t state = mw_loop_state(&application->loop);
@@ -136,7 +136,7 @@ static void bad_frame(mw_application *application)
     const bool enough = application->bad_frames >= MW_STORM_FRAMES - 1u;
     *oldest = now;
     application->bad_frames++;
-    /* After the step above, the slot after this one holds the first of the last sixteen. */
+    /* After the increment above, this slot holds the first of the last sixteen. */
     const uint32_t first = application->storm_ticks[application->bad_frames % MW_STORM_FRAMES];
     if (enough && (float)(now - first) * MW_TICK_S <= MW_STORM_S) {
         mw_loop_trip(&application->loop, MW_EVENT_LINK_CORRUPTED);
@@ -223,7 +223,7 @@ void mw_application_byte(mw_application *application, uint8_t byte)
         return;
     }
     const uint8_t done = plain_command(application, &command);
-    settle(application); /* the output first, then talk about it */
+    settle(application); /* set the output before acknowledging it */
     acknowledge(application, &command, done);
     if (command.type == MW_HELLO && done == MW_DONE) {
         send_identity(application);
@@ -234,11 +234,11 @@ void mw_application_byte(mw_application *application, uint8_t byte)
 static bool injected_reading(mw_application *application, mw_board_tick tick, mw_board_reading *reading)
 {
     if (application->injected == MW_INJECT_STUCK_LOOP) {
-        for (;;) { /* the watchdog is what ends this */
+        for (;;) { /* the watchdog ends this */
         }
     }
     if (application->injected == MW_INJECT_FROZEN_CONVERTER) {
-        const uint8_t ticks = reading->ticks; /* the values stand still, time does not */
+        const uint8_t ticks = reading->ticks; /* the values are frozen, time is not */
         *reading = application->kept;
         reading->ticks = ticks;
     } else if (application->injected == MW_INJECT_NAN) {
@@ -250,8 +250,8 @@ static bool injected_reading(mw_application *application, mw_board_tick tick, mw
 }
 #endif
 
-/* The node is one channel, wire and shunt together: where it stands still, its difference to the shunt still moves, so
- * that the protection, which knows wire and shunt, would not see it. */
+/* The node is one channel, wire and shunt together: if it freezes, its difference to the shunt still changes, so that
+ * the protection, which sees wire and shunt, would not notice. */
 static void watch_node(mw_application *application, const mw_board_reading *reading)
 {
     const float step_v = MW_NODE_RANGE_V / (float)MW_CONVERTER_FULL_CODE;
@@ -298,7 +298,7 @@ void mw_application_tick(mw_application *application, mw_board_tick tick, const 
 #ifdef MW_FAULT_INJECTION
     there = injected_reading(application, tick, &reading);
 #endif
-    /* Time is what the converter says: a tick it did not finish is missing, and has not passed. */
+    /* The converter defines the time: a tick that it did not finish is missing, and has not passed. */
     if (tick == MW_TICK_READING) {
         application->tick += reading.ticks;
     }
@@ -328,6 +328,6 @@ void mw_application_start(mw_application *application)
     retain(MW_STATE_OFF, application->event_at_reset);
     application->reported_state = MW_STATE_OFF;
     application->reported_event = mw_loop_event(&application->loop);
-    /* Unasked: a host in the middle of a run learns by this that the board has started anew. */
+    /* Without a request: it informs a host in the middle of a run that the board has restarted. */
     send_identity(application);
 }

@@ -1,4 +1,4 @@
-/* The firmware's one state machine: bytes and ticks in, output voltage and frames out. No hardware in here. */
+/* The application: bytes and ticks in, output voltage and frames out. It does not access hardware. */
 #ifndef MW_APPLICATION_H
 #define MW_APPLICATION_H
 
@@ -10,10 +10,10 @@
 
 #define MW_FIRMWARE_MAJOR 1u
 #define MW_FIRMWARE_MINOR 1u
-/* So many broken frames within this time are a storm. */
+/* This many broken frames within this time are a storm. */
 #define MW_STORM_FRAMES 16u
 #define MW_STORM_S 0.2f
-/* A noisy converter that gives the very same number for so long is frozen; the protection table's time for a channel. */
+/* A noisy converter that repeats a number for this long is frozen; the protection table's time for a channel. */
 #define MW_FROZEN_NODE_S 0.3f
 
 typedef struct {
@@ -27,14 +27,14 @@ typedef struct {
     mw_standalone standalone;
     mw_sums sums;
     uint32_t tick;
-    float node_v, node_still_s; /* the node's last voltage, and for how long it has been that */
+    float node_v, node_still_s; /* the node's last voltage, and for how long it has not changed */
     uint32_t bad_frames;
     uint32_t storm_ticks[MW_STORM_FRAMES]; /* when each of the last bad frames came */
     uint16_t sequence;                     /* of the next frame to the host */
     uint16_t command_sequence;             /* of the last accepted command */
     uint16_t stream_every, stream_left;
     uint8_t event_at_reset, reset_cause;
-    uint8_t reported_state, reported_event; /* the last that host and retained memory got */
+    uint8_t reported_state, reported_event; /* the last that were sent to the host and retained */
 #ifdef MW_FAULT_INJECTION
     uint8_t injected;
     mw_board_reading kept;

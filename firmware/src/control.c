@@ -25,7 +25,7 @@ void mw_loop_start(mw_control_loop *loop)
 void mw_loop_arm(mw_control_loop *loop)
 {
     forget_commands(loop);
-    /* A wire that has just been switched off for its heat is not cold because someone arms again. */
+    /* A wire that has just been switched off because it was too hot is not cold yet when it is armed again. */
     mw_start_again(&loop->core);
     loop->command_v = (float)MW_SENSE_VOLTAGE_V;
 }
@@ -37,13 +37,13 @@ void mw_loop_off(mw_control_loop *loop)
 
 void mw_loop_trip(mw_control_loop *loop, uint8_t event)
 {
-    /* What is off already has nothing to be switched off, and keeps saying why it is. */
+    /* What is off already stays off with its first cause. */
     if (mw_loop_armed(loop)) {
         mw_protect_trip(&loop->core.protection, event);
     }
 }
 
-/* The on-board loop begins anew from what is out, with no reading of before. */
+/* The on-board loop starts again from the present drive, without earlier readings. */
 static void take_over(mw_control_loop *loop)
 {
     loop->core.started = 0;
@@ -66,7 +66,7 @@ void mw_loop_renew(mw_control_loop *loop)
 
 bool mw_loop_drive(mw_control_loop *loop, float drive_voltage_v)
 {
-    /* The core is the judge of the range: what it refuses, it trips on. */
+    /* The core checks the range: a drive that it refuses trips. */
     mw_loop_renew(loop);
     mw_drive(&loop->core, (mw_real)drive_voltage_v);
     loop->closed_loop = false;
@@ -90,7 +90,7 @@ bool mw_loop_target(mw_control_loop *loop, float target)
     return true;
 }
 
-/* Follows the last command again where a missing reading has interrupted it. */
+/* Follows the last command again after a missing reading has interrupted it. */
 static void follow(mw_control_loop *loop, uint8_t ticks)
 {
     mw_protection *protection = &loop->core.protection;
@@ -100,7 +100,7 @@ static void follow(mw_control_loop *loop, uint8_t ticks)
     }
     const bool follows = mw_protect_follows(protection);
     if (!follows) {
-        take_over(loop); /* what the loop last asked for is not what is out, and what was read is no reading */
+        take_over(loop); /* the drive is not the loop's own, and the sums contain missing readings */
     }
     if (loop->ticks_to_control > ticks) {
         loop->ticks_to_control = (uint16_t)(loop->ticks_to_control - ticks);
@@ -112,7 +112,7 @@ static void follow(mw_control_loop *loop, uint8_t ticks)
     }
 }
 
-/* The host's silence, by the table's rule: hold, then sense, then trip. */
+/* Applies the table's rule to the host's silence: hold, then sense, then trip. */
 static void age_command(mw_control_loop *loop, float passed_s)
 {
     mw_protection *protection = &loop->core.protection;
@@ -121,7 +121,7 @@ static void age_command(mw_control_loop *loop, float passed_s)
     if (!loop->expires || loop->command_age_s <= MW_COMMAND_GRACE_S) {
         return;
     }
-    /* A missing reading runs by its own clock, which no command may set back; the end of both is the same. */
+    /* A missing reading has its own clock, which no command may reset; both end in the same state. */
     const bool expired = loop->command_age_s * 1000.0f > (float)MW_EXPIRY_MS;
     if (expired || event == MW_EVENT_NONE || event == MW_EVENT_COMMAND_MISSING) {
         mw_protect_event(protection, MW_EVENT_COMMAND_MISSING, (mw_real)loop->command_age_s);
@@ -135,7 +135,7 @@ void mw_loop_reading(mw_control_loop *loop, const mw_board_reading *reading)
         mw_protect_cool(&loop->core.protection, (mw_real)passed_s);
         return;
     }
-    /* Ticks without a reading have been counted when they passed. */
+    /* Ticks without a reading were already counted when they passed. */
     const float uncounted_s = passed_s > loop->reading_age_s ? passed_s - loop->reading_age_s : 0.0f;
     loop->reading_age_s = 0.0f;
     mw_sample(&loop->core, (mw_real)reading->wire_voltage_v, (mw_real)reading->shunt_voltage_v, (mw_real)passed_s);
@@ -154,7 +154,7 @@ void mw_loop_missing(mw_control_loop *loop)
     if (loop->reading_age_s > MW_READING_GRACE_S) {
         mw_protect_event(&loop->core.protection, MW_EVENT_SAMPLE_LATE, (mw_real)loop->reading_age_s);
     }
-    age_command(loop, MW_TICK_S); /* the host's silence goes on, whatever the converter does */
+    age_command(loop, MW_TICK_S); /* the host's silence counts whether the converter delivers or not */
 }
 
 float mw_loop_output(const mw_control_loop *loop)

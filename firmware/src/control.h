@@ -1,6 +1,6 @@
-/* The exported C core, run once a tick: protection always, the loop toward a target where one is set.
+/* The exported C core, run once a tick: always the protection, and the closed loop if a target is set.
  *
- * Here is only what the core leaves to its user: how old the last command is, and who is in charge. */
+ * This file adds only what the core leaves to its user: the age of the last command, and who is in charge. */
 #ifndef MW_CONTROL_H
 #define MW_CONTROL_H
 
@@ -10,10 +10,10 @@
 #include "board.h"
 #include "musclewire.h"
 
-/* A host that exchanges every 0.05 s is not silent; from here on its silence is `command_missing`. */
+/* A host that exchanges every 0.05 s is not silent; a longer silence is `command_missing`. */
 #define MW_COMMAND_GRACE_S 0.06f
-/* Nor is a converter silent that is late by a tick or two. The rule's 0.1 s and 0.25 s count from the last one all the
- * same. */
+/* A converter that is late by a tick or two is not silent. The table's 0.1 s and 0.25 s still count from the last
+ * reading. */
 #define MW_READING_GRACE_S 0.02f
 
 typedef struct {
@@ -27,7 +27,7 @@ typedef struct {
 } mw_control_loop;
 
 void mw_loop_start(mw_control_loop *loop); /* state off, 0 V */
-/* State armed; a trip is forgotten, a host is in charge. How warm the wire is by its power is not forgotten. */
+/* State armed; a trip is cleared, a host is in charge. The wire's estimated temperature is kept. */
 void mw_loop_arm(mw_control_loop *loop);
 void mw_loop_off(mw_control_loop *loop);
 void mw_loop_trip(mw_control_loop *loop, uint8_t event);
@@ -35,7 +35,7 @@ void mw_loop_renew(mw_control_loop *loop); /* a valid command has come */
 
 bool mw_loop_armed(const mw_control_loop *loop);
 
-/* Both take effect at once and are followed from then on. A value that is not finite or out of range trips. */
+/* Both take effect at once and are followed until the next command. A value that is not finite or out of range trips. */
 bool mw_loop_drive(mw_control_loop *loop, float drive_voltage_v);
 bool mw_loop_target(mw_control_loop *loop, float target);
 

@@ -60,7 +60,7 @@ void mw_decoder_start(mw_decoder *decoder)
     decoder->skipping = false;
 }
 
-/* Undoes COBS in place. Returns the body's length, 0 where a count points outside the frame. */
+/* Decodes COBS in place. Returns the body's length, 0 if a count points outside the frame. */
 static uint8_t unstuffed(uint8_t *bytes, uint8_t length)
 {
     uint8_t in = 0, out = 0;
@@ -72,7 +72,7 @@ static uint8_t unstuffed(uint8_t *bytes, uint8_t length)
         for (uint8_t i = 1; i < count; i++) {
             bytes[out++] = bytes[in++];
         }
-        if (in < length) { /* the zero at the very end was put there by the sender's COBS, it is no data */
+        if (in < length) { /* the zero at the very end comes from the sender's COBS and is not data */
             bytes[out++] = 0u;
         }
     }
@@ -112,7 +112,7 @@ mw_frame_result mw_decoder_push(mw_decoder *decoder, uint8_t byte, mw_message *m
     const bool skipped = decoder->skipping;
     mw_decoder_start(decoder);
     if (skipped || length == 0u) {
-        return MW_FRAME_NONE; /* what was skipped has been counted when it became too long */
+        return MW_FRAME_NONE; /* a frame that was skipped was counted when it became too long */
     }
     return opened(decoder->bytes, unstuffed(decoder->bytes, length), message) ? MW_FRAME_GOOD : MW_FRAME_BAD;
 }

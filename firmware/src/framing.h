@@ -28,7 +28,7 @@ typedef struct {
 typedef struct {
     uint8_t bytes[MW_BODY_MAX + 1u];
     uint8_t length;
-    bool skipping; /* too long already: nothing is kept until the next zero */
+    bool skipping; /* the frame is too long: bytes are dropped until the next zero */
 } mw_decoder;
 
 /* CRC-32 of IEEE 802.3, reflected: the value zlib.crc32 gives. */
@@ -36,8 +36,8 @@ uint32_t mw_crc32(const uint8_t *bytes, uint16_t length);
 
 void mw_decoder_start(mw_decoder *decoder);
 
-/* Takes one byte of the line. GOOD fills `message`; BAD is a frame that was dropped: wrong COBS, length, check sum or
- * version. Empty frames are nothing: a zero may be sent at any time to start afresh. */
+/* Takes one byte of the line. GOOD fills `message`; BAD is a frame that was dropped: wrong COBS, length, checksum or
+ * version. Empty frames are ignored: a zero may be sent at any time to synchronise. */
 mw_frame_result mw_decoder_push(mw_decoder *decoder, uint8_t byte, mw_message *message);
 
 /* Writes a whole frame with its zero, at most MW_FRAME_MAX bytes, and returns its length. */

@@ -1,7 +1,7 @@
 #include "application.h"
 #include "board.h"
 
-/* So many bytes at most before a tick is looked for: a flood on the line must not hold up the protection. */
+/* At most this many bytes are taken before the next tick: a flood on the line must not delay the protection. */
 #define BYTES_AT_ONCE 64u
 
 static mw_application application;
@@ -16,7 +16,7 @@ int main(void)
         uint8_t byte;
         if (board_wait(&tick, &reading)) {
             mw_application_tick(&application, tick, &reading);
-            board_watchdog_feed(); /* fed by finished ticks only: a loop that works on no tick is stuck, too */
+            board_watchdog_feed(); /* fed by finished ticks only: a loop that processes no tick is stuck, too */
         }
         for (uint8_t i = 0; i < BYTES_AT_ONCE && board_get(&byte); i++) {
             mw_application_byte(&application, byte);

@@ -1,5 +1,5 @@
-/* Bytes between an interrupt and the program, one writer and one reader. Before it is included, RING is the number of
- * bytes that fit, and one more. */
+/* Bytes between an interrupt and the program, with one writer and one reader. Before this file is included, RING is
+ * defined as the number of bytes that fit plus one. */
 #ifndef MW_RING_H
 #define MW_RING_H
 
@@ -12,7 +12,7 @@
 
 typedef struct {
     volatile uint16_t in, out;
-    volatile uint8_t bytes[RING]; /* a byte is stored before the index that says so */
+    volatile uint8_t bytes[RING]; /* a byte is stored before its index changes */
 } ring;
 
 static inline uint16_t waiting(const ring *of)
@@ -27,7 +27,7 @@ static inline bool is_empty(const ring *of)
 
 static inline void keep(ring *of, uint8_t byte)
 {
-    if (waiting(of) < RING - 1u) { /* a full ring drops bytes: the frame's check sum will tell */
+    if (waiting(of) < RING - 1u) { /* a full ring drops bytes: the frame's checksum then fails */
         of->bytes[of->in] = byte;
         of->in = (uint16_t)((of->in + 1u) % RING);
     }

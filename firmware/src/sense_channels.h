@@ -11,15 +11,15 @@
 
 typedef struct {
     uint32_t full_code;      /* the converter's largest code, summed over the readings of one tick */
-    float node_range_v;      /* node voltage at the largest code: converter range over the divider's share */
+    float node_range_v;      /* node voltage at the largest code: converter range over the divider's ratio */
     float shunt_range_v;     /* shunt voltage at the largest code: converter range over the amplifier's gain */
 } mw_channels;
 
-/* A channel at the end of its range is passed on as that end, not as a difference: the protection must see it. */
+/* A channel at the end of its range is passed on as that value, not as a difference: the protection must see it. */
 mw_board_reading mw_sense_channels(const mw_channels *channels, uint32_t node_code, uint32_t shunt_code);
 
-/* Ticks a reading stands for, as board.h wants them: its own, and those before it that were missing. A board that makes
- * its ticks by a timer calls it once a tick; `missed` is kept for it. */
+/* Ticks that a reading covers, as board.h defines them: its own, and those before it that were missing. A board that
+ * makes its ticks by a timer calls it once a tick; `missed` is its state. */
 uint8_t mw_ticks_passed(uint8_t *missed, mw_board_tick tick);
 
 #endif

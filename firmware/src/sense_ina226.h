@@ -12,7 +12,7 @@
 
 #include "board.h"
 
-/* Both return false where the chip does not acknowledge. Registers are 16 bit, most significant byte first. */
+/* Both return false if the chip does not acknowledge. Registers are 16 bit, most significant byte first. */
 typedef struct {
     bool (*write)(void *bus, uint8_t address, uint8_t chip_register, uint16_t value);
     bool (*read)(void *bus, uint8_t address, uint8_t chip_register, uint16_t *value);
@@ -22,12 +22,12 @@ typedef struct {
 
 typedef enum { MW_INA226_READY, MW_INA226_NOT_YET, MW_INA226_LOST, MW_INA226_OVERFLOW } mw_ina226_result;
 
-/* Checks maker and chip, then sets continuous conversion of both, 332 us each, without averaging: 1.5 kHz.
- * False: no such chip answers. */
+/* Checks manufacturer and chip, then sets continuous conversion of both, 332 us each, without averaging: 1.5 kHz.
+ * Returns false if no such chip answers. */
 bool mw_ina226_start(const mw_ina226 *chip);
 
-/* The newest pair, once each. A chip that lost its settings (its supply dipped) is LOST, not believed. A shunt
- * beyond its 81.9 mV is OVERFLOW, with the end of the range in the reading. */
+/* Returns the newest pair, each pair once. A chip that lost its settings (its supply dipped) is LOST, and its readings
+ * are not used. A shunt voltage beyond 81.9 mV is OVERFLOW, with the end of the range in the reading. */
 mw_ina226_result mw_ina226_read(const mw_ina226 *chip, mw_board_reading *reading);
 
 #endif

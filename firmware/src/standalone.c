@@ -4,14 +4,14 @@
 #include "messages.h"
 
 #ifdef MW_STANDALONE
-/* The staircase in shares of the stroke: up and down again, each step long enough for a wire in still air. */
+/* The staircase in fractions of the stroke: up and down again, each step long enough for a wire in still air. */
 #define STEP_S 6.0f
 static const float staircase[] = {0.25f, 0.5f, 0.75f, 0.5f, 0.25f, 0.0f};
 /* Contacts bounce for some milliseconds. */
 #define BOUNCING_S 0.03f
 #define STEPS (sizeof staircase / sizeof staircase[0])
 
-static float share_of_stroke(const mw_standalone *standalone)
+static float fraction_of_stroke(const mw_standalone *standalone)
 {
 #if MW_BOARD_HAS_KNOB
     (void)standalone;
@@ -42,10 +42,10 @@ static bool pressed(mw_standalone *standalone)
 
 void mw_standalone_start(mw_standalone *standalone, uint8_t reset_cause)
 {
-    /* A program that hung, or a supply that broke down, must not start to heat again on its own. */
+    /* After a program that hung, or a supply that broke down, heating must not start again by itself. */
     standalone->allowed = reset_cause == MW_RESET_POWER_ON || reset_cause == MW_RESET_EXTERNAL;
     standalone->running = false;
-    standalone->pressed = true; /* a button that is held down at the start is no press */
+    standalone->pressed = true; /* a button that is held down at the start does not count as pressed */
     standalone->other = 0;
     standalone->tick = 0;
 }
@@ -70,8 +70,8 @@ void mw_standalone_tick(mw_standalone *standalone, mw_control_loop *loop)
     }
     if (standalone->running && mw_loop_armed(loop)) {
         const float stroke = (float)(MW_QUANTITY_MAX - MW_QUANTITY_MIN);
-        const float target = (float)MW_QUANTITY_MIN + stroke * share_of_stroke(standalone);
-        /* The knob's far end is the range's, not a rounding beyond it, which would trip. */
+        const float target = (float)MW_QUANTITY_MIN + stroke * fraction_of_stroke(standalone);
+        /* At the knob's far end, rounding must not exceed the range: that would trip. */
         (void)mw_loop_target(loop, target < (float)MW_TARGET_HIGHEST ? target : (float)MW_TARGET_HIGHEST);
         standalone->tick++;
     }

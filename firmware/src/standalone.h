@@ -13,7 +13,7 @@ typedef struct {
     bool allowed;  /* the last reset was a power-on or the reset button */
     bool running;
     bool pressed;  /* the button, without its bouncing */
-    uint8_t other; /* ticks for which it has been the other way */
+    uint8_t other; /* ticks for which it has been in the other position */
     uint32_t tick; /* since the run began */
 } mw_standalone;
 

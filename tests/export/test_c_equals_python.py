@@ -53,7 +53,7 @@ def test_resistance_estimate_state_and_event_are_python_s_to_the_bit_in_double(
     exported: Libraries, loaded: Loaded
 ) -> None:
     reference = exported("zhao-1993").reference()
-    ticks = exercise(reference, 13, 4000, fault_share=0.03)
+    ticks = exercise(reference, 13, 4000, fault_probability=0.03)
     found = largest_differences(loaded("zhao-1993", True), reference, ticks, relative=True)
     assert [found[name] for name in ("resistance_ohm", "estimate", "valid", "state", "event")] == [0.0] * 5
 
@@ -70,7 +70,7 @@ def test_without_an_exponential_everything_is_python_s_to_the_bit(
 def test_the_exercise_reaches_every_event_that_two_voltages_can_show(exported: Libraries) -> None:
     reference = exported("zhao-1993").reference()
     # Over-temperature needs a wire that is driven for long, so one run is almost without faults.
-    runs = exercise(reference, 15, 8000, fault_share=0.05), exercise(reference, 16, 4000, fault_share=0.001)
+    runs = exercise(reference, 15, 8000, fault_probability=0.05), exercise(reference, 16, 4000, fault_probability=0.001)
     seen = {tick.outcome.event for run in runs for tick in run}
     assert {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13} <= seen
     assert len(FAULTS) == 13
@@ -88,7 +88,7 @@ def test_any_model_with_any_settings_equals_python_in_both_precisions(
     for double, most in MAX_DIFFERENCE.items():
         reference = one.reference()
         loaded = compiled(one.library, tmp_path_factory.mktemp("compiled"), double=double)
-        ticks = exercise(reference, data.draw(st.integers(0, 1000)), 200, fault_share=0.02)
+        ticks = exercise(reference, data.draw(st.integers(0, 1000)), 200, fault_probability=0.02)
         found = largest_differences(loaded, reference, ticks, relative=double)
         assert max(found.values()) <= most, found
 
@@ -151,7 +151,7 @@ def test_a_control_tick_without_any_sample_holds_the_drive(exported: Libraries, 
     reference = exported("zhao-1993").reference()
     library = loaded("zhao-1993", False)
     library.start()
-    for tick in islice(exercise(reference, 3, 40, fault_share=0.0), 40):
+    for tick in islice(exercise(reference, 3, 40, fault_probability=0.0), 40):
         before = library.tick(tick)
     after = library.control(0.02, 0.05)
     assert after.drive_voltage_v == before.drive_voltage_v

@@ -48,12 +48,12 @@ void board_output_off_at_reset(void)
     DDRB |= (uint8_t)(1u << DDB1);
     flags_at_reset = MCUSR;
     MCUSR = 0;
-    wdt_disable(); /* it stays on over its own reset, at its shortest time */
+    wdt_disable(); /* it stays on after its own reset, with its shortest time */
 }
 
 static uint8_t cause_of_reset(void)
 {
-    /* A boot loader may have cleared the flags; the note tells a watchdog's reset all the same. */
+    /* A boot loader may have cleared the flags; the note shows a watchdog's reset all the same. */
     if ((flags_at_reset & (1u << WDRF)) || note == NOTE_WATCHDOG) {
         return MW_RESET_WATCHDOG;
     }
@@ -112,7 +112,7 @@ ISR(WDT_vect)
 ISR(TIMER2_COMPA_vect)
 {
     milliseconds++;
-    if (!(ADCSRA & (1u << ADSC))) { /* one that still runs is late, and counts as missing */
+    if (!(ADCSRA & (1u << ADSC))) { /* a conversion that still runs is late, and counts as missing */
         ADMUX = (uint8_t)(SUPPLY_IS_REFERENCE | NODE_CHANNEL);
         ADCSRA |= (uint8_t)(1u << ADSC);
     }
@@ -140,7 +140,7 @@ ISR(USART_RX_vect)
 {
     const uint8_t byte = UDR0;
     const uint8_t next = (uint8_t)((from_host_in + 1u) & (FROM_HOST - 1u));
-    if (next != from_host_out) { /* a full ring drops bytes: the frame's check sum will tell */
+    if (next != from_host_out) { /* a full ring drops bytes: the frame's checksum then fails */
         from_host[from_host_in] = byte;
         from_host_in = next;
     }
@@ -159,9 +159,9 @@ ISR(USART_UDRE_vect)
 void board_set_drive(float drive_voltage_v)
 {
     float code = drive_voltage_v * ((float)MW_OUTPUT_FULL_CODE / MW_OUTPUT_RANGE_V) + 0.5f;
-    code = code > 0.0f ? code : 0.0f; /* what is no number comes out as 0 */
+    code = code > 0.0f ? code : 0.0f; /* NaN becomes 0 */
     const uint16_t whole = code < (float)MW_OUTPUT_FULL_CODE ? (uint16_t)code : MW_OUTPUT_FULL_CODE;
-    /* At a compare value of 0 fast PWM still gives a spike of one cycle: 0 V means that the timer lets go of the pin. */
+    /* At a compare value of 0 fast PWM still gives a spike of one cycle: for 0 V the timer is disconnected from the pin. */
     const uint8_t mode = whole > 0u ? (uint8_t)((1u << COM1A1) | (1u << WGM11)) : (uint8_t)(1u << WGM11);
     const uint8_t interrupts = SREG;
     cli();
@@ -185,7 +185,7 @@ static bool next_tick(mw_board_tick *tick, mw_board_reading *reading)
     node_sum = shunt_sum = 0;
     readings = 0;
     sei();
-    /* One reading more or less is the beat of two clocks; the sums are scaled to ten. */
+    /* The beat of two clocks makes one reading more or less; the sums are scaled to ten. */
     *tick = count + 2u >= READINGS ? MW_TICK_READING : MW_TICK_MISSING;
     const uint8_t ticks = mw_ticks_passed(&missed, *tick);
     if (*tick == MW_TICK_READING) {

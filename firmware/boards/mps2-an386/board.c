@@ -1,8 +1,9 @@
 /* MPS2 board with a Cortex-M4F, as QEMU emulates it. UART0 is the host's line.
  *
- * UART1 stands for converter and output stage. From the bench: 0xa5, node code, shunt code, number, check: a finished
- * conversion; 0x5a: the next one takes up to a second, time stands still until then. To the bench: 0x3c (0x3d: the board has just started), output code, number of
- * the conversion that it answers, check. Codes are 16 bit, low byte first; the check is the exclusive or of all before.
+ * UART1 replaces converter and output stage. From the bench: 0xa5, node code, shunt code, number, check: a finished
+ * conversion; 0x5a: the next one takes up to a second, and no time passes until then. To the bench: 0x3c (0x3d: the board
+ * has just started), output code, number of the conversion that it answers, check. Codes are 16 bit, low byte first; the
+ * check is the exclusive or of all bytes before it.
  */
 #include "board.h"
 
@@ -24,7 +25,7 @@
 #define NOTE_ALIVE 0x616c6976u
 #define NOTE_WATCHDOG 0x77646f67u
 
-/* Longer than this without a word from the converter: a tick is missing. */
+/* If nothing comes from the converter for longer than this, a tick is missing. */
 #define LATE (2u * MW_TICK_PERIOD_US * (CLOCK_HZ / 1000000u))
 #define LATE_WHILE_CONVERTING CLOCK_HZ
 #define TICK_COUNTS (MW_TICK_PERIOD_US * (CLOCK_HZ / 1000000u))
@@ -38,7 +39,7 @@ static ring from_host, from_bench, to_host;
 static uint8_t cause;
 static uint8_t answered; /* number of the conversion that the next output answers */
 static bool first = true;
-static uint32_t heard;   /* when the converter last said something, in counts of the time base */
+static uint32_t heard;   /* when a byte of the converter last came, in counts of the time base */
 static uint32_t patience = LATE;
 static uint8_t packet[CONVERSION_BYTES], packet_length;
 
@@ -46,7 +47,7 @@ static const mw_channels channels = {MW_CONVERTER_FULL_CODE, MW_NODE_RANGE_V, MW
 
 static void receive(uart_registers *uart, ring *into)
 {
-    uart->interrupts = 2u; /* before the byte is taken: the next one may come right behind it */
+    uart->interrupts = 2u; /* before the byte is taken: the next one may follow at once */
     while (uart->state & UART_RECEIVE_FULL) {
         keep(into, (uint8_t)uart->data);
     }
@@ -76,7 +77,7 @@ void bench_receive_handler(void)
     receive(BENCH_UART, &from_bench);
 }
 
-/* Says an output code to the bench. The bench always reads; on a real board this is one register. */
+/* Sends an output code to the bench. The bench always reads; on a real board this is one register. */
 static void put_output(uint8_t kind, uint16_t code)
 {
     const uint8_t bytes[OUTPUT_BYTES - 1u] = {kind, (uint8_t)code, (uint8_t)(code >> 8), answered};
@@ -92,7 +93,7 @@ static void put_output(uint8_t kind, uint16_t code)
     BENCH_UART->data = check;
 }
 
-/* The very first thing after a reset, before memory is set up: nothing here may need it. */
+/* Runs first after a reset, before memory is set up: nothing here may use it. */
 void board_output_off_at_reset(void)
 {
     BENCH_UART->divider = 16u;
@@ -109,7 +110,7 @@ void watchdog_handler(void)
     }
 }
 
-/* A fault of the processor: off, and the watchdog does the rest. */
+/* A fault of the processor: the output goes off, and the watchdog resets. */
 void fault_handler(void)
 {
     put_output(OUTPUT, 0u);
@@ -119,7 +120,7 @@ void fault_handler(void)
 
 void systick_handler(void)
 {
-    /* Only there to end the waiting. */
+    /* It only ends the wait for an interrupt. */
 }
 
 static void start_watchdog(void)
@@ -132,7 +133,7 @@ static void start_watchdog(void)
 
 void board_start(void)
 {
-    /* Memory that kept its content over a reset that was no watchdog's: the reset pin, or a short dip of the supply. */
+    /* Memory kept its content, and the watchdog was not the cause: the reset pin, or a short dip of the supply. */
     cause = note == NOTE_WATCHDOG ? MW_RESET_WATCHDOG : note == NOTE_ALIVE ? MW_RESET_EXTERNAL : MW_RESET_POWER_ON;
     note = NOTE_ALIVE;
     FPGA_PRESCALE = 0u;
@@ -157,12 +158,12 @@ uint8_t board_reset_cause(void)
 void board_set_drive(float drive_voltage_v)
 {
     float code = drive_voltage_v * ((float)MW_OUTPUT_FULL_CODE / MW_OUTPUT_RANGE_V) + 0.5f;
-    /* Written so that what is no number comes out as 0. */
+    /* Written so that NaN becomes 0. */
     code = code > 0.0f ? code : 0.0f;
     put_output(OUTPUT, code < (float)MW_OUTPUT_FULL_CODE ? (uint16_t)code : MW_OUTPUT_FULL_CODE);
 }
 
-/* Takes one byte of the converter; true where a conversion is complete in `packet` or is said to be under way. */
+/* Takes one byte of the converter; returns true if `packet` holds a complete conversion or one is announced. */
 static bool converter_spoke(uint8_t byte, mw_board_tick *tick)
 {
     if (packet_length == 0u && byte != CONVERSION) {

@@ -17,7 +17,7 @@
 #define READINGS 8u
 #define NODE_CHANNEL 4u
 #define SHUNT_CHANNEL 5u
-/* A conversion takes 40 cycles of 8 MHz; so many rounds of waiting are far more. */
+/* A conversion takes 40 cycles of 8 MHz; this many rounds of waiting take far longer. */
 #define CONVERSION_ROUNDS 200u
 #define NOTE_ALIVE 0x616c6976u
 
@@ -43,11 +43,11 @@ void board_output_off_at_reset(void)
 void fault_handler(void)
 {
     board_output_off_at_reset();
-    for (;;) { /* the watchdog does the rest */
+    for (;;) { /* the watchdog resets */
     }
 }
 
-/* The code of one channel, or more than there is where the converter does not answer. */
+/* Returns the code of one channel, or one above full scale if the converter does not answer. */
 static uint32_t converted(uint32_t channel)
 {
     CONVERTER_CHANNEL = channel;
@@ -87,7 +87,7 @@ void line_handler(void)
 {
     const uint32_t status = LINE_STATUS;
     if (status & (LINE_RECEIVED | LINE_OVERRUN)) {
-        const uint8_t byte = (uint8_t)LINE_DATA; /* clears both: an overrun left standing would interrupt for ever */
+        const uint8_t byte = (uint8_t)LINE_DATA; /* clears both flags: an overrun that is not cleared would interrupt endlessly */
         if (status & LINE_RECEIVED) {
             keep(&from_host, byte);
         }
@@ -158,7 +158,7 @@ uint8_t board_reset_cause(void)
 void board_set_drive(float drive_voltage_v)
 {
     float code = drive_voltage_v * ((float)MW_OUTPUT_FULL_CODE / MW_OUTPUT_RANGE_V) + 0.5f;
-    code = code > 0.0f ? code : 0.0f; /* what is no number comes out as 0 */
+    code = code > 0.0f ? code : 0.0f; /* NaN becomes 0 */
     TIMER_COMPARE = code < (float)MW_OUTPUT_FULL_CODE ? (uint32_t)code : MW_OUTPUT_FULL_CODE;
 }
 
@@ -210,7 +210,7 @@ bool board_put(const uint8_t *bytes, uint8_t length)
     for (uint8_t i = 0; i < length; i++) {
         keep(&to_host, bytes[i]);
     }
-    __asm volatile("cpsid i"); /* from here on only: a frame takes longer to copy than bytes take to come */
+    __asm volatile("cpsid i"); /* only from here on: copying a frame takes longer than bytes take to come */
     LINE_CONTROL |= LINE_SENDING;
     send_waiting();
     __asm volatile("cpsie i");

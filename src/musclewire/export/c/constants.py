@@ -1,7 +1,7 @@
 """Every number of an exported library, by its C name: model, controller, limits, protection table.
 
-They are collected once, from the objects that Python computes with. The header is written from this list, and what the
-export checks and a test reads back is this list too.
+They are collected once, from the objects that Python computes with. The header is written from this list; the export's
+checks and the tests read the same list.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ EFFECT_WEIGHT = 16
 INFERENCES = {"constant": 0, "product-weighted-sum": 1, "min-max-centroid": 2}
 MICROSECONDS_PER_S = 1e6
 RANGE_ENDS = {f"k{k}_{end}": f"k{k}_range[{i}]" for k in "pid" for i, end in enumerate(("minimum", "maximum"))}
-# The groups that say how the loop is closed, whatever board it runs on.
+# The groups that define the closed loop, independently of the board. Their text is part of the model's checksum.
 CONTROL_HEADINGS = (
     "the self-sensing model (Lan and Fan 2010, Eqs. 3 to 5)",
     "the fuzzy-tuned PID (Eq. 6)",
@@ -73,7 +73,7 @@ def collect(
     limits: DriveLimits,
     protection: ProtectionLimits,
 ) -> Constants:
-    """Return the numbers of a library. Raises CallerError where drive limits and protection disagree."""
+    """Return the numbers of a library. Raises CallerError if drive limits and protection disagree."""
     checked = protection.checked()
     for name in ("sense_voltage_v", "maximum_voltage_v"):
         asked, allowed = getattr(limits, name), getattr(checked, name)
@@ -92,17 +92,17 @@ def collect(
 
 
 def control_numbers(model: SensingModel, settings: FuzzyPidSettings, rule_base: RuleBase) -> Constants:
-    """Return the numbers of a model and its controller: those that the checksum is of."""
+    """Return the numbers of a model and its controller: those that the checksum covers."""
     groups = (_model(model), _controller(settings), _rules(rule_base))
     return Constants(dict(zip(CONTROL_HEADINGS, groups, strict=True)))
 
 
 def _circuit(limits: ProtectionLimits) -> list[Constant]:
-    least_current_a = inspect.signature(wire_resistance).parameters["minimum_current_a"].default
+    min_current_a = inspect.signature(wire_resistance).parameters["minimum_current_a"].default
     shunt_ohm = limits.shunt_resistance_ohm
     return [
         _real("SHUNT_RESISTANCE_OHM", shunt_ohm, "R of Eq. 1"),
-        _real("LEAST_SHUNT_VOLTAGE_V", least_current_a * shunt_ohm, "below it there is no resistance"),
+        _real("LEAST_SHUNT_VOLTAGE_V", min_current_a * shunt_ohm, "below it there is no resistance"),
         _real("SENSE_VOLTAGE_V", limits.sense_voltage_v, "the drive never falls below it while sensing"),
         _real("MAXIMUM_VOLTAGE_V", limits.maximum_voltage_v),
     ]
@@ -195,7 +195,7 @@ def _table() -> list[Constant]:
 
 
 def _machine() -> list[Constant]:
-    """Return states, signals and effects, and what each signal does in each state: effect and state in one byte."""
+    """Return states, signals and effects, and the table of transitions, each with effect and next state in one byte."""
     table = protection_table()
     transitions = tuple(float(EFFECT_WEIGHT * effect + state) for row in table.transitions for state, effect in row)
     return [
@@ -273,7 +273,7 @@ def _integer(name: str, value: int, meaning: str = "") -> Constant:
 
 
 def numbers_of(constants: Sequence[Constant]) -> list[tuple[str, float]]:
-    """Return every real number with the name its owner knows it by: ``heating_coefficients[2]``, ``kp_range[0]``."""
+    """Return every real number with its name in Python: ``heating_coefficients[2]``, ``kp_range[0]``."""
     return [
         (_known_as(constant, index), value)
         for constant in constants

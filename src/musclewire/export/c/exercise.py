@@ -1,4 +1,4 @@
-"""Random but repeatable ticks that take a library through what it can do: targets, noise, lost readings, faults."""
+"""Random but repeatable ticks that exercise a library: targets, noise, lost readings and faults."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from musclewire.export.c.reference import Outcome, ReferenceTick
 
 __all__ = ["FAULTS", "Tick", "exercise"]
 
-# Share of the model's span that the resistance walks in a control period at most, and of the range that a target does.
+# Largest step of the resistance in a control period, as a fraction of the model's span.
 WALK_FRACTION = 0.02
 TARGET_CHANGES_EACH_S = 2.0
 MAX_FAULT_S = 0.6
@@ -20,9 +20,9 @@ NOISE_V = 2e-4
 
 
 class Tick(NamedTuple):
-    """One row: whether the library starts anew before it, the inputs, and what Python says after it.
+    """One row: whether the library is started again before it, the inputs, and Python's outcome after it.
 
-    ``control_s`` is 0 where only a sample is taken. All inputs are numbers that single precision holds exactly.
+    ``control_s`` is 0 if only a sample is taken. All inputs are numbers that single precision holds exactly.
     """
 
     start: bool
@@ -35,7 +35,7 @@ class Tick(NamedTuple):
 
 
 class Voltages(NamedTuple):
-    """What two channels read, and what the fault may need to know."""
+    """The readings of both channels, with what a fault may depend on: the last reading and the channels' ranges."""
 
     wire_v: float
     shunt_v: float
@@ -43,7 +43,7 @@ class Voltages(NamedTuple):
     ranges_v: tuple[float, float]
 
 
-# What a fault makes of the two voltages.
+# Each fault replaces the two voltages by those that the channels would then read.
 FAULTS: dict[str, Callable[[Voltages], tuple[float, float]]] = {
     "open wire": lambda v: (v.wire_v + v.shunt_v, 0.0),
     "supply missing": lambda _: (0.0, 0.0),
@@ -68,11 +68,11 @@ def exercise(
     *,
     tick_s: float = 0.05,
     ticks_a_control: int = 1,
-    fault_share: float = 0.01,
+    fault_probability: float = 0.01,
 ) -> Iterator[Tick]:
-    """Run the reference through random ticks; after a trip it starts anew a few ticks later.
+    """Run the reference through random ticks; after a trip it is started again a few ticks later.
 
-    ``fault_share`` is the chance of a fault at a tick. The same seed gives the same ticks.
+    ``fault_probability`` is the probability of a fault at each tick. The same seed gives the same ticks.
     """
     random = np.random.default_rng(seed)
     bench = _Bench(reference, random)
@@ -83,7 +83,7 @@ def exercise(
             reference.start()
             fault_left = tripped_for = 0
         wire_v, shunt_v = bench.read(ticks_a_control)
-        if fault_left == 0 and random.random() < fault_share:
+        if fault_left == 0 and random.random() < fault_probability:
             fault = str(random.choice(list(FAULTS)))
             fault_left = int(random.integers(1, max(2, int(MAX_FAULT_S / tick_s))))
         if fault_left:
@@ -101,22 +101,24 @@ def exercise(
 
 
 class _Bench:
-    """A wire whose resistance walks about, in the circuit of the protection's limits."""
+    """A wire whose resistance follows a random walk, in the circuit of the protection's limits."""
 
     def __init__(self, reference: ReferenceTick, random: np.random.Generator) -> None:
         self._reference, self._random = reference, random
-        self._share = 1.0
-        # Never the very end of the range, where a cold wire's estimate stands still: an error of exactly 0 there is one
-        # of 1e-9 in single precision, and some rule bases jump in between.
+        self._normalised_resistance = 1.0
+        # Never the very end of the range, where a cold wire's estimate does not change: an error of exactly 0 there is
+        # 1e-9 in single precision, and some rule bases jump in between.
         self._target = _single(0.9 * reference.model.quantity_min + 0.1 * reference.model.quantity_max)
         self.last_wire_v = 0.0
 
     def read(self, ticks_a_control: int) -> tuple[float, float]:
-        """Return both voltages of the drive that is out, with noise."""
+        """Return both voltages at the present drive, with noise."""
         model, limits = self._reference.model, self._reference.protection_limits
         step = WALK_FRACTION / ticks_a_control
-        self._share = min(max(self._share + self._random.uniform(-step, step), -0.01), 1.01)
-        resistance = model.resistance_min_ohm + self._share * (model.resistance_max_ohm - model.resistance_min_ohm)
+        walked = self._normalised_resistance + self._random.uniform(-step, step)
+        self._normalised_resistance = min(max(walked, -0.01), 1.01)
+        span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
+        resistance = model.resistance_min_ohm + self._normalised_resistance * span_ohm
         current = self._reference.drive_voltage_v / (resistance + limits.shunt_resistance_ohm)
         noise = self._random.normal(0.0, NOISE_V, 2)
         return (
@@ -125,11 +127,12 @@ class _Bench:
         )
 
     def voltages(self, wire_v: float, shunt_v: float) -> Voltages:
+        """Return two readings with what a fault may depend on."""
         limits = self._reference.protection_limits
         return Voltages(wire_v, shunt_v, self.last_wire_v, (limits.wire_range_v, limits.shunt_range_v))
 
     def target_after(self, tick_s: float) -> float:
-        """Return the target, which jumps to another place in the range now and then."""
+        """Return the target, which occasionally jumps to another value in the range."""
         model = self._reference.model
         if self._random.random() < tick_s * TARGET_CHANGES_EACH_S:
             self._target = _single(self._random.uniform(model.quantity_min, model.quantity_max))
@@ -137,5 +140,5 @@ class _Bench:
 
 
 def _single(value: float) -> float:
-    """Return the nearest number that single precision holds: both precisions then start from the same."""
+    """Return the nearest number that single precision holds, so that both precisions start from the same value."""
     return float(np.float32(value))

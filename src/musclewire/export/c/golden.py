@@ -1,4 +1,4 @@
-"""Golden vectors: inputs of a library and what Python makes of them, as a table that a C program reads."""
+"""Golden vectors: inputs of a library and Python's outcomes, as a table that a C program reads."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from musclewire.export.c.reference import Outcome, ReferenceTick
 __all__ = ["COLUMNS", "golden_ticks", "golden_vectors"]
 
 SEED = 2010
-# Calm ticks first, then faults at the control rate, then a converter that is faster than the controller.
+# Ticks without faults first, then faults at the control rate, then a converter that is faster than the controller.
 CALM, FAULTY, FAST = 150, 250, 300
 COLUMNS = ("start", "wire_voltage_v", "shunt_voltage_v", "target", "tick_s", "control_s", *Outcome._fields)
 
@@ -19,9 +19,9 @@ def golden_ticks(reference: ReferenceTick) -> list[Tick]:
     """Return the ticks of the golden vectors, the same each time."""
     return list(
         chain(
-            exercise(reference, SEED, CALM, fault_share=0.0),
-            exercise(reference, SEED + 1, FAULTY, fault_share=0.05),
-            exercise(reference, SEED + 2, FAST, tick_s=0.002, ticks_a_control=10, fault_share=0.01),
+            exercise(reference, SEED, CALM, fault_probability=0.0),
+            exercise(reference, SEED + 1, FAULTY, fault_probability=0.05),
+            exercise(reference, SEED + 2, FAST, tick_s=0.002, ticks_a_control=10, fault_probability=0.01),
         )
     )
 

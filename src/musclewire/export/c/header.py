@@ -14,7 +14,7 @@ START = """/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identi
 /* Written by musclewire {version} (musclewire export c): numbers of one wire, its controller, its limits.
  * Model: {model}
  * Rule base: {rules}
- * Write it anew instead of editing it: the golden vectors beside it belong to these very numbers. */
+ * Export it again instead of editing it: the golden vectors next to it were computed with these numbers. */
 #ifndef MW_CONSTANTS_H
 #define MW_CONSTANTS_H
 {double}
@@ -43,10 +43,10 @@ def constants_header(constants: Constants, *, name: str, model: str, rules: str,
 
 
 def model_checksum(constants: Constants) -> int:
-    """Return the crc32 that tells one model with its controller from another.
+    """Return the crc32 by which a host recognises a model with its controller.
 
-    Circuit and limits are not in it: they belong to the board, and a host that wants to know whose loop runs there has
-    only model and controller to compare.
+    Circuit and limits are not included: they belong to the board, and a host that checks which loop the board runs
+    has only model and controller to compare.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def _lines(constant: Constant) -> list[str]:
     else:
         inner = rows(texts)
     body = " \\\n".join(f"    {line}" for line in inner)
-    # A comment would end up inside the macro's line continuation: it stands before.
+    # A comment would end up inside the macro's line continuation, so it precedes the macro.
     return [*([comment.strip()] if comment else []), f"#define MW_{constant.name} {{ \\\n{body} \\\n}}"]
 
 
@@ -98,5 +98,5 @@ def _number(constant: Constant, value: float) -> str:
 
 
 def _comment(text: str) -> str:
-    """Return a text that can stand in a C comment on one line."""
+    """Return a text that is valid inside a C comment on one line."""
     return " ".join(text.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").split())

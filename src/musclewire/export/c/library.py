@@ -33,10 +33,10 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 
 class Library(NamedTuple):
-    """What was written: where, which files (relative, in order), and its numbers.
+    """A library that was written: its folder, its files (relative, in order) and its numbers.
 
-    ``single_error_share`` is how far the estimate in single precision is off at most, as a share of the full scale;
-    ``reference`` the tick in Python that the golden vectors come from.
+    ``single_error_share`` is the largest error of the estimate in single precision, as a fraction of the full scale;
+    ``reference`` is the tick in Python that the golden vectors come from.
     """
 
     folder: Path
@@ -48,7 +48,7 @@ class Library(NamedTuple):
 
 
 def project_files(name: str, quantity: str) -> dict[str, str]:
-    """Return what stands around the sources, by its place in the library's folder, with the library's name in it."""
+    """Return the files around the sources, by their path in the library's folder, with the library's name filled in."""
     from importlib.metadata import version
 
     root = files("musclewire.export") / "c_project"
@@ -71,7 +71,7 @@ def project_files(name: str, quantity: str) -> dict[str, str]:
 
 
 def loop_checksum(model: SensingModel, settings: FuzzyPidSettings, rule_base: RuleBase | None = None) -> int:
-    """Return the checksum that a library with this model and controller carries, and a board built with it says."""
+    """Return the checksum of a library with this model and controller, which a board built with it reports."""
     return model_checksum(control_numbers(model, settings, rule_base or load_rule_base(settings.rule_base)))
 
 
@@ -134,7 +134,7 @@ def write_library(
 
 
 def refuse_replacing(folder: Path, texts: Mapping[str, str]) -> None:
-    """Raise CallerError where a file is there already and says something else: another wire's numbers, or own work."""
+    """Raise CallerError if a file exists with other content: another wire's numbers, or the user's own work."""
     others = [name for name, text in texts.items() if differs(folder / name, text)]
     if others:
         more = f" and {len(others) - 1} more" if len(others) > 1 else ""
@@ -145,17 +145,17 @@ def refuse_replacing(folder: Path, texts: Mapping[str, str]) -> None:
 
 
 def differs(path: Path, text: str) -> bool:
-    """Tell whether something else than this text stands where it is to be written."""
+    """Return whether a file exists at this path with content other than this text."""
     try:
         return path.read_bytes().decode("utf-8").replace("\r\n", "\n") != text
     except FileNotFoundError:
         return False
     except (OSError, UnicodeDecodeError):
-        return path.is_file()  # for all else the writing says what is wrong
+        return path.is_file()  # in all other cases writing the file reports what is wrong
 
 
 def _write(folder: Path, texts: dict[str, str]) -> None:
-    """Write each file whole or not at all; CallerError where that cannot be."""
+    """Write each file whole or not at all. Raises CallerError if one cannot be written."""
     from musclewire.signals.whole_files import write_text_whole
 
     try:

@@ -1,4 +1,4 @@
-"""Numbers as C writes them: every digit survives, in single precision as in double, or the export is refused."""
+"""Numbers as C literals: every digit is kept, in single precision as in double, or the export is refused."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def literal(value: float) -> str:
     """Return a finite number as a C literal that reads back as the same double, and as its nearest single.
 
     The shortest text that gives the double back is not the double itself. Where the double lies half-way between two
-    singles that difference would decide the rounding, so there all its digits are written.
+    singles that difference would decide the rounding, so in that case all its digits are written.
     """
     number = float(value)
     if not math.isfinite(number):
@@ -35,7 +35,7 @@ def literal(value: float) -> str:
 
 
 def check_single(name: str, value: float) -> None:
-    """Raise CallerError, naming the number, where single precision cannot hold it to its 24 bits."""
+    """Raise CallerError, naming the number, if single precision cannot hold it to its 24 bits."""
     with np.errstate(over="ignore", under="ignore"):
         single = float(np.float32(value))
     if not math.isfinite(single):

@@ -1,4 +1,4 @@
-"""Whether a library's numbers and its polynomial keep their meaning in single precision."""
+"""Check that a library's numbers and its polynomial are accurate enough in single precision."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from musclewire.sensing.model import SensingModel
 
 __all__ = ["MAX_ERROR", "check_precision", "single_estimates", "single_error_share"]
 
-# An estimate in single precision may differ from one in double by this share of the full scale.
+# An estimate in single precision may differ from one in double by this fraction of the full scale.
 MAX_ERROR = 2e-4
 CHECKED_RESISTANCES = 4001
 MIN_TICK_S = 1e-4
@@ -30,7 +30,7 @@ ORDERED = (
 
 
 def check_precision(model: SensingModel, constants: Constants) -> None:
-    """Raise CallerError, naming the number, where single precision overflows, underflows or loses digits."""
+    """Raise CallerError, naming the number, if single precision overflows, underflows or loses digits."""
     for name, value in numbers_of(constants.all()):
         if math.isfinite(value):
             check_single(name, value)
@@ -45,7 +45,7 @@ def check_precision(model: SensingModel, constants: Constants) -> None:
 
 
 def _check_products(constants: Constants) -> None:
-    """Check what the tick multiplies and divides on its way: each must stay a normal number at full scale."""
+    """Check the intermediate products and quotients of a tick: each must stay a normal number at full scale."""
     value = constants.value
     range_ = value("QUANTITY_MAX") - value("QUANTITY_MIN")
     unit, scale = value("ERROR_UNIT"), value("INPUT_SCALE")
@@ -63,8 +63,8 @@ def _check_products(constants: Constants) -> None:
 
 
 def _check_estimate(model: SensingModel, constants: Constants) -> None:
-    share = single_error_share(model, constants)
-    if share <= MAX_ERROR:
+    error = single_error_share(model, constants)
+    if error <= MAX_ERROR:
         return
     low, high = constants.value("NORMALISED_MIN"), constants.value("NORMALISED_MAX")
     reach = max(abs(low), abs(high))
@@ -76,7 +76,7 @@ def _check_estimate(model: SensingModel, constants: Constants) -> None:
         ),
         key=lambda found: found[2],
     )
-    # Where no term is larger than the result, the digits went before: in Eq. 3, whose two resistances are too alike.
+    # If no term is larger than the result, the digits were lost earlier: in Eq. 3, whose two resistances are too alike.
     if term <= 10.0 * max(abs(model.quantity_min), abs(model.quantity_max)):
         culprit = (
             f"resistance_min_ohm {model.resistance_min_ohm!r} and resistance_max_ohm {model.resistance_max_ohm!r} "
@@ -86,7 +86,7 @@ def _check_estimate(model: SensingModel, constants: Constants) -> None:
         value = getattr(model, f"{branch}_coefficients")[power]
         culprit = f"{branch}_coefficients[{power}], {value!r}, is cancelled by its neighbours"
     raise CallerError(
-        f"in single precision the estimate is off by {share:.2g} of full scale, more than {MAX_ERROR:g}: "
+        f"in single precision the estimate is off by {error:.2g} of full scale, more than {MAX_ERROR:g}: "
         f"{culprit}; fit a lower order, or export with --double"
     )
 
@@ -114,6 +114,6 @@ def single_estimates(constants: Constants, resistance_ohm: FloatArray) -> npt.ND
             total = total * inside + np.float32(coefficient)
         return total
 
-    share = (resistance_ohm.astype(np.float32) - number("RESISTANCE_MIN_OHM")) * number("SHARE_PER_OHM")
-    inside = np.clip(share, number("NORMALISED_MIN"), number("NORMALISED_MAX"))
+    normalised = (resistance_ohm.astype(np.float32) - number("RESISTANCE_MIN_OHM")) * number("SHARE_PER_OHM")
+    inside = np.clip(normalised, number("NORMALISED_MIN"), number("NORMALISED_MAX"))
     return (branch("HEATING_FALLING", inside) + branch("COOLING_FALLING", inside)) / np.float32(2.0)

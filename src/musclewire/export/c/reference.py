@@ -1,7 +1,7 @@
-"""The tick of an exported library as Python computes it: the functions of the closed loop and of every rig, in order.
+"""The tick of an exported library in Python, by the functions that the closed loop and every rig use.
 
-The C library is held against it, in its golden vectors and in the tests. Samples are averaged for the controller and,
-over the table's reading period, for the protection, as the library does it.
+The C library is compared with it, in its golden vectors and in the tests. Samples are averaged for the controller and,
+over the table's reading period, for the protection, as in the library.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ TIME_ROUNDING_S = 1e-9
 
 
 class Outcome(NamedTuple):
-    """What a library's tick leaves behind: readings, gains, and what may be out. SI units."""
+    """The outcome of a library's tick: resistance, estimate, gains, allowed drive and protection state. SI units."""
 
     resistance_ohm: float
     estimate: float
@@ -48,7 +48,7 @@ class Outcome(NamedTuple):
 
 @dataclass
 class Sums:
-    """Samples summed up for a mean."""
+    """Sums of samples, for a mean."""
 
     drive_v: float = 0.0
     wire_v: float = 0.0
@@ -59,7 +59,7 @@ class Sums:
 
 @dataclass
 class ReferenceTick:
-    """One wire's controller and protection; ``start`` begins anew."""
+    """One wire's controller and protection; ``start`` resets both."""
 
     model: SensingModel
     settings: FuzzyPidSettings
@@ -75,7 +75,7 @@ class ReferenceTick:
         self.start()
 
     def start(self) -> None:
-        """Cold start: sense voltage, nothing known of the wire."""
+        """Start cold: the drive is the sense voltage, and nothing is known of the wire."""
         self.protection = armed(self.protection_limits)
         self._pid: ControllerState | None = None
         self._mean, self._block = Sums(), Sums()
@@ -85,11 +85,11 @@ class ReferenceTick:
 
     @property
     def drive_voltage_v(self) -> float:
-        """What may be out now."""
+        """Drive voltage [V] that the protection allows now."""
         return allowed_drive_v(self.protection, self.protection_limits)
 
     def outcome(self) -> Outcome:
-        """Return what the last tick left behind."""
+        """Return the outcome of the last tick."""
         kp, ki, kd = self._gains
         return Outcome(
             self._resistance_ohm,
@@ -104,7 +104,7 @@ class ReferenceTick:
         )
 
     def sample(self, wire_voltage_v: float, shunt_voltage_v: float, tick_s: float) -> Outcome:
-        """Take one sample: sum it up, and let the protection judge a full block of them."""
+        """Take one sample: add it to the sums, and pass each full block to the protection."""
         if not (tick_s > 0.0 and math.isfinite(tick_s)):
             self.protection = tripped_by(self.protection, Event.CLOCK_BACKWARDS)
             return self.outcome()
@@ -134,7 +134,7 @@ class ReferenceTick:
         return self.outcome()
 
     def _controlled(self, target: float, dt_s: float) -> float:
-        """Return the controller's drive; before its first estimate it keeps what may be out."""
+        """Return the controller's drive [V]; before the first estimate, the drive stays as it is."""
         estimate = self._sensed()
         self._estimate, self._valid = estimate.value, estimate.valid
         if self._pid is None and estimate.reason is Reason.NO_CURRENT:
@@ -145,7 +145,7 @@ class ReferenceTick:
         return drive_voltage_of(command)
 
     def _sensed(self) -> QuantityEstimate:
-        """Return the estimate of the last resistance; the last one where there is no current."""
+        """Return the estimate from the last resistance; without current, the previous estimate."""
         if not self._resistance_ohm > 0.0:
             return QuantityEstimate(self._estimate, 0.0, False, Reason.NO_CURRENT)
         return QuantityEstimate(*self.model.estimate(self._resistance_ohm))

@@ -19,16 +19,16 @@ extern "C" {
 /* ---- sensing: mw_sensing.c ---------------------------------------------------------------------------- */
 
 /* Resistance of the wire [ohm] from its voltage and the shunt's [V], Eq. 1. 0 means "no current, so no
- * resistance": current below the least, a voltage that is not finite, or leads swapped. */
+ * resistance": a current below the minimum, a voltage that is not finite, or swapped leads. */
 mw_real mw_resistance(mw_real wire_voltage_v, mw_real shunt_voltage_v);
 
 typedef struct {
     mw_real value; /* the model's quantity, SI: strain as a fraction, displacement in m, force in N */
-    uint8_t valid; /* 0 where the resistance lies outside the model's range */
+    uint8_t valid; /* 0 if the resistance is outside the model's range */
 } mw_estimation;
 
-/* Quantity a resistance stands for, Eqs. 3 to 5. Outside the valid range it reads as the nearer end; what is
- * not finite reads as fully contracted, so that a loop which ignores `valid` cools. */
+/* Quantity at a resistance, Eqs. 3 to 5. Outside the valid range it is that of the nearer end; a resistance that
+ * is not finite reads as fully contracted, so that a loop which ignores `valid` cools. */
 mw_estimation mw_estimate(mw_real resistance_ohm);
 
 /* ---- fuzzy inference: mw_fuzzy.c ---------------------------------------------------------------------- */
@@ -54,14 +54,14 @@ typedef struct {
     mw_real drive_voltage_v, kp, ki, kd;
 } mw_pid_step;
 
-/* Take over from a drive that is out already, without a jump. */
+/* Take over from the present drive without a jump. */
 void mw_fuzzy_pid_start(mw_pid *pid, mw_real drive_voltage_v, mw_real measured, mw_real target);
 
 /* Advance by dt_s (above 0): velocity form, Eq. 6, drive kept between sense voltage and maximum. Inputs that
- * are not finite, or whose rates overflow, change nothing but forget the rates, as mw_fuzzy_pid_hold. */
+ * are not finite, or whose rates overflow, leave the drive as it is and clear the rates, as mw_fuzzy_pid_hold. */
 mw_pid_step mw_fuzzy_pid_step(mw_pid *pid, mw_real target, mw_real measured, mw_real dt_s);
 
-/* A tick without a measurement: the drive stays, the rates are forgotten. */
+/* A tick without a measurement: the drive stays, the rates are cleared. */
 void mw_fuzzy_pid_hold(mw_pid *pid);
 
 #ifdef __cplusplus
@@ -103,25 +103,25 @@ typedef struct {
     uint8_t event;           /* MW_EVENT_..., 0 for none */
 } mw_output;
 
-/* Cold start: sense voltage, nothing known of the wire, protection armed. */
+/* Start cold: the drive is the sense voltage, nothing is known of the wire, the protection is armed. */
 void mw_start(mw_controller *controller);
 
-/* The same after a run: a trip is forgotten, how warm the wire is by its power is not. */
+/* The same after a run: a trip is cleared, the wire's estimated temperature is kept. */
 void mw_start_again(mw_controller *controller);
 
-/* One converter tick of tick_s: sum up for the mean and run the protection. A trip shows in the output. A tick_s that is
- * no number above 0 trips: the protection lives on it. */
+/* One converter tick of tick_s: add to the mean and run the protection. A trip shows in the output. A tick_s that is not
+ * a number above 0 trips, because the protection's times depend on it. */
 mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real tick_s);
 
-/* One control tick of dt_s, of the mean of the samples since the last: estimate, fuzzy PID, limits. The first one after
- * mw_start or mw_drive takes over from the drive that is out. A target that is no number trips, as does a drive that is
+/* One control tick of dt_s, with the mean of the samples since the last one: estimate, fuzzy PID, limits. The first one
+ * after mw_start or mw_drive takes over from the present drive. A target that is not a number trips, as does a drive
  * outside 0 to the maximum. */
 mw_output mw_control(mw_controller *controller, mw_real target, mw_real dt_s);
 
 /* Open loop instead of mw_control: a drive voltage of the caller's, under the same protection. */
 mw_output mw_drive(mw_controller *controller, mw_real drive_voltage_v);
 
-/* Both at once, where every sample is a control tick. */
+/* Both at once, for loops in which every sample is a control tick. */
 mw_output mw_tick(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real target,
                   mw_real dt_s);
 

@@ -38,13 +38,13 @@ static void forget_samples(mw_controller *controller)
 mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real tick_s)
 {
     mw_block *block = &controller->block;
-    /* Without a time that passes no block would ever be full, and nothing be judged. Written so that a NaN trips. */
+    /* Without a time step no block would ever be full, and nothing would be judged. Written so that a NaN trips. */
     if (!(tick_s > 0 && tick_s <= MW_LARGEST)) {
         mw_protect_trip(&controller->protection, MW_EVENT_CLOCK_BACKWARDS);
         return output_of(controller);
     }
     if (controller->samples == UINT16_MAX)
-        forget_samples(controller); /* nobody has asked for their mean for so long */
+        forget_samples(controller); /* no control tick has used them in all this time */
     controller->wire_sum_v += wire_voltage_v;
     controller->shunt_sum_v += shunt_voltage_v;
     controller->samples++;
@@ -63,7 +63,7 @@ mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real s
     return output_of(controller);
 }
 
-/* Estimate and controller for one reading; returns the drive they ask for. */
+/* Estimate and controller for one reading; returns the drive they command. */
 static mw_real controlled(mw_controller *controller, mw_real target, mw_real dt_s)
 {
     mw_pid_step step;
@@ -80,8 +80,8 @@ static mw_real controlled(mw_controller *controller, mw_real target, mw_real dt_
     return step.drive_voltage_v;
 }
 
-/* The drive goes on as it is over a tick without a reading. */
-static mw_real blind(mw_controller *controller)
+/* A tick without a resistance, because no current flows: the drive stays as it is. */
+static mw_real without_current(mw_controller *controller)
 {
     controller->estimation.valid = 0;
     controller->kp = controller->ki = controller->kd = 0;
@@ -94,7 +94,7 @@ static mw_real blind(mw_controller *controller)
 mw_output mw_control(mw_controller *controller, mw_real target, mw_real dt_s)
 {
     const mw_real samples = (mw_real)controller->samples;
-    mw_real drive_voltage_v = -1; /* refused, and so is a target that is no number */
+    mw_real drive_voltage_v = -1; /* refused: what a target that is not a number leads to */
     controller->resistance_ohm = 0;
     if (controller->samples > 0)
         controller->resistance_ohm =
@@ -102,7 +102,7 @@ mw_output mw_control(mw_controller *controller, mw_real target, mw_real dt_s)
     forget_samples(controller);
     if (target >= -MW_LARGEST && target <= MW_LARGEST)
         drive_voltage_v =
-            controller->resistance_ohm > 0 ? controlled(controller, target, dt_s) : blind(controller);
+            controller->resistance_ohm > 0 ? controlled(controller, target, dt_s) : without_current(controller);
     mw_protect_command(&controller->protection, drive_voltage_v);
     return output_of(controller);
 }

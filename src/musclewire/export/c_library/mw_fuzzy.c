@@ -6,9 +6,9 @@
 #define SETS 7
 #define UNIVERSE_END 3
 
-static mw_real within(mw_real value, mw_real least, mw_real most)
+static mw_real within(mw_real value, mw_real minimum, mw_real maximum)
 {
-    return value < least ? least : value > most ? most : value;
+    return value < minimum ? minimum : value > maximum ? maximum : value;
 }
 
 #if MW_INFERENCE != MW_CONSTANT
@@ -123,7 +123,7 @@ static void fire(uint8_t table, const mw_real *error_grades, const mw_real *chan
     }
 }
 
-/* The height at one point of all output sets, each cut at how strongly it fires. */
+/* The height of the union of all output sets at one point, each clipped at its firing strength. */
 static mw_real joined(const mw_real *fired, uint8_t point)
 {
     mw_real highest = 0;
@@ -131,7 +131,7 @@ static mw_real joined(const mw_real *fired, uint8_t point)
     for (label = 0; label < SETS; label++) {
         mw_real height, cut;
         if (fired[label] <= highest)
-            continue; /* nothing it is cut to can reach higher */
+            continue; /* a set that is clipped here cannot be higher */
         height = output_sets[label][point];
         cut = height < fired[label] ? height : fired[label];
         if (cut > highest)
@@ -140,7 +140,7 @@ static mw_real joined(const mw_real *fired, uint8_t point)
     return highest;
 }
 
-/* (1 + x) / 2 for the centroid x of the joined sets; the end points carry half a cell. */
+/* (1 + x) / 2 for the centroid x of the union; the end points carry half a cell. */
 static mw_real centroid_ratio(const mw_real *fired)
 {
     const mw_real spacing = MW_R(2.0) / (POINTS - 1);

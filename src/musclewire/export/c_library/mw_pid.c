@@ -1,6 +1,6 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
-/* The fuzzy-tuned PID in velocity form. The law and its reasons stand in musclewire's controllers/fuzzy_pid.py;
- * the order of operations here is that of controllers/kernels.py, operation by operation. */
+/* The fuzzy-tuned PID in velocity form. The law and its reasons are in musclewire's controllers/fuzzy_pid.py;
+ * the order of operations is that of controllers/kernels.py. */
 #include "musclewire.h"
 
 static uint8_t is_number(mw_real value)
@@ -8,7 +8,7 @@ static uint8_t is_number(mw_real value)
     return value >= -MW_LARGEST && value <= MW_LARGEST;
 }
 
-/* In this order a drive that lost its meaning falls to the sense voltage, never to the maximum. */
+/* In this order a drive that is not a number becomes the sense voltage, never the maximum. */
 static mw_real limited(mw_real drive_voltage_v)
 {
     if (!(drive_voltage_v > MW_SENSE_VOLTAGE_V))
@@ -56,9 +56,9 @@ mw_pid_step mw_fuzzy_pid_step(mw_pid *pid, mw_real target, mw_real measured, mw_
         return held(pid);
     if (pid->rates_known) {
         /* backward Euler of a first-order lag: stable whatever the tick, no lag at all for a zero constant */
-        const mw_real share = dt_s / (MW_DERIVATIVE_FILTER_S + dt_s);
-        measured_rate = pid->measured_rate + share * ((measured - pid->measured) / dt_s - pid->measured_rate);
-        error_rate = pid->error_rate + share * ((error - pid->error) / dt_s - pid->error_rate);
+        const mw_real weight = dt_s / (MW_DERIVATIVE_FILTER_S + dt_s);
+        measured_rate = pid->measured_rate + weight * ((measured - pid->measured) / dt_s - pid->measured_rate);
+        error_rate = pid->error_rate + weight * ((error - pid->error) / dt_s - pid->error_rate);
         if (!is_number(measured_rate + error_rate))
             return held(pid);
     }

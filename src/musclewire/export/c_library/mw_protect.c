@@ -26,23 +26,23 @@ uint32_t mw_microseconds(mw_real time_s)
     return time_s < 4000 ? (uint32_t)(time_s * MW_R(1e6) + MW_R(0.5)) : MAX_MICROSECONDS;
 }
 
-/* What a signal may carry: a drive, the event that is its cause, how long something has been missing. */
+/* Values that a signal may carry: a drive, the event that is its cause, how long something has been missing. */
 typedef struct {
     mw_real drive_voltage_v;
     uint32_t missing_us;
     uint8_t event;
 } carried;
 
-/* What the table names for a signal: an effect and the state that follows. */
+/* The table's entry for a signal: an effect and the state that follows. */
 static uint8_t transition(const mw_protection *protection, uint8_t signal)
 {
     MW_TABLE uint8_t transitions[MW_STATES * MW_SIGNALS] = MW_TRANSITIONS;
-    /* A state that is none, in a memory that has been overwritten, is as good as tripped. */
+    /* A number that is not a state, in a memory that has been overwritten, counts as tripped. */
     const uint8_t state = protection->state < MW_STATES ? protection->state : MW_STATE_TRIPPED;
     return transitions[state * MW_SIGNALS + signal];
 }
 
-static void begin_anew(mw_protection *protection, mw_real drive_voltage_v)
+static void clear_for(mw_protection *protection, mw_real drive_voltage_v)
 {
     const mw_protection armed = {.state = protection->state,
                                  .drive_voltage_v = drive_voltage_v,
@@ -66,7 +66,7 @@ static uint8_t follow(mw_protection *protection, uint8_t signal, carried with)
     protection->state = found % MW_EFFECT_WEIGHT;
     switch (effect) {
     case MW_EFFECT_ARM:
-        begin_anew(protection, with.drive_voltage_v);
+        clear_for(protection, with.drive_voltage_v);
         break;
     case MW_EFFECT_FOLLOW:
         protection->drive_voltage_v = with.drive_voltage_v;
@@ -163,7 +163,7 @@ void mw_protect_missing(mw_protection *protection, uint8_t event, mw_real missin
     missing_for(protection, event, mw_microseconds(missing_s));
 }
 
-/* What the table says of an event that has been seen for so long. */
+/* Trip or degrade, as the table says, for an event that has been seen for seen_us. */
 static void event_for(mw_protection *protection, uint8_t event, uint32_t seen_us)
 {
     MW_TABLE uint8_t actions[MW_EVENTS] = MW_ACTIONS;
@@ -213,7 +213,7 @@ mw_real mw_protect_allowed(const mw_protection *protection)
     }
 }
 
-/* Whether so much drive is out that voltage and current must be there. */
+/* Whether the drive is so high that voltage and current must be measurable. */
 static uint8_t driven(mw_real drive_voltage_v)
 {
     return drive_voltage_v >= MW_DRIVEN_SHARE * MW_SENSE_VOLTAGE_V;
@@ -263,13 +263,13 @@ static void count_repeats(mw_protection *protection, mw_real drive_voltage_v, mw
         protection->repeats_drive_v = drive_voltage_v;
 }
 
-/* Whether equal numbers in a row cannot be chance: noise or a moved drive should have changed them. */
+/* Whether equal numbers in a row cannot be chance: noise or a changed drive should have changed them. */
 static uint8_t is_frozen(const mw_protection *protection, mw_real drive_voltage_v, uint32_t dt_us)
 {
     const mw_real moved_v = size_of(drive_voltage_v - protection->repeats_drive_v);
     const uint16_t repeats = protection->wire_repeats > protection->shunt_repeats ? protection->wire_repeats
                                                                                   : protection->shunt_repeats;
-    /* repeats * dt >= the time, without a product that could overflow */
+    /* repeats * dt >= MW_FROZEN_US, without a product that could overflow */
     if (repeats < MW_FROZEN_READINGS || dt_us == 0 || repeats < (MW_FROZEN_US + dt_us - 1) / dt_us)
         return 0;
     return MW_READINGS_NOISY || moved_v > MW_MOVED_SHARE * MW_MAXIMUM_VOLTAGE_V;
@@ -290,7 +290,7 @@ static uint8_t swapped(mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real 
     return in_window(MW_SERIES_RESISTANCE(shunt_voltage_v, wire_voltage_v));
 }
 
-/* What is wrong with the resistance of a reading. */
+/* Fill in what is wrong with the resistance of a reading. */
 static void see_resistance(mw_protection *protection, mw_real wire_voltage_v, mw_real shunt_voltage_v,
                            mw_real resistance_ohm, uint8_t *seen)
 {
@@ -311,7 +311,7 @@ static void see(mw_protection *protection, mw_real drive_voltage_v, mw_real wire
                 mw_real shunt_voltage_v, uint32_t dt_us, uint8_t *seen)
 {
     const mw_real current_a = shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM;
-    /* A reading without current has no resistance, and nothing can be wrong with it. */
+    /* A reading without current has no resistance to judge. */
     if (driven(drive_voltage_v) && size_of(shunt_voltage_v) >= MW_OPEN_SHUNT_VOLTAGE_V) {
         see_resistance(protection, wire_voltage_v, shunt_voltage_v,
                        MW_SERIES_RESISTANCE(wire_voltage_v, shunt_voltage_v), seen);

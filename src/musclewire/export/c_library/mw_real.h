@@ -1,5 +1,5 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
-/* The number type of this library, and what a compiler must keep to so that every target gives the same bits.
+/* The number type of this library, and the rules that a compiler must follow so that every target gives the same bits.
  *
  * mw_real is float; with -DMW_DOUBLE it is double. Every operation is rounded once, to mw_real: no fused
  * multiply-add (-ffp-contract=off), no wider intermediate results (x87), no -ffast-math. What can be checked
@@ -39,12 +39,12 @@ typedef float mw_real;
 typedef char mw_float_must_have_32_bits[sizeof(float) == 4 ? 1 : -1];
 #endif
 
-/* Resistance of the wire from two voltages (Lan and Fan 2010, Eq. 1), for everybody here who needs it; the division
+/* Resistance of the wire from two voltages (Lan and Fan 2010, Eq. 1), the only place with this equation; the division
  * comes first, as in musclewire.physics.resistance. */
 #define MW_SERIES_RESISTANCE(wire_voltage_v, shunt_voltage_v) \
     ((wire_voltage_v) / (shunt_voltage_v) * MW_SHUNT_RESISTANCE_OHM)
 
-/* Tables stay in program memory where a target keeps it apart (AVR, with -std=gnu99); elsewhere const is enough. */
+/* Tables stay in program memory on targets that separate it (AVR, with -std=gnu99); on others const is enough. */
 #if defined(__FLASH) && !defined(__STRICT_ANSI__)
 #define MW_TABLE static const __flash
 #define MW_FLASH __flash

@@ -2,12 +2,12 @@
 // @NAME@ on an Arduino: a wire that holds a @QUANTITY@ by its own resistance. Written by musclewire export c.
 //
 // Circuit: the board's circuit of musclewire's wiring guide (pin 9 through two low-pass filters of 160 Hz and a buffer of gain
-// 1 -> wire -> shunt -> ground; A0 at the wire's top without divider, A1 behind an amplifier of gain 20). The filters need
-// fast PWM: an Uno or Nano gets 15.6 kHz here; on another board raise its PWM yourself, 490 Hz would heat in pulses.
-// Measure the three numbers of volts per count on your own board before the wire is connected. Send a target over the serial monitor,
-// in SI (0.012 for 1.2 % strain); anything else switches off until the board is reset: no number, a target above the
-// model's range, which the wire would be heated for without end, or a longer silence than EXPIRY_MS.
-// Only AVR boards get their watchdog here: on any other start yours, or a loop that hangs leaves the wire hot.
+// 1 -> wire -> shunt -> ground; A0 at the wire's top without divider, A1 after an amplifier of gain 20). The filters need
+// fast PWM: an Uno or Nano gets 15.6 kHz here; on another board raise the PWM frequency yourself, 490 Hz would heat in pulses.
+// Measure the three numbers of volts per count on your own board before the wire is connected. Send a target over the serial
+// monitor, in SI (0.012 for 1.2 % strain). Anything else switches off until the board is reset: text that is not a number, a
+// target above the model's range, for which the wire would be heated without end, or no target for longer than EXPIRY_MS.
+// Only AVR boards get their watchdog here: on any other board start its own, or a loop that hangs leaves the wire hot.
 #include <musclewire.h>
 #if defined(__AVR__)
 #include <avr/wdt.h>
@@ -26,7 +26,7 @@ const uint16_t FULL_COUNT = 255;            // analogWrite
 const float DRIVE_V_PER_COUNT = 5.0f / FULL_COUNT;  // volts of drive per count of PWM
 const uint32_t TICK_US = 10000;            // converter tick: both channels are read, the protection looks
 const uint8_t TICKS_A_CONTROL = 5;         // control tick: @QUANTITY@, error, drive
-const uint32_t EXPIRY_MS = 5000;           // no target for so long: off
+const uint32_t EXPIRY_MS = 5000;           // without a target for this long: off
 
 mw_controller controller;
 float target = MW_QUANTITY_MIN;
@@ -67,7 +67,7 @@ static void read_line() {
     characters = 0;
     char *end;
     double asked = strtod(line, &end);
-    // What is not a number, too much, or no end of a line, is an emergency stop.
+    // A text that is not a number, a number that is too large, or a line without an end is an emergency stop.
     if (got != '\n' || end == line || (*end != 0 && *end != '\r') || !(asked <= MW_QUANTITY_MAX)) {
       mw_protect_trip(&controller.protection, MW_EVENT_STOPPED);
       continue;
