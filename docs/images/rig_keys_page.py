@@ -137,6 +137,7 @@ def meanings(model: type[BaseModel]) -> dict[str, str]:
 def numpydoc_parameters(kind: type) -> list[tuple[str, str]]:
     """Return name and meaning of each of a docstring's ``Parameters``, begun as in the middle of a sentence."""
     text = (kind.__doc__ or "").partition("    Parameters\n    ----------\n")[2].partition("\n\n")[0]
+    text = re.sub(r" \[[^\]]+\]", "", text)  # the page has a column of units
     found = re.findall(r"^ {4}(\w+)\n\s*(.*?)(?=^ {4}\w|\Z)", text, re.M | re.S)
     return [(name, said if said[1:2] == " " and said[0] != "A" else said[0].lower() + said[1:]) for name, said in found]
 

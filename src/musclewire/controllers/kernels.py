@@ -187,7 +187,25 @@ def infer_many(rules: Rows, error_ratios: FloatArray, change_ratios: FloatArray,
 
 @compiled
 def gain_from_ratio(ratio: float, minimum: float, maximum: float) -> float:
-    """Return the gain for a fuzzy ratio: the paper's Eq. 6."""
+    """Return the gain for a fuzzy ratio (Eq. 6).
+
+    Parameters
+    ----------
+    ratio
+        What the rule base says, 0 to 1.
+    minimum
+        Smallest gain, at a ratio of 0; in any unit.
+    maximum
+        Largest gain, at a ratio of 1; in the unit of ``minimum``.
+
+    Returns
+    -------
+    K = (K_max - K_min) ratio + K_min, in the unit of the limits.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 6; Zhao, Tomizuka and Isaka 1993, doi 10.1109/21.260670.
+    """
     return (maximum - minimum) * ratio + minimum
 
 

@@ -30,7 +30,23 @@ SETTLE_S = 1.0
 
 @dataclass(frozen=True)
 class StepMetrics:
-    """One step: errors in percent of its target; None without an instrument, or where no sample counts."""
+    """Errors of one step in percent of its target.
+
+    An error is None without the instrument for it, without samples after the first second, and for a target of 0.
+
+    Parameters
+    ----------
+    target
+        Target of the step, in the unit of the run's quantity.
+    direction
+        "rise" or "return".
+    mae_pct
+        Mean absolute error of the reference instrument against the target [%] (Eq. 7).
+    estimate_mae_pct
+        That of the estimate against the reference instrument [%].
+    tracking_mae_pct
+        That of the estimate against the target [%]: what the loop itself can see.
+    """
 
     target: float
     direction: str
@@ -43,9 +59,26 @@ class StepMetrics:
 class ControlMetrics:
     """All steps of a run and their summary.
 
-    ``mae_pct`` compares the reference instrument with the target (Eq. 7), ``estimate_mae_pct`` the estimate with
-    the reference instrument, ``tracking_mae_pct`` the estimate with the target: what the loop itself can see. The
-    ``rms`` are the same three over the whole run after the approach, in percent of the largest target.
+    The ``rms`` are over the whole run after the approach, in percent of the largest target.
+
+    Parameters
+    ----------
+    quantity
+        What was controlled: "strain", "displacement" or "force".
+    steps
+        Errors of each step; none if the target was not a staircase.
+    mae_max_pct
+        Largest of the steps' errors against the reference instrument [%]; None without one.
+    mae_mean_pct
+        Mean of the same [%].
+    valid_share
+        Fraction of the samples with a valid estimate.
+    rms_pct
+        Reference instrument against target [%]; None without an instrument.
+    estimate_rms_pct
+        Estimate against reference instrument [%]; None without an instrument.
+    tracking_rms_pct
+        Estimate against target [%].
     """
 
     quantity: str
@@ -101,7 +134,25 @@ def determined(error_pct: float | None, what: str) -> float:
 
 
 def mean_absolute_error(values: FloatArray, wanted: FloatArray | float, per: float) -> float:
-    """Return the mean of |value - wanted| over ``per``, in percent (Lan and Fan 2010, Eq. 7)."""
+    """Return the mean of the absolute error in percent (Eq. 7).
+
+    Parameters
+    ----------
+    values
+        What was measured or estimated, (n,), in any unit.
+    wanted
+        What it should be, a number or (n,), in the unit of ``values``.
+    per
+        What the error is relative to, in the same unit; not 0. Its sign does not matter.
+
+    Returns
+    -------
+    100 mean(|values - wanted|) / |per| [%].
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 7.
+    """
     return float(100.0 * np.mean(np.abs(values - wanted)) / abs(per))
 
 
@@ -111,7 +162,25 @@ def root_mean_square(errors: FloatArray, per: float) -> float:
 
 
 def control_metrics(recording: Recording, quantity: str, reference: Reference) -> ControlMetrics:
-    """Return the metrics of a closed-loop recording; steps where the reference is a staircase."""
+    """Return how well a closed-loop recording followed its target.
+
+    Parameters
+    ----------
+    recording
+        A run of the closed loop, with the columns of the quantity's target and estimate.
+    quantity
+        "strain", "displacement" or "force".
+    reference
+        The target over time; of a staircase each step is judged by itself (Eq. 7).
+
+    Returns
+    -------
+    Errors of the steps and of the whole run; None where the recording lacks the reference instrument.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 7.
+    """
     suffix = COLUMN_SUFFIX[quantity]
     estimated = recording[f"estimated_{suffix}"]
     measured = reference_quantity(recording, quantity)
@@ -147,7 +216,27 @@ def step_metrics(
     estimated: FloatArray,
     measured: FloatArray | None,
 ) -> StepMetrics:
-    """Return the errors of one step, from one second after its start to its end."""
+    """Return the errors of one step, from one second after its start to its end (Eq. 7).
+
+    Parameters
+    ----------
+    step
+        Start, end and target of the step.
+    elapsed_s
+        Time since the reference began [s], (n_times,), negative during the approach.
+    estimated
+        Estimate, (n_times,), in the unit of the target.
+    measured
+        Reading of the reference instrument, (n_times,), in the unit of the target; None without one.
+
+    Returns
+    -------
+    The errors in percent; None where they cannot be determined.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 7: "sequentially after one second of each step (till the end of each step)".
+    """
     part = (elapsed_s > step.start_s + SETTLE_S + 1e-9) & (elapsed_s <= step.stop_s + 1e-9)
     if not part.any() or step.target == 0.0:  # nothing after the first second, or nothing to be relative to
         return StepMetrics(step.target, step.direction, None, None, None)

@@ -33,6 +33,28 @@ def slow_sine(amplitude_v: float, sense_voltage_v: float, period_s: float = PAPE
     The paper drives "a sine wave voltage input with 1/90 Hz and amplitude 3.2 V" and does not say whether it
     is offset. Heat goes with the square, so a sine about zero would heat twice a period; ours goes once from
     cold to hot and back, and never below the sense voltage, where Eq. 1 has no current to divide by.
+
+    Parameters
+    ----------
+    amplitude_v
+        Greatest drive voltage [V], above the sense voltage.
+    sense_voltage_v
+        Lowest drive voltage [V], 0 or more.
+    period_s
+        Time of a cycle [s]; by default the paper's 90 s.
+
+    Returns
+    -------
+    A function from time [s] to drive voltage [V].
+
+    Raises
+    ------
+    CallerError
+        If the amplitude is not above the sense voltage, or a period is not above 0 s.
+
+    References
+    ----------
+    Lan and Fan 2010, section 2.1.
     """
     if not (0.0 <= sense_voltage_v < amplitude_v and period_s > 0.0):
         raise CallerError(

@@ -15,7 +15,19 @@ __all__ = ["LoopGaps", "loop_gaps"]
 
 @dataclass(frozen=True)
 class LoopGaps:
-    """Gaps of one loop as fractions; None where the recording lacks the instrument."""
+    """Gaps of one loop as fractions of the largest value of the quantity (Eqs. 2 and 9).
+
+    Parameters
+    ----------
+    segments
+        Points A, B and C of the loop.
+    strain_gap
+        Gap of strain.
+    force_gap
+        Gap of force; None if the recording has no load cell.
+    displacement_gap
+        Gap of displacement; None if the recording has no displacement.
+    """
 
     segments: LoopSegments
     strain_gap: float

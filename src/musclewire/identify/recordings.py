@@ -25,9 +25,25 @@ COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": 
 
 
 def resistance_reading(recording: Recording) -> ArrayReading:
-    """Return resistance [ohm] and validity, both (n_times,), from whichever electrical columns there are.
+    """Return resistance [ohm] and validity of every sample, from whichever electrical columns there are (Eq. 1).
 
-    Raises RecordingError when no resistance can be had, or when no sample carries a current.
+    Parameters
+    ----------
+    recording
+        A recording with wire voltage and shunt voltage, wire voltage and current, or resistance.
+
+    Returns
+    -------
+    Resistance [ohm] and whether it is valid, both (n_times,); a sample without current is not valid.
+
+    Raises
+    ------
+    RecordingError
+        If no resistance follows from the columns, or no sample has a current.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 1.
     """
     source = require_electrical(recording)
     if source is ElectricalSource.SHUNT:
@@ -47,11 +63,30 @@ def resistance_reading(recording: Recording) -> ArrayReading:
 
 
 def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatArray | None:
-    """Return the measured strain, displacement [m] or contraction force [N], (n_times,); None if there is none.
+    """Return the measured strain, displacement [m] or contraction force [N] of a recording.
 
-    Displacement is that of what is moved: a finger's endpoint where it was measured, else the wire's connector.
-    Contraction force is F = F_T - F_p (Eq. 8), with F_p the recording's pretension or, without one, the least
-    force in it. Raises CallerError for an unknown quantity.
+    Displacement is that of what is moved: a finger's endpoint if it was measured, else the wire's connector.
+    Contraction force is F = F_T - F_p, with F_p the recording's pretension or, without one, the smallest force in it.
+
+    Parameters
+    ----------
+    recording
+        A recording of a rig with reference instruments.
+    quantity
+        "strain", "displacement" or "force".
+
+    Returns
+    -------
+    The quantity, (n_times,); None if the recording lacks the instrument for it.
+
+    Raises
+    ------
+    CallerError
+        For an unknown quantity.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 8.
     """
     if quantity not in QUANTITIES:
         raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
@@ -71,7 +106,26 @@ def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatA
 
 
 def required_quantity(recording: Recording, quantity: str = "strain") -> FloatArray:
-    """Return what :func:`reference_quantity` finds, or raise RecordingError that says what is missing."""
+    """Return what :func:`reference_quantity` finds, which must be there.
+
+    Parameters
+    ----------
+    recording
+        A recording of a rig with reference instruments.
+    quantity
+        "strain", "displacement" or "force".
+
+    Returns
+    -------
+    Strain, displacement [m] or contraction force [N], (n_times,).
+
+    Raises
+    ------
+    RecordingError
+        If the recording lacks the instrument for it; the message names the column.
+    CallerError
+        For an unknown quantity.
+    """
     found = reference_quantity(recording, quantity)
     if found is not None:
         return found

@@ -101,7 +101,21 @@ def not_done(recording: Recording) -> str:
 
 
 def fit_table(recording: Recording, order: int | str) -> SensingModel:
-    """Fit a printed loop: strain on both branches at given resistances."""
+    """Fit a printed loop: strain on both branches at given resistances.
+
+    Parameters
+    ----------
+    recording
+        A table with the columns ``resistance_ohm``, ``strain_heating`` and ``strain_cooling``, such as the paper's
+        Table 2.
+    order
+        Order of both polynomials, or "auto" to choose it by cross-validation.
+
+    Returns
+    -------
+    The model; its limits of resistance are the recording's ``resistance_min_ohm`` and ``resistance_max_ohm``, or the
+    ends of the heating branch without them.
+    """
     resistance = recording["resistance_ohm"]
     return fit_branches(
         (resistance, recording["strain_heating"]),

@@ -98,7 +98,23 @@ class FingerCurve(BaseModel):
 
 
 class FingerFile(BaseModel):
-    """A finger by name: what it was computed from, and its curve."""
+    """A finger by name: what it was computed from, and its curve.
+
+    Parameters
+    ----------
+    format
+        Always ``musclewire-finger``.
+    version
+        Version of the format: 1.
+    name
+        Name of the finger.
+    description
+        What the finger is, in a sentence.
+    geometry
+        Numbers that the curve was computed from, each with unit, kind and source.
+    curve
+        The finger's answer to the travel of its tendon.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

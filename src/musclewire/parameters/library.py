@@ -132,5 +132,15 @@ def published_text(name: str) -> str:
 
 @cache
 def read_published(name: str) -> dict[str, Any]:
-    """Return the published results in ``name``.toml as plain data."""
+    """Return the published results in ``name``.toml as plain data.
+
+    Parameters
+    ----------
+    name
+        Name of a file of published results, without ``.toml``: ``lan_fan_2010``.
+
+    Returns
+    -------
+    Its tables as nested dictionaries; units are in the names of the keys.
+    """
     return tomllib.loads(published_text(f"{name}.toml"))

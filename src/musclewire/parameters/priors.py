@@ -20,7 +20,27 @@ SCHEMAS: dict[str, type[Alloy] | type[Wire] | type[Bench]] = {"alloy": Alloy, "w
 
 
 class Prior(BaseModel):
-    """A normal distribution cut off at bounds, in SI; ``measure`` names the experiment that tells this parameter."""
+    """A normal distribution cut off at bounds, in SI.
+
+    Parameters
+    ----------
+    group
+        What it is a parameter of: alloy, wire or bench.
+    mean
+        Mean of the distribution.
+    std
+        Its standard deviation, above 0.
+    low
+        Lower bound, below the mean.
+    high
+        Upper bound, above the mean.
+    unit
+        Unit of the four numbers, the one that the parameter has in its schema.
+    source
+        Where the numbers are from.
+    measure
+        The experiment that makes the parameter identifiable.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -41,7 +61,17 @@ class Prior(BaseModel):
 
 
 class PriorSet(BaseModel):
-    """Priors by parameter name; what has none stays at the value of the wire, alloy or bench it starts from."""
+    """Priors by parameter name; what has none stays at the value of the wire, alloy or bench it starts from.
+
+    Parameters
+    ----------
+    name
+        Name of the set.
+    description
+        What the set is for, in a sentence.
+    parameters
+        A prior for each parameter, by the parameter's name.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -71,7 +101,22 @@ def prior_set_names() -> list[str]:
 
 @cache
 def load_priors(name: str = "niti-wire") -> PriorSet:
-    """Return a prior set by name, or from a TOML file. Raises CallerError for an unknown name or a wrong file."""
+    """Return a set of priors.
+
+    Parameters
+    ----------
+    name
+        Name of a set that ships with musclewire, or path of a TOML file; by default that of NiTi wires.
+
+    Returns
+    -------
+    The priors, checked.
+
+    Raises
+    ------
+    CallerError
+        For an unknown name, or a file that cannot be read or breaks the schema.
+    """
     if name.endswith(".toml"):
         return validated(PriorSet, read_file(Path(name)), f"priors {name}")
     if name not in prior_set_names():

@@ -75,6 +75,13 @@ class Pretensioner(LoadPart):
     """A flexure on the linear stage that carries the pretension alone (Eq. 8 of Lan and Fan 2010).
 
     Either its stiffness, or the ``file`` that ``musclewire design pretensioner`` writes.
+
+    Parameters
+    ----------
+    stiffness
+        Stiffness along the wire [N/m]; None if a file states it.
+    file
+        Path of a design file (.toml); None if the stiffness is given.
     """
 
     is_straight: ClassVar[bool] = True
@@ -105,7 +112,15 @@ class Pretensioner(LoadPart):
 
 
 class Finger(LoadPart):
-    """A tendon-driven finger, by name or file; ``slack`` is what the tendon hangs through before it pulls."""
+    """A tendon-driven finger.
+
+    Parameters
+    ----------
+    finger
+        Name of a finger that ships with musclewire, or path of a finger file (.toml).
+    slack
+        Displacement of the connector before the tendon pulls [m].
+    """
 
     once: ClassVar[bool] = True
 
@@ -192,7 +207,15 @@ class Contact(LoadPart):
 
 
 class Antagonist(LoadPart):
-    """A second wire of the same make and length that pulls against the first, from a supply of its own."""
+    """A second wire of the same make and length that pulls against the first, from a supply of its own.
+
+    Parameters
+    ----------
+    wire
+        Name of the second wire; None for one like the first.
+    voltage
+        Drive voltage of the second wire [V], constant; 0 leaves it cold.
+    """
 
     once: ClassVar[bool] = True
 
@@ -226,7 +249,13 @@ class ParallelWire(LoadPart):
 
 
 class SecondFinger(LoadPart):
-    """A finger like the first, opposite to it, on a wire of its own in the same current; needs a contact between."""
+    """A finger like the first, opposite to it, on a wire of its own in the same current; needs a contact between.
+
+    Parameters
+    ----------
+    wire
+        Name of the second finger's wire; None for one like the first.
+    """
 
     once: ClassVar[bool] = True
 
@@ -239,7 +268,17 @@ class SecondFinger(LoadPart):
         return SecondWire(self.wire, Pull.APART, Supply.SERIES)
 
     def misfit(self, beside: Sequence[LoadPart]) -> str | None:
-        """A second finger mirrors the first, and both meet one object."""
+        """Return why the parts are not two fingers with an object between them; None if they are.
+
+        Parameters
+        ----------
+        beside
+            All parts of the load.
+
+        Returns
+        -------
+        What is missing; None if there are a finger, which this one mirrors, and a contact, which both meet.
+        """
         finger = any(part.finger_name is not None for part in beside)
         if finger and any(part.obstacle is not None for part in beside):
             return None

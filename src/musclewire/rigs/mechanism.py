@@ -70,7 +70,16 @@ class Tendon:
 class Mechanism:
     """A load for the simulator, what it adds to the stage's pretension, and the finger, if there is one.
 
-    ``added_n`` is the pull of hanging weights, and of a tendon that its own stage has drawn taut.
+    Parameters
+    ----------
+    load
+        Spring and tables over the connector's displacement.
+    added_n
+        Pull of hanging weights, and of a tendon that its own stage has drawn taut [N].
+    stage
+        Whether a stage sets the pretension; False if only a weight hangs on the wire.
+    tendon
+        The finger at the connector; None without one.
     """
 
     load: ConnectorLoad
@@ -89,10 +98,30 @@ def mechanism_of(
 ) -> Mechanism:
     """Return what the parts at a connector are together, at a setting of the stage.
 
-    Where no part carries the stage's pretension the finger must, and is bent before anything is heated.
-    ``object_between`` leaves the obstacle to the pair of fingers that share it. ``tendon_slack_m`` takes the place of
-    the finger's own; below 0 the finger's stage pulls the tendon taut by as much. Raises CallerError if the finger
-    cannot carry the pretension.
+    If no part carries the stage's pretension the finger must, and is bent before anything is heated.
+
+    Parameters
+    ----------
+    parts
+        Parts at the connector, which fit together.
+    pretension_n
+        Force of the stage [N].
+    leg_length_m
+        Length of a leg of the wire [m]: tables reach over the displacement that it can move through.
+    object_between
+        Whether two fingers share the obstacle: it is then left to the pair, and not part of the load.
+    tendon_slack_m
+        Slack of the finger's tendon [m]; below 0 the finger's stage pulls the tendon taut by as much. The finger's
+        own if None.
+
+    Returns
+    -------
+    The load, with the finger if there is one.
+
+    Raises
+    ------
+    CallerError
+        If the finger cannot carry the pretension, or its file cannot be used.
     """
     stiffness = sum((part.stiffness_n_per_m for part in parts), start=0.0)
     carried = any(part.carries_pretension for part in parts)

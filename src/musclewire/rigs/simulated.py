@@ -71,6 +71,29 @@ class SimulatedDevice:
     It hands out what the real instruments would: voltages in steps of the converter with its noise, a
     displacement and a force with theirs. Temperature, phases and parameters stay inside; ``wire_state`` shows
     them to whoever judges a simulation, never to an estimator.
+
+    Parameters
+    ----------
+    spool
+        The wire, its alloy, the bench it hangs on, and whether it is new.
+    parts
+        What the wire pulls; without any, the bench's spring.
+    surroundings
+        How the air moves and changes its temperature; still air of the bench's temperature if None.
+    seed
+        Seed of the instruments' noise and of the air's movement.
+    real_time
+        Whether samples keep the pace of the machine's clock; as fast as possible otherwise.
+    limits
+        Limits of the protection that differ from those that follow from wire and bench, by their names in
+        ``ProtectionLimits``; none if None.
+    faults
+        What goes wrong, and when; nothing by default.
+
+    Raises
+    ------
+    CallerError
+        For numbers that cannot belong to a bench.
     """
 
     def __init__(
@@ -84,13 +107,7 @@ class SimulatedDevice:
         limits: Mapping[str, float] | None = None,
         faults: Sequence[Fault] = (),
     ) -> None:
-        """Cool the wire under its pretension and wait at 0 V.
-
-        ``spool`` is the wire on its bench; ``parts`` are what it pulls, without any the bench's spring;
-        ``surroundings`` the air, without any still; ``real_time`` paces samples by the clock; ``limits`` changes limits
-        of the protection, by their names in ``ProtectionLimits``; ``faults`` are what goes wrong.
-        Raises CallerError for numbers that cannot belong to a bench.
-        """
+        """Cool the wire under its pretension and wait at 0 V."""
         wire, alloy, bench, new_wire = spool
         self._alloy, self._wire, self._around = alloy, wire, bench
         self._parts, self._new_wire = tuple(parts), new_wire
@@ -148,7 +165,7 @@ class SimulatedDevice:
 
     @property
     def drive_voltage_v(self) -> float:
-        """Drive voltage that is out now."""
+        """Drive voltage at the output now [V]."""
         return self._drive_voltage_v
 
     @property

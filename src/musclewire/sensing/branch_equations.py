@@ -83,7 +83,28 @@ def evaluate(coefficients: Sequence[float], normalised_resistance: float | Float
 
 
 def average(heating: Sequence[float], cooling: Sequence[float]) -> tuple[float, ...]:
-    """Coefficients of g_a = (g_h + g_c) / 2 (Lan and Fan 2010, Eq. 5); CallerError on unequal orders."""
+    """Return the coefficients of the average of both branches (Eq. 5).
+
+    Parameters
+    ----------
+    heating
+        Coefficients of g_h, of ascending powers of the normalised resistance.
+    cooling
+        Coefficients of g_c, as many.
+
+    Returns
+    -------
+    Coefficients of g_a = (g_h + g_c) / 2.
+
+    Raises
+    ------
+    CallerError
+        If the branches are of different order.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 5.
+    """
     if len(heating) != len(cooling):
         raise CallerError(f"heating has {len(heating)} coefficients and cooling {len(cooling)}: fit both alike")
     return tuple((h + c) / 2.0 for h, c in zip(heating, cooling, strict=True))

@@ -37,11 +37,25 @@ MAX_NEWTON_STEPS = 30
 
 
 class Grip(NamedTuple):
-    """An object between two fingers, and how each finger meets it; tables stand at multiples of ``step_m``, (n,).
+    """An object between two fingers, and how each finger meets it.
 
-    The endpoints touch it when their displacements add up to ``clearance_m``; it then pushes both back with
-    ``stiffness_n_per_m``. ``endpoint_m`` is a free finger's endpoint over its connector's displacement, ``compliance``
-    [m/N] what a newton at the endpoint takes away from it, ``leverage`` what it adds to the tendon's force.
+    The endpoints touch it when their displacements add up to ``clearance_m``. The tables of a finger are (n,), at
+    displacements of its connector of 0, 1, 2... times ``step_m``; both fingers have the same.
+
+    Parameters
+    ----------
+    stiffness_n_per_m
+        Stiffness with which the object pushes both endpoints back [N/m].
+    clearance_m
+        Sum of both endpoints' displacements at first touch [m].
+    step_m
+        Connector displacement from point to point of the tables [m].
+    endpoint_m
+        Displacement of a free finger's endpoint [m].
+    compliance_m_per_n
+        Displacement that a force at the endpoint takes from it [m/N].
+    leverage
+        Force that the tendon gains per force at the endpoint.
     """
 
     stiffness_n_per_m: float
@@ -53,7 +67,20 @@ class Grip(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """What joins two wires; ``partner_voltage_v`` and ``partner_series_ohm`` belong to a supply of its own."""
+    """What joins two wires.
+
+    Parameters
+    ----------
+    direction
+        Which way the second wire pulls the connector of the first: 1 in its direction, -1 against it; 0 if each has a
+        connector of its own.
+    feed
+        How the second wire gets its current: ``OWN_SUPPLY``, ``PARALLEL`` or ``SERIES``.
+    partner_voltage_v
+        Voltage of the second wire's own supply [V]; not used by the other two feeds.
+    partner_series_ohm
+        Resistance in series with the second wire at its own supply [ohm].
+    """
 
     direction: float
     feed: int
@@ -62,7 +89,25 @@ class Pair(NamedTuple):
 
 
 class PairMeans(NamedTuple):
-    """Means over one call of :func:`advance_pair`; ``grip_n`` is the force between each endpoint and the object."""
+    """Means over one call of :func:`advance_pair`.
+
+    Parameters
+    ----------
+    wire_voltage_v
+        Voltage across the terminals of the circuit [V]: of the first wire, or of both in series or in parallel.
+    shunt_voltage_v
+        Voltage of the shunt [V].
+    displacement_m
+        Displacement of the first wire's connector [m].
+    force_n
+        Force of the first wire [N].
+    partner_displacement_m
+        Displacement of the second wire's connector [m], the way that it pulls.
+    partner_force_n
+        Force of the second wire [N].
+    grip_n
+        Force between each endpoint and the object [N]; 0 without one.
+    """
 
     wire_voltage_v: float
     shunt_voltage_v: float
@@ -291,6 +336,27 @@ def advance_pair(
     """Return both wires after ``steps`` steps of ``dt_s`` at one drive voltage, and the means on the way.
 
     The states given are left as they were. The circuit's shunt and leads are the first wire's.
+
+    Parameters
+    ----------
+    states
+        State of the first and of the second wire.
+    constants
+        Constants of both; the load in them is that of the common connector, or of each wire's own finger.
+    pair
+        How the wires are joined.
+    grip
+        The object between two fingers; ``no_grip()`` without one.
+    drive_voltage_v
+        Drive voltage of the first wire's circuit [V], the same in all steps.
+    dt_s
+        Length of a step [s].
+    steps
+        How many steps, 1 or more.
+
+    Returns
+    -------
+    Both states after the last step, and the means over all steps.
     """
     after = (states[0].copy(), states[1].copy())
     # As for one wire, arrays and plain tuples cross into compiled code, and plain numbers come back.

@@ -19,7 +19,19 @@ __all__ = ["WireMeans", "advance", "advance_rows", "SampleMeans", "OneWire", "Si
 
 
 class WireMeans(NamedTuple):
-    """Means over one call of :func:`advance`: what an averaging acquisition card sees."""
+    """Means over one call of :func:`advance`: what an averaging acquisition card sees.
+
+    Parameters
+    ----------
+    wire_voltage_v
+        Voltage of the wire [V].
+    shunt_voltage_v
+        Voltage of the shunt [V].
+    displacement_m
+        Displacement of the connector [m], positive for a shorter wire.
+    force_n
+        Force of all legs together [N].
+    """
 
     wire_voltage_v: float
     shunt_voltage_v: float
@@ -34,6 +46,27 @@ def advance(
 
     The state given is left as it was. Energy is kept to rounding: enthalpy changes by heat in minus heat
     out, and temperature follows from enthalpy and phase fractions.
+
+    Parameters
+    ----------
+    state
+        The wire before the first step.
+    constants
+        Its constants, with the load's table.
+    drive_voltage_v
+        Drive voltage of the buffer amplifier [V], the same in all steps.
+    dt_s
+        Length of a step [s]; the shipped benches take 1 ms, see docs/explanation/numerics.md.
+    steps
+        How many steps, 1 or more.
+
+    Returns
+    -------
+    The state after the last step, and the means over all steps.
+
+    References
+    ----------
+    The circuit is that of Lan and Fan 2010, Fig. 2.
     """
     after = state.copy()
     # Arrays go into compiled code and plain numbers come back. Numba would call the class of a named tuple on the way

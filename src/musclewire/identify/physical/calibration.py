@@ -44,7 +44,31 @@ class CalibrationInputs:
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """What a calibration found: every parameter with its uncertainty, and how well the observations are met."""
+    """What a calibration found: every parameter with its uncertainty, and how well the observations are met.
+
+    Parameters
+    ----------
+    alloy
+        The alloy, with the numbers found.
+    wire
+        The wire, with the numbers found.
+    bench
+        The bench, with the numbers found.
+    estimates
+        Every parameter that was searched, with its uncertainty.
+    correlation
+        Correlation of the estimates, (n, n), in their order.
+    problem
+        What was minimised: observations and priors.
+    search_result
+        Where the search ended.
+    excess_variance
+        By which factor the variance of the residuals exceeds what was stated, 1 or more; it widens the intervals.
+    wall_s
+        Time that the calibration took [s].
+    inputs
+        What it started from.
+    """
 
     alloy: Alloy
     wire: Wire

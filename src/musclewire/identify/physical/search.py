@@ -218,9 +218,32 @@ def search(
 ) -> SearchResult:
     """Return the best vector found, repeatable for one seed whatever the number of threads.
 
-    With a ``journal`` an interrupted search goes on after the last descent that it finished. ``on_progress`` is called
-    after each descent, ``on_step`` many times on the way; what they raise ends the search. Raises NumericsError where
-    no vector can be simulated.
+    Parameters
+    ----------
+    problem
+        Residuals of a vector, and its bounds.
+    settings
+        How hard to search.
+    journal
+        Where finished descents are noted: an interrupted search continues after the last of them. None for no journal.
+    on_progress
+        Called after each descent with the stage's name, how many descents are done, of how many, and the best sum of
+        squares; what it raises ends the search.
+    on_step
+        Called many times during a descent; what it raises ends the search.
+
+    Returns
+    -------
+    The vector, its residuals, their derivative, and what it took to find it.
+
+    Raises
+    ------
+    NumericsError
+        If no vector can be simulated.
+
+    References
+    ----------
+    Branch, Coleman and Li 1999, doi 10.1137/S1064827595289108, for each descent.
     """
     report = on_progress or (lambda *_: None)
     with threads(settings.threads) as each:

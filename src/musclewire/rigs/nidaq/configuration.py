@@ -52,10 +52,14 @@ Newtons = Annotated[float, measured_in("N"), Field(allow_inf_nan=False)]
 class Input(BaseModel):
     """A terminal of the card.
 
-    Attributes:
-        channel: the card's name of the input, such as ``ai0``.
-        terminal: how it is referred to ground; differential reads a pair of terminals.
-        range: largest voltage at the terminal to both sides; the card takes the next of its ranges.
+    Parameters
+    ----------
+    channel
+        The card's name of the input, such as ``ai0``.
+    terminal
+        How it is referred to ground; differential reads a pair of terminals.
+    range
+        Largest voltage at the terminal to both sides [V]; the card takes the next of its ranges.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -68,9 +72,12 @@ class Input(BaseModel):
 class VoltageInput(Input):
     """A voltage of the circuit.
 
-    Attributes:
-        gain: volts on the circuit per volt at the terminal: above 1 behind a divider, below behind an amplifier.
-        offset: volts on the circuit where the terminal reads 0 V; ``musclewire doctor --write`` finds both.
+    Parameters
+    ----------
+    gain
+        Volts on the circuit per volt at the terminal: above 1 behind a divider, below behind an amplifier.
+    offset
+        Volts on the circuit when the terminal reads 0 V [V]; ``musclewire doctor --write`` finds both.
     """
 
     gain: Gain = 1.0
@@ -85,9 +92,12 @@ class VoltageInput(Input):
 class DisplacementInput(Input):
     """A displacement sensor with a voltage output: an LVDT's conditioner or a laser.
 
-    Attributes:
-        scale: metres of contraction per volt at the terminal; negative where the sensor counts the other way.
-        offset: contraction where the terminal reads 0 V.
+    Parameters
+    ----------
+    scale
+        Contraction per volt at the terminal [m/V]; negative if the sensor counts the other way.
+    offset
+        Contraction when the terminal reads 0 V [m].
     """
 
     scale: MetresPerVolt
@@ -102,9 +112,12 @@ class DisplacementInput(Input):
 class ForceInput(Input):
     """A load cell behind its amplifier.
 
-    Attributes:
-        scale: newtons of pull per volt at the terminal; negative where the cell counts the other way.
-        offset: pull where the terminal reads 0 V.
+    Parameters
+    ----------
+    scale
+        Pull per volt at the terminal [N/V]; negative if the cell counts the other way.
+    offset
+        Pull when the terminal reads 0 V [N].
     """
 
     scale: NewtonsPerVolt
@@ -137,11 +150,16 @@ class Inputs(BaseModel):
 class Output(BaseModel):
     """The output that drives the circuit through a buffer amplifier.
 
-    Attributes:
-        channel: the card's name of the output.
-        range: largest voltage of the card to both sides.
-        gain: drive volts per volt of the card: the buffer amplifier's.
-        offset: drive voltage where the card puts out 0 V.
+    Parameters
+    ----------
+    channel
+        The card's name of the output.
+    range
+        Largest voltage of the card to both sides [V].
+    gain
+        Drive volts per volt of the card: the buffer amplifier's.
+    offset
+        Drive voltage when the card puts out 0 V [V].
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)

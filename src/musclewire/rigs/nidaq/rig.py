@@ -58,13 +58,25 @@ class NiDaqDevice:
 
     Time is counted in readings of the card, so it does not drift against them. The output belongs to a process of its
     own, the guardian, which switches it off when this one is killed or stalls.
+
+    Parameters
+    ----------
+    configuration
+        The rig file, checked.
+    silence
+        After which silence of this process the guardian acts; by default what the protection table says of a late
+        sample.
+
+    Raises
+    ------
+    MissingExtraError
+        Without nidaqmx.
+    RigError
+        If the card cannot be used.
     """
 
     def __init__(self, configuration: NiDaqConfiguration, silence: Silence | None = None) -> None:
-        """Open the card at 0 V; ``silence`` is by default what the protection table says of a late sample.
-
-        Raises MissingExtraError without nidaqmx, RigError where the card cannot be used.
-        """
+        """Open the card at 0 V."""
         self._of = configuration
         self._silence = silence or Silence(protection_table().sense_after_s, protection_table().trip_after_s)
         self._layout = configuration.layout()
@@ -147,7 +159,7 @@ class NiDaqDevice:
 
     @property
     def drive_voltage_v(self) -> float:
-        """Drive voltage that is out now, as far as the host knows."""
+        """Drive voltage at the output now [V], as far as the host knows."""
         return self._drive_voltage_v
 
     def __repr__(self) -> str:
