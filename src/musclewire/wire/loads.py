@@ -36,10 +36,18 @@ class ElasticObject(NamedTuple):
 
 
 class ConnectorLoad(NamedTuple):
-    """A load over the connector's displacement, beyond the pretension.
+    """A load over the connector's displacement, beyond the pretension: a spring, and a table of what adds to it.
 
-    ``force_n`` and ``friction_n``, (n_points,), are at displacements of 0, 1, 2... times ``step_m`` and add to the
-    spring and to the guide's friction; beyond the last they go on, the force with its last slope.
+    Parameters
+    ----------
+    stiffness_n_per_m
+        Stiffness of the spring [N/m].
+    step_m
+        Displacement from point to point of both tables [m]; the first point is at 0.
+    force_n
+        Force that adds to the spring's [N], (n_points,); beyond the last point it continues with the last slope.
+    friction_n
+        Friction that adds to the guide's [N], (n_points,); beyond the last point it stays.
     """
 
     stiffness_n_per_m: float
@@ -48,7 +56,7 @@ class ConnectorLoad(NamedTuple):
     friction_n: FloatArray
 
     def table_n(self) -> FloatArray:
-        """Return force and friction as compiled code takes them, (2, n_points)."""
+        """Return force and friction as compiled code takes them [N], (2, n_points)."""
         return np.stack((self.force_n, self.friction_n))
 
 
