@@ -53,7 +53,7 @@ NUMPYDOC_CHECKS = frozenset({"GL03", "GL06", "GL07", "GL08", "SS01", "SS02", "SS
 # Unit suffixes of names and how docstrings spell them, longest first.
 UNITS = {
     "w_per_m2_k": "W/(m2 K)", "w_per_m_k": "W/(m K)", "n_per_m": "N/m", "m_per_n": "m/N", "ohm_per_m": "ohm/m",
-    "pa_per_k": "Pa/K",
+    "pa_per_k": "Pa/K", "n_m2": "N m2",
     "j_per_kg_k": "J/(kg K)", "j_per_kg": "J/kg", "j_per_k": "J/K", "w_per_k": "W/K", "kg_per_m3": "kg/m3",
     "ohm_m": "ohm m", "pa_s": "Pa s", "v_per_s": "V/s", "per_k": "1/K", "per_pa": "1/Pa", "per_s": "1/s", "m2": "m2",
     "ohm": "ohm", "pct": "%", "degc": "degC", "kg": "kg", "pa": "Pa", "hz": "Hz", "us": "us", "ns": "ns", "ms": "ms",
@@ -200,7 +200,7 @@ def by_protocols() -> Iterator[tuple[Any, str]]:
 
 
 def by_pages() -> Iterator[tuple[Any, str]]:
-    """Yield what the pages name: `Class`, `Class.method`, `function()`, `musclewire.a.b`, `mw.name`, and imports."""
+    """Yield what the pages name: `Class`, `Class.method`, `function()`, `room.file:name`, `mw.name`, and imports."""
     for page in PAGES:
         for word in set(words_of(page.read_text("utf-8"))):
             found = None if page.name in KEY_PAGES and not re.search(r"[.()]", word) else resolved(word)
@@ -211,6 +211,7 @@ def by_pages() -> Iterator[tuple[Any, str]]:
 def words_of(text: str) -> Iterator[str]:
     """Yield the names in a page that may be ours."""
     yield from re.findall(r"`([A-Za-z_][\w.]*(?:\(\))?)[^`\n]*`", text)
+    yield from re.findall(r"`([a-z][\w.]*:[A-Za-z_][\w.]*)`", text)
     for block in re.findall(r"```python\n(.*?)```", text, re.S):
         yield from re.findall(r"\b(?:musclewire|mw)\.[\w.]+", block)
         for home_name, names in re.findall(r"from (musclewire[\w.]*) import ([\w, ]+)", block):
@@ -219,6 +220,8 @@ def words_of(text: str) -> Iterator[str]:
 
 def resolved(word: str) -> Any:
     """Return the object a page means by a name, None if it is not one of ours or could be several."""
+    if ":" in word:
+        return named_in_module(*word.split(":"))
     called, word = word.endswith("()"), word.removesuffix("()")
     first, *rest = word.split(".")
     if first in ("mw", "musclewire") and rest:
@@ -228,6 +231,14 @@ def resolved(word: str) -> Any:
     if len(places) != 1 or (plain and not called and not rest):
         return None
     return attribute(places[0][1], rest)
+
+
+def named_in_module(module: str, name: str) -> Any:
+    """Return the object that ``module:object`` names, the package's name left out; of a field the class that has it."""
+    owner, *rest = name.split(".")
+    found = attribute(musclewire, [*module.split("."), owner])
+    member = attribute(found, rest)
+    return member if callable(member) else found
 
 
 def attribute(item: Any, names: list[str]) -> Any:

@@ -141,6 +141,14 @@ def test_what_pages_name_is_found_and_keys_are_not() -> None:
     assert resolved("shunt_resistance_ohm") is None  # a key
 
 
+def test_a_name_after_its_file_is_found_and_a_field_leads_to_its_class() -> None:
+    assert resolved("identify.sensing_model:fit") is resolved("mw.fit")
+    assert resolved("sensing.model:SensingModel.plot") is resolved("SensingModel.plot")
+    assert resolved("parameters.schema:Alloy.r_phase_strain") is resolved("musclewire.parameters.schema.Alloy")
+    assert resolved("wire.state:WireState.grains") is resolved("musclewire.wire.state.WireState")
+    assert resolved("sensing.model:Nothing") is None
+
+
 def test_methods_of_public_classes_and_of_protocols_are_public() -> None:
     names = public_objects()
     assert {"musclewire.signals.recording.Recording.save", "musclewire.rigs.protocol.Rig.exchange"} <= set(names)

@@ -53,6 +53,20 @@ def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -
     Slow sines of 3.2, 2.9 and 2.75 V; the pretension sweep; the fit of the 3.2 V loop at F_p = 1.9 N; the
     staircase of Fig. 11. Existing files of an earlier demo are replaced. Whatever interrupts it, the recordings so
     far are on disk.
+
+    Parameters
+    ----------
+    folder
+        Where recordings and model are written.
+    seed
+        Seed of the simulated rig's noise.
+    progress
+        Called with the name and the length [s] of each part; returns a context whose value receives every row. By
+        default no progress is shown.
+
+    Returns
+    -------
+    Recordings, gaps, model, run and sweep, and the files by name.
     """
     files = {f"loop_{volts:g}V": file_in(folder, f"loop-{volts:g}V.h5") for volts in AMPLITUDES_V}
     files |= {"model": folder / "model.json", "staircase": folder / "staircase.h5"}

@@ -71,7 +71,17 @@ class PretensionSweep:
         return self.rows[int(np.argmin([np.inf if gap is None else gap for gap in gaps]))]
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Plot the gaps against pretension, that of the sweep's quantity first; returns the axes."""
+        """Plot the gaps against pretension, that of the sweep's quantity first.
+
+        Parameters
+        ----------
+        axes
+            Where to plot; a new figure if None.
+
+        Returns
+        -------
+        The axes.
+        """
         if axes is None:
             import matplotlib.pyplot as plt
 
@@ -96,6 +106,20 @@ def default_pretensions_n(rig: Rig) -> list[float]:
     """Return eight settings, rounded to 0.01 N: from 0.20 to 0.65 of the wire's allowed force.
 
     A rig whose stage is set below that range is swept from a quarter of its setting to twice it.
+
+    Parameters
+    ----------
+    rig
+        The rig, whose recordings state maximum_force_n.
+
+    Returns
+    -------
+    The settings [N], rising.
+
+    Raises
+    ------
+    CallerError
+        If the rig does not state maximum_force_n.
     """
     allowed, setting = (rig.metadata().get(name) for name in ("maximum_force_n", "pretension_n"))
     if not isinstance(allowed, float):

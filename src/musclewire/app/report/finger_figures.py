@@ -35,7 +35,17 @@ ARC_POINTS = 12
 
 
 def fig13a(_runs: Runs) -> Figure:
-    """Draw one finger pulled in several ways, each to the end of its range."""
+    """Draw one finger pulled in several ways, each to the end of its range.
+
+    Parameters
+    ----------
+    _runs
+        Not used: the figure is drawn from the design alone.
+
+    Returns
+    -------
+    The figure.
+    """
     from musclewire.design.finger.finger_file_text import geometry_of_file
     from musclewire.design.finger.shape import finger_shape
 
@@ -54,7 +64,17 @@ def fig13a(_runs: Runs) -> Figure:
 
 
 def fig14(_runs: Runs) -> Figure:
-    """Draw the designed pretensioner in its envelope, and both forces over the connector's travel."""
+    """Draw the designed pretensioner in its envelope, and both forces over the connector's travel.
+
+    Parameters
+    ----------
+    _runs
+        Not used: the figure is drawn from the design alone.
+
+    Returns
+    -------
+    The figure.
+    """
     figure = Figure(figsize=(6.4, 4.4), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.2))
     made, paper = paper_pretensioner(), read_published("lan_fan_2010")
@@ -112,7 +132,17 @@ def box(left: float, bottom: float, width: float, height: float) -> Any:
 
 
 def fig15(runs: Runs) -> Figure:
-    """Draw how the tendon's zero is found: force of the cold wire over the position of Linear Stage 2."""
+    """Draw how the tendon's zero is found: force of the cold wire over the position of Linear Stage 2.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     figure, axes = one_panel()
     found = runs.finger.tendon_zero
     place, zero = -1e6 * found.positions_m, -1e6 * found.slack_m
@@ -139,7 +169,17 @@ def loop_lines(axes: Axes, loop: Loop, shade: str, label: str, width: float) -> 
 
 
 def fig16(runs: Runs) -> Figure:
-    """Draw endpoint displacement over resistance for several pretensions."""
+    """Draw endpoint displacement over resistance for several pretensions.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     figure, axes = one_panel()
     for force, shade in zip(SHOWN_N, ramp(len(SHOWN_N)), strict=True):
         loop = runs.finger.loop(force)
@@ -157,7 +197,17 @@ def fig16(runs: Runs) -> Figure:
 
 
 def fig17(runs: Runs) -> Figure:
-    """Draw displacement and force gap over pretension, for the finger's own spool and the common one."""
+    """Draw displacement and force gap over pretension, for the finger's own spool and the common one.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     figure, axes = one_panel()
     printed = read_published("lan_fan_2010")["displacement_gap"]
     axes.plot(SWEEP_N, gaps_over_pretension(runs, FINGER_WIRE), "o-", color=COOLING,
@@ -178,7 +228,17 @@ def fig17(runs: Runs) -> Figure:
 
 
 def fig18(runs: Runs) -> Figure:
-    """Draw the finger's staircase: desired, from resistance, laser."""
+    """Draw the finger's staircase: desired, from resistance, laser.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     figure, axes = one_panel()
     run = runs.finger.control_run
     time_s = elapsed(run)
@@ -194,7 +254,17 @@ def fig18(runs: Runs) -> Figure:
 
 
 def table3(runs: Runs) -> Figure:
-    """Draw the MAE of each step of the finger's staircase next to the paper's."""
+    """Draw the MAE of each step of the finger's staircase next to the paper's.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     figure = Figure(figsize=SIZE, layout="constrained")
     axes = figure.subplots()
     table, steps = read_published("lan_fan_2010")["table3"], runs.finger.control_run.metrics.steps

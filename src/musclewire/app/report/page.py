@@ -22,7 +22,17 @@ __all__ = ["write_report"]
 
 
 def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
-    """Write the report of a demo, whole or not at all."""
+    """Write the report of a demo, whole or not at all.
+
+    Parameters
+    ----------
+    result
+        All that the demo found.
+    path
+        File to write (.html).
+    wall_s
+        Time that the demo took [s], for the card "Computed in".
+    """
     figures = report_figures(result)
     metadata = result.run.metadata
     parts = {

@@ -51,7 +51,17 @@ def drawn(subject: str, runs: Runs) -> str:
 
 
 def fig3a(runs: Runs) -> Figure:
-    """Draw strain against voltage for the three amplitudes."""
+    """Draw strain against voltage for the three amplitudes.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     figure, axes = one_panel()
     for volts, shade in zip(read_published("lan_fan_2010")["setup"]["amplitude_v"], SHADES, strict=True):
         loop = loop_of_amplitude(runs, volts)
@@ -65,7 +75,17 @@ def fig3a(runs: Runs) -> Figure:
 
 
 def fig3b(runs: Runs) -> Figure:
-    """Draw strain against resistance with A, B, C and the printed fraction of B to C."""
+    """Draw strain against resistance with A, B, C and the printed fraction of B to C.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     figure, axes = one_panel()
     amplitudes = read_published("lan_fan_2010")["setup"]["amplitude_v"]
     for volts, shade in zip(amplitudes[1:], SHADES[1:], strict=True):
@@ -124,14 +144,34 @@ def pretension_figure(runs: Runs, quantity: str, factor: float, printed: dict[fl
 
 
 def fig4(runs: Runs) -> Figure:
-    """Draw strain against resistance over pretension."""
+    """Draw strain against resistance over pretension.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     paper = read_published("lan_fan_2010")["strain_gap_125um"]
     printed = dict(zip(paper["pretension_n"], paper["strain_gap_pct"], strict=True))
     return pretension_figure(runs, "strain", 100.0, printed, "strain [%]")
 
 
 def fig5(runs: Runs) -> Figure:
-    """Draw contraction force against resistance over pretension."""
+    """Draw contraction force against resistance over pretension.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     paper = read_published("lan_fan_2010")["force_gap_125um"]
     return pretension_figure(
         runs, "force", 1.0, {paper["pretension_n"]: paper["force_gap_pct"]}, "contraction force [N]"
@@ -162,7 +202,17 @@ def gap_figure(runs: Runs, quantity: str, printed: Sequence[tuple[str, float, fl
 
 
 def fig6a(runs: Runs) -> Figure:
-    """Draw strain gap against force ratio."""
+    """Draw strain gap against force ratio.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     paper = read_published("lan_fan_2010")
     main, swept = paper["loop_100um"], paper["strain_gap_125um"]
     printed = [("paper-100um", main["pretension_n"], main["strain_gap_pct"])]
@@ -171,7 +221,17 @@ def fig6a(runs: Runs) -> Figure:
 
 
 def fig6b(runs: Runs) -> Figure:
-    """Draw force gap against force ratio."""
+    """Draw force gap against force ratio.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     paper = read_published("lan_fan_2010")["force_gap_125um"]
     return gap_figure(runs, "force", [("paper-125um", paper["pretension_n"], paper["force_gap_pct"])])
 
@@ -189,17 +249,47 @@ def stiffness_figure(runs: Runs, quantity: str, factor: float, ylabel: str) -> F
 
 
 def fig7(runs: Runs) -> Figure:
-    """Draw strain against resistance with three springs."""
+    """Draw strain against resistance with three springs.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     return stiffness_figure(runs, "strain", 100.0, "strain [%]")
 
 
 def fig8(runs: Runs) -> Figure:
-    """Draw contraction force against resistance with three springs."""
+    """Draw contraction force against resistance with three springs.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     return stiffness_figure(runs, "force", 1.0, "contraction force [N]")
 
 
 def fig9(runs: Runs) -> Figure:
-    """Draw the loop from B to C with its polynomials, R_min, R_max and Table 2's twelve strains."""
+    """Draw the loop from B to C with its polynomials, R_min, R_max and Table 2's twelve strains.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     figure, axes = one_panel()
     model, paper = runs.model, read_published("lan_fan_2010")
     segments = runs.main_loop().gaps.segments
@@ -222,7 +312,17 @@ def fig9(runs: Runs) -> Figure:
 
 
 def table2(runs: Runs) -> Figure:
-    """Draw how far our branches are from the twelve printed strains, and the MAE of each step next to the paper's."""
+    """Draw how far our branches are from the twelve printed strains, and the MAE of each step next to the paper's.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     figure = Figure(figsize=(6.4, 5.6), layout="constrained")
     top, bottom = figure.subplots(2, 1)
     table = read_published("lan_fan_2010")["table2"]
@@ -252,7 +352,17 @@ def table2(runs: Runs) -> Figure:
 
 
 def fig11(runs: Runs) -> Figure:
-    """Draw the staircase: the desired strains that the paper prints, estimate, and displacement sensor."""
+    """Draw the staircase: the desired strains that the paper prints, estimate, and displacement sensor.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     figure, axes = one_panel()
     run = runs.control_run
     time_s = elapsed(run)
@@ -266,7 +376,17 @@ def fig11(runs: Runs) -> Figure:
 
 
 def fig12(runs: Runs) -> Figure:
-    """Draw the trace of the staircase over the loop it was fitted to."""
+    """Draw the trace of the staircase over the loop it was fitted to.
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; what is not there yet is made.
+
+    Returns
+    -------
+    The figure.
+    """
     figure, axes = one_panel()
     loop, run = runs.main_loop(), runs.control_run
     draw_loop(axes, loop, "strain", 100.0, (HEATING, COOLING), ("loop, heating", "loop, cooling"), linewidth=1.1)

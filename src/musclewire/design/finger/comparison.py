@@ -43,7 +43,26 @@ class Scheme(NamedTuple):
 
 
 def compare_schemes(geometry: FingerGeometry, travel_m: float, stress_pa: float) -> list[Scheme]:
-    """Return the schemes on one finger, each driven to the end of a travel or to a stress in its beam."""
+    """Return several ways to pull one finger, each to the end of a travel or to a stress in its beam (Fig. 13a).
+
+    Parameters
+    ----------
+    geometry
+        Dimensions of the finger.
+    travel_m
+        Largest travel of the tendon [m].
+    stress_pa
+        Stress in the beam at which a scheme ends [Pa].
+
+    Returns
+    -------
+    The schemes: the tendon guided by all columns, in one chord to the last column, and fastened to the first one (not
+    for a finger of one column).
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 13(a).
+    """
     last = geometry.columns - 1
     guides = {"distributed": tuple(range(geometry.columns)), "one chord to the last column": (last,)}
     if last:

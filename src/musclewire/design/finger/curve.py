@@ -58,10 +58,27 @@ def curve_travels_m(max_m: float) -> FloatArray:
 
 
 def finger_curve(geometry: FingerGeometry, travels_m: FloatArray, friction: float = ASSUMED_FRICTION) -> FingerCurve:
-    """Return the curve of a finger over evenly spaced travels from 0, (n_points,) [m].
+    """Return how a finger answers a pull at its tendon.
 
-    ``friction`` is the capstan coefficient of tendon on hole. Raises NumericsError where there is no equilibrium, and
-    CallerError where the endpoint no longer rises with the travel.
+    Parameters
+    ----------
+    geometry
+        Dimensions of the finger.
+    travels_m
+        Travels of the tendon [m], (n_points,), evenly spaced from 0.
+    friction
+        Coefficient of the capstan law for tendon on hole; by default an assumed one.
+
+    Returns
+    -------
+    Force, endpoint displacement and the answer to an endpoint force, over the travels.
+
+    Raises
+    ------
+    CallerError
+        If the endpoint no longer rises with the travel: the finger has curled.
+    NumericsError
+        If there is no equilibrium at a travel.
     """
     chain, stiffness = finger_chain(geometry), geometry.stiffness_n_m2
     found = equilibria(chain, stiffness, travels_m)

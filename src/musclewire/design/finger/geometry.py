@@ -41,9 +41,35 @@ MAX_INWARD_RAD = 0.5 * math.pi
 class FingerGeometry:
     """A finger's dimensions in metres and radians, and the modulus of what it is made of.
 
-    ``overall_length_m`` is counted along the beam, plate included; ``column_height_m`` from the beam's middle to the
-    outer end of the isolators; ``inward_angle_rad`` is what the curved segments add up to with no load.
-    Raises CallerError for dimensions that cannot belong to a finger.
+    Parameters
+    ----------
+    overall_length_m
+        Length along the beam, plate included [m].
+    plate_length_m
+        Length of the extension plate at the end [m].
+    columns
+        Number of columns, and of flexible segments, 1 to 40.
+    column_width_m
+        Width of a column along the beam [m].
+    column_height_m
+        From the middle of the beam to the outer end of the isolators [m].
+    tendon_offset_m
+        From the middle of the beam to the tendon [m], on the side that the finger bends to.
+    beam_thickness_m
+        Thickness of the flexible segments [m].
+    beam_depth_m
+        Depth of the finger out of plane [m].
+    inward_angle_rad
+        What the curved segments add up to without load [rad], 0 for a straight finger, at most a right angle.
+    plate_thickness_m
+        Thickness of the plate [m].
+    youngs_modulus_pa
+        Young's modulus of the material [Pa].
+
+    Raises
+    ------
+    CallerError
+        For dimensions that cannot belong to a finger: the message names the dimension and what it collides with.
     """
 
     overall_length_m: float
@@ -102,11 +128,11 @@ class FingerGeometry:
 
     @property
     def stiffness_n_m2(self) -> float:
-        """Bending stiffness EI of the beam [N m^2]."""
+        """Bending stiffness EI of the beam [N m2]."""
         return bending_stiffness_n_m2(self.youngs_modulus_pa, self.beam_depth_m, self.beam_thickness_m)
 
     def with_(self, **changes: float) -> FingerGeometry:
-        """Return the geometry with other dimensions."""
+        """Return the geometry with other dimensions, as in ``geometry.with_(columns=8)``."""
         return replace(self, **changes)  # type: ignore[arg-type]
 
     def values(self) -> dict[str, float]:
@@ -117,7 +143,21 @@ class FingerGeometry:
     def from_parameters(cls, items: Mapping[str, Parameter], where: str) -> FingerGeometry:
         """Return the geometry of a finger file; other keys that the file may have are left to their readers.
 
-        Raises CallerError for a number that is missing or has another unit.
+        Parameters
+        ----------
+        items
+            The numbers of the file's table ``[geometry]``, by key.
+        where
+            What the file is called in a message.
+
+        Returns
+        -------
+        The geometry, checked.
+
+        Raises
+        ------
+        CallerError
+            For a number that is missing or has another unit, and for dimensions that cannot belong to a finger.
         """
         for key, unit in UNITS.items():
             if key not in items:

@@ -55,7 +55,19 @@ class FingerShape:
 
 
 def finger_shape(geometry: FingerGeometry, angles_rad: FloatArray) -> FingerShape:
-    """Return the shape of a finger whose chain has these angles, (n_angles,) [rad]."""
+    """Return the shape of a finger at the angles of its chain.
+
+    Parameters
+    ----------
+    geometry
+        Dimensions of the finger.
+    angles_rad
+        Angle of the beam at the end of each element [rad], (n_angles,), from palm to plate, as an equilibrium has them.
+
+    Returns
+    -------
+    Places along segments, columns and plate [m], palm at x = 0.
+    """
     nodes = np.concatenate([[0.0], angles_rad])
     per_segment = angles_rad.size // geometry.columns
     step = geometry.segment_length_m / per_segment

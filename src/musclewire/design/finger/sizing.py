@@ -75,10 +75,24 @@ def finger_stiffness_n_per_m(geometry: FingerGeometry) -> float:
 
 
 def design_finger(request: FingerRequest, material: Material) -> FingerGeometry:
-    """Return dimensions, rounded to 0.01 mm, of a finger that does what is asked.
+    """Return dimensions, rounded to 0.01 mm, of a finger of a given stiffness and endpoint displacement.
 
-    Raises CallerError, naming the limit that binds and by how much: endpoint out of reach, hole inside the beam,
-    columns that touch, thinner than can be made, deeper than there is room, stress above yield.
+    Parameters
+    ----------
+    request
+        Stiffness, endpoint displacement, travel and the room there is.
+    material
+        What the finger is made of.
+
+    Returns
+    -------
+    The dimensions.
+
+    Raises
+    ------
+    CallerError
+        If there is no such finger: the message names the limit that binds and by how much (endpoint out of reach, hole
+        inside the beam, columns that touch, thinner than can be made, deeper than there is room, stress above yield).
     """
     for name in ("stiffness_n_per_m", "endpoint_m", "travel_m", "depth_m", "max_depth_m", "min_thickness_m"):
         value = getattr(request, name)

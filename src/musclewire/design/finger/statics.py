@@ -97,8 +97,35 @@ def equilibrium(
 ) -> FingerEquilibrium:
     """Return the finger at one tendon travel, from the unloaded finger or from a neighbouring equilibrium.
 
-    ``chord_weights`` (n_chords,): share of the force at the palm that each chord carries (friction); 1 without it.
-    Raises NumericsError where Newton's method does not arrive: go there in smaller steps with ``start``.
+    Parameters
+    ----------
+    chain
+        The finger as a chain of elements, with its tendon's chords.
+    stiffness_n_m2
+        Bending stiffness EI of the flexible segments [N m2].
+    travel_m
+        Travel of the tendon [m]: by how much its chords together are shorter than without load.
+    endpoint_force_n
+        Force that pushes the endpoint back [N].
+    obstacle
+        Object in the way of the endpoint; None without one.
+    chord_weights
+        Tension of each chord as a fraction of that at the palm, (n_chords,); below 1 by friction, 1 if None.
+    start
+        A neighbouring equilibrium from which Newton's method begins; the unloaded finger if None.
+
+    Returns
+    -------
+    Angles, forces and endpoint displacement of the finger at rest.
+
+    Raises
+    ------
+    NumericsError
+        If Newton's method does not converge: go there in smaller steps with ``start``.
+
+    References
+    ----------
+    The finger of Lan and Fan 2010, Fig. 13(b).
     """
     problem = FingerProblem(chain, stiffness_n_m2, chord_weights)
     angles = chain.resting_angles_rad if start is None else start.angles_rad

@@ -30,9 +30,23 @@ PLATE = 10.0
 
 @dataclass(frozen=True)
 class Duty:
-    """What a pretensioner is for: pretension F_p [N], the wire's stroke [m], the finger it works beside [N/m].
+    """What a pretensioner is for.
 
-    ``travel_m`` is what the connector travels in all, pretension and stroke; without it, it follows from both.
+    Parameters
+    ----------
+    pretension_n
+        Pretension F_p [N]; None if the travel is given instead.
+    stroke_m
+        Stroke of the wire [m], over which the pretensioner is stretched further.
+    travel_m
+        Whole travel of the connector [m], pretension and stroke together; if None it follows from both.
+    finger_stiffness_n_per_m
+        Stiffness of the finger at the same connector [N/m], which the pretensioner must stay below; None without one.
+
+    Raises
+    ------
+    CallerError
+        For a stroke below 0, or another number that is not above 0.
     """
 
     pretension_n: float | None = None
@@ -50,7 +64,17 @@ class Duty:
             raise CallerError(f"stroke_m is {self.stroke_m:g}: it must be 0 or more")
 
     def travel_with(self, stiffness_n_per_m: float) -> float | None:
-        """Return the connector's whole travel [m] for a stiffness; None where nothing says how far it goes."""
+        """Return the connector's whole travel [m].
+
+        Parameters
+        ----------
+        stiffness_n_per_m
+            Stiffness of the pretensioner [N/m].
+
+        Returns
+        -------
+        The travel [m]; None if neither it nor a pretension is given.
+        """
         if self.travel_m is not None:
             return self.travel_m
         return None if self.pretension_n is None else self.pretension_n / stiffness_n_per_m + self.stroke_m
@@ -60,8 +84,28 @@ class Duty:
 class PretensionerDesign:
     """A serpentine with all that was computed of it.
 
-    ``linear`` holds one answer per mesh, coarse to fine; ``travel_m`` the connector's travel it was judged at and
-    ``stress_pa`` the largest von Mises stress there, both None where nothing says how far it goes.
+    Parameters
+    ----------
+    geometry
+        Its dimensions.
+    material
+        What it is made of.
+    process
+        How it is made, one of the material's processes.
+    duty
+        What it is for.
+    linear
+        Stiffness and stress for small travel, one answer per mesh, coarse to fine.
+    guided
+        The same with a connector that cannot turn, on the finest mesh.
+    curve
+        Force and stress over large travel.
+    travel_m
+        Travel of the connector at which it was judged [m]; None if the duty does not say.
+    stress_pa
+        Largest von Mises stress at that travel [Pa]; None without one.
+    checks
+        What was checked, with its outcome.
     """
 
     geometry: SerpentineGeometry

@@ -76,9 +76,21 @@ class Candidate(NamedTuple):
 
 
 def design_pretensioner(request: PretensionerRequest) -> PretensionerDesign:
-    """Return a serpentine whose plane-stress stiffness is within 1 % of what is wanted, all limits kept.
+    """Return a serpentine whose plane-stress stiffness is within 1 % of that requested, all limits kept.
 
-    Raises CallerError, naming the limit that binds and by how much, where there is none.
+    Parameters
+    ----------
+    request
+        Stiffness, duty, material, process and envelope.
+
+    Returns
+    -------
+    The first serpentine that keeps every limit, computed and checked; few beams are tried first.
+
+    Raises
+    ------
+    CallerError
+        If there is none: the message names the limit that binds and by how much.
     """
     require_sense(request)
     closest: Candidate | None = None

@@ -62,7 +62,21 @@ def loop_of_amplitude(runs: Runs, volts: float) -> Loop:
 
 
 def minor_loop_checks(setup: dict[str, Any]) -> list[PaperCheck]:
-    """Return whether smaller amplitudes give smaller loops inside the larger ones (Fig. 3a)."""
+    """Return whether smaller amplitudes give smaller loops inside the larger ones (Fig. 3a).
+
+    Parameters
+    ----------
+    setup
+        Table ``setup`` of the published results.
+
+    Returns
+    -------
+    The checks; each knows the paper's number, its tolerance and how to find ours.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 3(a).
+    """
     amplitudes = setup["amplitude_v"]
     inside = (
         "largest excursion of the smaller loop out of the larger one, strain over voltage; 0.05 %: what Table 2's "
@@ -102,7 +116,21 @@ def outside_pct(runs: Runs, *, small: float, large: float) -> float:
 
 
 def segment_checks(setup: dict[str, Any]) -> list[PaperCheck]:
-    """Return the shares of segments A-B and B-C, and how much closer resistance brings the branches (Fig. 3b)."""
+    """Return the shares of segments A-B and B-C, and how much closer resistance brings the branches (Fig. 3b).
+
+    Parameters
+    ----------
+    setup
+        Table ``setup`` of the published results.
+
+    Returns
+    -------
+    The checks; each knows the paper's number, its tolerance and how to find ours.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 3(b).
+    """
     from_b = setup["segment_bc_pct"]
     why = 'heating branch; "roughly 85 %" is read as within 4 points'
     return [
@@ -134,7 +162,21 @@ def sweep_settings_n() -> list[float]:
 
 
 def strain_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
-    """Return the printed strain gaps of the 125 um wire, and that the gap falls between them (Fig. 4)."""
+    """Return the printed strain gaps of the 125 um wire, and that the gap falls between them (Fig. 4).
+
+    Parameters
+    ----------
+    printed
+        Table ``strain_gap_125um`` of the published results.
+
+    Returns
+    -------
+    The checks; each knows the paper's number, its tolerance and how to find ours.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 4.
+    """
     pairs = zip(printed["pretension_n"], printed["strain_gap_pct"], strict=True)
     found = [
         PaperCheck(f"fig4.strain_gap_pct[125um,{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
@@ -168,7 +210,21 @@ def falling_count(runs: Runs) -> float:
 
 
 def force_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
-    """Return where the force gap of the 125 um wire is smallest, how small, and that it grows again (Fig. 5)."""
+    """Return where the force gap of the 125 um wire is smallest, how small, and that it grows again (Fig. 5).
+
+    Parameters
+    ----------
+    printed
+        Table ``force_gap_125um`` of the published results.
+
+    Returns
+    -------
+    The checks; each knows the paper's number, its tolerance and how to find ours.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 5.
+    """
     force, gap = printed["pretension_n"], printed["force_gap_pct"]
     return [
         PaperCheck("fig5.smallest_force_gap_at_n[125um]", force, "N", 0.4,

@@ -38,7 +38,21 @@ def checks() -> list[PaperCheck]:
 
 
 def loop_checks(printed: dict[str, Any]) -> list[PaperCheck]:
-    """Return R_min, R_max, the gap and the quality of the polynomials (Fig. 9)."""
+    """Return R_min, R_max, the gap and the quality of the polynomials (Fig. 9).
+
+    Parameters
+    ----------
+    printed
+        Table ``loop_100um`` of the published results.
+
+    Returns
+    -------
+    The checks; each knows the paper's number, its tolerance and how to find ours.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 9.
+    """
     ends = "0.02 ohm: a hundredth of the printed span from R_min to R_max"
     residual = (
         "rms of the samples about their sixth-order polynomial; 0.02 %: no more than Table 2's strains may be off in "
@@ -68,7 +82,21 @@ def fit_rms_pct(runs: Runs, *, branch: str) -> float:
 
 
 def strain_checks(table: dict[str, Any]) -> list[PaperCheck]:
-    """Return the strains of Table 2 at the paper's resistances, and the resistances that ours requires."""
+    """Return the strains of Table 2 at the paper's resistances, and the resistances that ours requires.
+
+    Parameters
+    ----------
+    table
+        Table ``table2`` of the published results.
+
+    Returns
+    -------
+    The checks; each knows the paper's number, its tolerance and how to find ours.
+
+    References
+    ----------
+    Lan and Fan 2010, Table 2.
+    """
     desired, printed_ohm = table["desired_strain_pct"], table["required_resistance_ohm"]
     found = [
         PaperCheck(f"table2.desired_strain_pct[{target:.1f}]", target, "% strain", 0.0, SAME, "input",
@@ -130,7 +158,23 @@ def strain_rms_pct(runs: Runs) -> float:
 
 
 def error_checks(table: dict[str, Any], text: dict[str, Any]) -> list[PaperCheck]:
-    """Return the MAE of every step, the largest, and the largest of the others (Table 2, Eq. 7)."""
+    """Return the MAE of every step, the largest, and the largest of the others (Table 2, Eq. 7).
+
+    Parameters
+    ----------
+    table
+        Table ``table2`` of the published results.
+    text
+        Table ``staircase`` of the published results: what the text says of the other errors.
+
+    Returns
+    -------
+    The checks, one for each step and two for the largest errors.
+
+    References
+    ----------
+    Lan and Fan 2010, Table 2 and Eq. 7.
+    """
     found = []
     for direction in ("rise", "return"):
         for target, error in zip(table["desired_strain_pct"], table[f"mae_{direction}_pct"], strict=False):
@@ -170,7 +214,21 @@ def largest_other_mae_pct(runs: Runs) -> float:
 
 
 def staircase_checks(paper: dict[str, Any]) -> list[PaperCheck]:
-    """Return what Figs. 11 and 12 say: sizes of the steps, estimate against sensor, the trace within its loop."""
+    """Return what Figs. 11 and 12 say: sizes of the steps, estimate against sensor, the trace within its loop.
+
+    Parameters
+    ----------
+    paper
+        All tables of the published results.
+
+    Returns
+    -------
+    The checks.
+
+    References
+    ----------
+    Lan and Fan 2010, Figs. 11 and 12.
+    """
     text, largest = paper["staircase"], max(paper["table2"]["mae_return_pct"])
     lowest = min(paper["table2"]["desired_strain_pct"])
     near = round(largest / 100.0 * lowest, 3)

@@ -60,7 +60,21 @@ def geometry_mm(_runs: Runs, *, name: str) -> float:
 
 
 def finger_checks(printed: dict[str, Any]) -> list[PaperCheck]:
-    """Return what is printed of the finger, and the comparison of Fig. 13(a)."""
+    """Return what is printed of the finger, and the comparison of Fig. 13(a).
+
+    Parameters
+    ----------
+    printed
+        Table ``finger`` of the published results.
+
+    Returns
+    -------
+    The checks; each knows the paper's number, its tolerance and how to find ours.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 13.
+    """
     return [
         PaperCheck("fig13a.range_ratio", 1.0, "1", 0.0,
             '"distributed actuation provides larger range to length ratio": tendon through all columns over one chord '
@@ -81,7 +95,21 @@ def finger_checks(printed: dict[str, Any]) -> list[PaperCheck]:
 
 
 def pretensioner_checks(printed: dict[str, Any]) -> list[PaperCheck]:
-    """Return a pretensioner designed for the printed stiffness in the printed envelope."""
+    """Return a pretensioner designed for the printed stiffness in the printed envelope.
+
+    Parameters
+    ----------
+    printed
+        Table ``pretensioner`` of the published results.
+
+    Returns
+    -------
+    The checks; each knows the paper's number, its tolerance and how to find ours.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 14.
+    """
     sides = ("across", "along", "out of plane")
     found = [
         PaperCheck("fig14.pretensioner_stiffness_n_per_m", printed["stiffness_n_per_m"], "N/m",
@@ -120,7 +148,21 @@ def deflection_checks() -> list[PaperCheck]:
 
 
 def stage_checks(printed: dict[str, Any]) -> list[PaperCheck]:
-    """Return the forces at the connector (Eq. 8), the wire's length and the zero of Linear Stage 2 (Fig. 15)."""
+    """Return the forces at the connector (Eq. 8), the wire's length and the zero of Linear Stage 2 (Fig. 15).
+
+    Parameters
+    ----------
+    printed
+        Table ``finger`` of the published results.
+
+    Returns
+    -------
+    The checks; each knows the paper's number, its tolerance and how to find ours.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 15 and Eq. 8.
+    """
     return [
         PaperCheck("eq8.force_rms_error_n", 0.0, "N", EQUATION_8_N,
             "rms of the load cell, mean of heating and cooling at equal x, less F_p, k_p x and the tendon's force; "
@@ -137,7 +179,21 @@ def stage_checks(printed: dict[str, Any]) -> list[PaperCheck]:
 
 
 def eq8_error_n(runs: Runs) -> float:
-    """Return the rms difference of the load cell from Eq. 8 with the finger's own curve [N]."""
+    """Return the rms difference of the load cell from Eq. 8 with the finger's own curve [N].
+
+    Parameters
+    ----------
+    runs
+        Source of recordings; the finger's loop at the paper's pretension is made if it is not there yet.
+
+    Returns
+    -------
+    The rms [N] over 5 to 95 % of the connector's travel, of the mean of heating and cooling, in which friction cancels.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 8.
+    """
     loop = runs.finger.loop(pretension_n())
     configuration, _ = simulated_configuration("finger")
     curve = shipped_finger().curve
@@ -163,7 +219,23 @@ def gaps_over_pretension(runs: Runs, wire: str, quantity: str = "displacement") 
 
 
 def falling_check(wire: str, whose: str) -> PaperCheck:
-    """Return whether the displacement gap falls from the slack end to the chosen pretension (Fig. 16)."""
+    """Return whether the displacement gap falls from the slack end to the chosen pretension (Fig. 16).
+
+    Parameters
+    ----------
+    wire
+        Name of the wire file of the spool.
+    whose
+        Which spool that is, in the words of the check's explanation.
+
+    Returns
+    -------
+    The check, by the number of steps of the sweep at which the gap falls.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 16.
+    """
     before = SWEEP_N.index(pretension_n())
     return PaperCheck(f"fig16.falling_steps[{wire}]", before, "1", 0.0,
         '"heating and cooling paths are closer with increasing pretension force": steps from the slack end to '
@@ -172,7 +244,25 @@ def falling_check(wire: str, whose: str) -> PaperCheck:
 
 
 def gap_checks(printed: dict[str, Any], wire: str, whose: str) -> list[PaperCheck]:
-    """Return the displacement gap over pretension (Fig. 17, Eq. 9) for one spool."""
+    """Return the displacement gap over pretension (Fig. 17, Eq. 9) for one spool.
+
+    Parameters
+    ----------
+    printed
+        Table ``displacement_gap`` of the published results.
+    wire
+        Name of the wire file of the spool.
+    whose
+        Which spool that is, in the words of the checks' explanations.
+
+    Returns
+    -------
+    The checks: place and size of the smallest gap, and that it grows beyond.
+
+    References
+    ----------
+    Lan and Fan 2010, Fig. 17 and Eq. 9.
+    """
     force, gap = printed["pretension_n"], printed["displacement_gap_pct"]
     return [
         PaperCheck(f"fig17.smallest_gap_at_n[{wire}]", force, "N", PLACE_TOLERANCE_N,
@@ -210,7 +300,21 @@ def grows_again_pct(runs: Runs, *, wire: str) -> float:
 
 
 def staircase_checks(table: dict[str, Any]) -> list[PaperCheck]:
-    """Return the MAE of every step of the finger's staircase, the largest and the mean (Table 3, Fig. 18)."""
+    """Return the MAE of every step of the finger's staircase, the largest and the mean (Table 3, Fig. 18).
+
+    Parameters
+    ----------
+    table
+        Table ``table3`` of the published results.
+
+    Returns
+    -------
+    The checks; each knows the paper's number, its tolerance and how to find ours.
+
+    References
+    ----------
+    Lan and Fan 2010, Table 3 and Fig. 18.
+    """
     printed = [*table["mae_rise_pct"], *table["mae_return_pct"]]
     return [
         *level_checks(table),
