@@ -1,4 +1,4 @@
-"""What an array of numbers is called in annotations, in all rooms; docstrings state its shape and unit."""
+"""Types of arrays of numbers for the annotations of all rooms; docstrings state shape and unit."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Compile a function with Numba, with an on-disk cache that cannot go stale.
 
-Numba's own cache notices an edit of the file a function stands in, but not of another file whose function it
-calls (numba issue 1833): the old machine code runs on. Here the cache folder is named by a hash over every
-Python source of the package that may hold compiled code, so an edit anywhere starts a new folder.
+Numba's own cache notices an edit of the file that defines a function, but not of another file whose function it
+calls (numba issue 1833): the old machine code keeps running. Here the cache folder is named by a hash over every
+Python source of the package that may hold compiled code, so that an edit anywhere starts a new folder.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def kernel_source_hash() -> str:
 
 
 def cache_root() -> Path:
-    """Return the user's cache folder for compiled kernels (``NUMBA_CACHE_DIR`` wins where it is set)."""
+    """Return the user's cache folder for compiled kernels (``NUMBA_CACHE_DIR`` takes precedence if it is set)."""
     if numba_config.CACHE_DIR:
         return Path(numba_config.CACHE_DIR)
     if sys.platform == "win32":
@@ -51,7 +51,7 @@ def cache_root() -> Path:
 
 @cache
 def cache_folder() -> str | None:
-    """Return this version's kernel folder, or None where nothing can be written (compiling still works)."""
+    """Return this version's kernel folder, or None if nothing can be written (compiling still works)."""
     folder = cache_root() / kernel_source_hash()
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -61,6 +61,8 @@ def cache_folder() -> str | None:
 
 
 def _compile(function: Function, **options: Any) -> Function:
+    """Return the function compiled by Numba, with this version's cache folder."""
+    """Return the function compiled by Numba, with this version's cache folder."""
     folder = cache_folder()
     before = numba_config.CACHE_DIR
     # Numba chooses the folder while it decorates, so the setting is ours for that moment only.
@@ -75,7 +77,7 @@ def _compile(function: Function, **options: Any) -> Function:
 def compiled(function: Function) -> Function:
     """Compile a function on its first call, in strict IEEE 754 arithmetic: the same digits as plain Python.
 
-    It lets go of the interpreter while it runs, so that threads can run several wires at a time.
+    It releases the global interpreter lock while it runs, so that threads can run several wires at a time.
 
     Parameters
     ----------

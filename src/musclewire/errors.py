@@ -50,15 +50,15 @@ class RecordingError(MusclewireError, ValueError):
 
 
 class RigError(MusclewireError):
-    """The rig failed or said something impossible. It has been made safe before this is raised."""
+    """The rig failed or reported something impossible. It has been made safe before this is raised."""
 
     exit_code = 3
 
 
 class RecordingNotWrittenError(RigError):
-    """A recording's file cannot be written any more. The rig is safe; a note on it says where the samples went.
+    """A recording's file cannot be written any more. The rig is safe; a note on the error says where the samples are.
 
-    HDF5 may crash a process that lets go of such a file, so the command line ends without doing so.
+    HDF5 may crash a process that closes such a file, so the command line exits without closing it.
     """
 
 
@@ -67,7 +67,7 @@ class NumericsError(MusclewireError):
 
 
 class FitRejectedError(NumericsError):
-    """A fit ran and its result does not hold (it is not invertible, for one)."""
+    """A fit ran, and its result cannot be used (because it is not invertible, for example)."""
 
 
 def nearest_hint(name: str, known: Iterable[str]) -> str:
@@ -76,9 +76,9 @@ def nearest_hint(name: str, known: Iterable[str]) -> str:
     Parameters
     ----------
     name
-        What somebody wrote.
+        The unknown name, as it was written.
     known
-        The names that would have been right.
+        All valid names.
 
     Returns
     -------

@@ -1,8 +1,8 @@
 """Kinds of estimators, controllers, devices and load parts by name: our own, and those that others add.
 
-Each registry names what it knows and where it is, and imports it only when it is asked for. A package from outside adds
-a kind by one call, ``estimators.register("name", factory)``, or by an entry point of the registry's group, which
-needs no call at all.
+Each registry lists the names of its kinds and where they are defined, and imports a kind only when it is looked up. A
+package from outside adds a kind by one call, ``ESTIMATORS.register("name", factory)``, or without any call by an entry
+point of the registry's group.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ class Registry(Generic[Kind]):
     Parameters
     ----------
     what
-        What a kind is called in messages: "estimator", for example.
+        Word for a kind in messages, "estimator" for example.
     group
         Group of the entry points under which other packages offer theirs, "musclewire.estimators" for example.
     built_in
-        Our own kinds: where each is, as "module:attribute". None of these modules is imported before it is asked for.
+        Our own kinds by name, each as "module:attribute". A module is imported when its kind is first looked up.
     """
 
     def __init__(self, what: str, group: str, built_in: Mapping[str, str]) -> None:
-        """Know our own kinds; those of other packages are looked up when a name is asked for."""
+        """Take our own kinds; those of other packages are looked up when a name is needed."""
         self.what = what
         self.group = group
         self._places = dict(built_in)
@@ -47,7 +47,7 @@ class Registry(Generic[Kind]):
         name
             Name on the command line and in files.
         kind
-            What is returned for it.
+            The object that :meth:`find` returns for it.
 
         Raises
         ------
@@ -69,7 +69,7 @@ class Registry(Generic[Kind]):
         Parameters
         ----------
         name
-            A name out of :meth:`names`.
+            One of :meth:`names`.
 
         Returns
         -------

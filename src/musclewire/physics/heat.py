@@ -1,4 +1,4 @@
-"""Heat that a thin wire gives to still air: properties of air and two published correlations.
+"""Heat loss of a thin wire to still air: properties of air and two published correlations.
 
 Symbols: Ra Rayleigh number, Nu Nusselt number, Pr Prandtl number, d wire diameter.
 """
@@ -28,9 +28,9 @@ AIR_SPECIFIC_HEAT_J_PER_KG_K = 1006.0
 
 # Below it the correlation has no data; Morgan's goes down to 1e-10.
 CHURCHILL_CHU_MIN_RAYLEIGH = 1e-5
-# Nearer to the air than this a wire gives off less than a hundredth of what it does when it is hot.
+# Within this of the air's temperature a wire loses less than a hundredth of the heat that it loses when hot.
 NEGLIGIBLE_EXCESS_K = 1.0
-# No wire of ours is hotter above the air; one that is outside the range even there is outside it altogether.
+# No wire is heated further above the air than this; one that is outside the range even there never reaches it.
 MAX_EXCESS_K = 600.0
 
 
@@ -98,7 +98,7 @@ def air_prandtl(temperature_k: float) -> float:
     Parameters
     ----------
     temperature_k
-        Temperature of the air [K], up to 450 K: till there the constant specific heat is within 1 %.
+        Temperature of the air [K], up to 450 K, to which the constant specific heat holds within 1 %.
 
     Returns
     -------
@@ -235,7 +235,7 @@ def convection_coefficient_w_per_m2_k(
 
     Returns
     -------
-    h = Nu k / d, the coefficient [W/(m2 K)], with k at the mean of both temperatures. Radiation is not in it.
+    h = Nu k / d, the coefficient [W/(m2 K)], with k at the mean of both temperatures. Radiation is not included.
 
     Notes
     -----
@@ -258,7 +258,7 @@ def convection_coefficient_w_per_m2_k(
 
 
 def churchill_chu_from_k(diameter_m: float, ambient_temperature_k: float) -> float:
-    """Return how far above the air [K] a wire must be for Churchill and Chu's range, Ra >= 1e-5, to begin.
+    """Return the excess over the air's temperature [K] at which Churchill and Chu's range, Ra >= 1e-5, begins.
 
     Parameters
     ----------
@@ -296,11 +296,11 @@ def churchill_chu_from_k(diameter_m: float, ambient_temperature_k: float) -> flo
 
 
 def convection_range_note(diameter_m: float, ambient_temperature_k: float) -> str:
-    """Return what to know of a wire's convection outside Churchill and Chu's published range; "" within it.
+    """Return a note on a wire whose convection is outside Churchill and Chu's published range; "" within it.
 
     Free convection of a thin wire near the air's temperature is so weak that the Rayleigh number falls below the range
-    of the correlation. Within 1 K of the air that is of no account and true of most wires; beyond, the note says up to
-    which temperature difference, and how far Morgan's correlation, valid down to Ra = 1e-10, is from it there.
+    of the correlation. Within 1 K of the air that is negligible and true of most wires. Beyond, the note states up to
+    which temperature difference it is so, and how much Morgan's correlation, valid down to Ra = 1e-10, differs there.
 
     Parameters
     ----------

@@ -9,8 +9,8 @@ the thermodynamic driving force of the change; there are three on cooling (A to 
 A grain is one class of transformation temperatures. It is not a single switch but a short interval of them,
 so its phase fractions move continuously while a driving force sweeps through the interval: the limit of very many
 switches, in which the ensemble loses its steps. Within a grain the fractions are ordered as they form on
-cooling: martensite first, then R-phase, then austenite. Either function leaves a grain where applying it again
-changes nothing, so that a grain needs a second look only when a driving force has risen.
+cooling: martensite first, then R-phase, then austenite. Both functions are idempotent: applied again at the same
+driving forces they change nothing, so that a grain must be evaluated again only when a driving force has risen.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ __all__ = [
 def advantage_k(
     temperature_k: float, stress_pa: float, transformation_temperature_k: float, stress_rate_pa_per_k: float
 ) -> float:
-    """Return how far [K] a phase is favoured over austenite (Clausius-Clapeyron).
+    """Return the advantage [K] of a phase over austenite (Clausius-Clapeyron).
 
     Parameters
     ----------
@@ -130,8 +130,8 @@ def cooled_grain(
 
     Notes
     -----
-    What leaves austenite stops at R-phase if that is stable, and goes on to martensite if not. So both fractions only
-    ever rise to a bound, whatever the state: the order between states lasts, and with it return-point memory.
+    A grain that leaves austenite becomes R-phase if that is stable, and martensite if it is not. Both fractions only
+    rise to a bound, whatever the state: the order between states is preserved, and with it return-point memory.
 
     References
     ----------

@@ -49,7 +49,7 @@ class ArrayReading(NamedTuple):
     resistance_ohm
         Resistances [ohm], shape (n_times,) or (n_times, n_wires); 0.0 where not valid.
     valid
-        Where a usable current flowed, of the same shape.
+        Which readings have a usable current, of the same shape.
     """
 
     resistance_ohm: FloatArray
@@ -63,7 +63,7 @@ def series_resistance_ohm(wire_voltage_v: Voltage, shunt_voltage_v: Voltage, shu
     """Return the resistance [ohm] of a wire in series with a shunt: Eq. 1, R_SMA = V_SMA / V_R * R.
 
     The division comes first, here and in the C library (``MW_SERIES_RESISTANCE`` in ``mw_real.h``): then both round
-    alike. Whether there is a current at all is for the caller to say. Not compiled: a call from Python into compiled
+    alike. The caller checks that there is a current. The function is not compiled: a call from Python into compiled
     code takes longer than the two operations.
 
     Parameters
@@ -113,8 +113,8 @@ def wire_resistance(
 ) -> ResistanceReading | ArrayReading:
     """Return the resistance of a wire in series with a shunt (Eq. 1), if there is a current.
 
-    No current, so no resistance: where the current is below ``minimum_current_a``, or a voltage is not
-    finite, or the two voltages have opposite signs (swapped leads), the reading is 0.0 ohm with valid False.
+    Without current there is no resistance: if the current is below ``minimum_current_a``, a voltage is not finite or
+    the two voltages have opposite signs (swapped leads), the reading is 0.0 ohm and not valid.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def wire_resistance(
     shunt_resistance_ohm
         R, resistance of the shunt [ohm].
     minimum_current_a
-        Least current [A] that counts.
+        Minimum current [A] of a valid reading; the default is well above the offsets of usual converters.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def wire_resistance(
     Raises
     ------
     CallerError
-        If shunt resistance or least current is not positive, or the shapes differ.
+        If shunt resistance or minimum current is not positive, or the shapes differ.
 
     References
     ----------
@@ -147,8 +147,8 @@ def wire_resistance(
             return NO_READING
         resistance = series_resistance_ohm(wire_voltage_v, shunt_voltage_v, shunt_resistance_ohm)
         return ResistanceReading(resistance, True) if 0.0 < resistance < inf else NO_READING
-    least_voltage = minimum_current_a * shunt_resistance_ohm
-    return _reading(wire_voltage_v, shunt_voltage_v, least_voltage, shunt_resistance_ohm)
+    min_voltage_v = minimum_current_a * shunt_resistance_ohm
+    return _reading(wire_voltage_v, shunt_voltage_v, min_voltage_v, shunt_resistance_ohm)
 
 
 @overload
@@ -171,7 +171,7 @@ def wire_resistance_from_current(
     wire_current_a
         Current through it [A], of the same shape.
     minimum_current_a
-        Least current [A] that counts.
+        Minimum current [A] of a valid reading; the default is well above the offsets of usual converters.
 
     Returns
     -------
@@ -180,16 +180,16 @@ def wire_resistance_from_current(
     Raises
     ------
     CallerError
-        If the least current is not positive, or the shapes differ.
+        If the minimum current is not positive, or the shapes differ.
     """
     # A shunt of one ohm carries one volt per ampere.
     return wire_resistance(wire_voltage_v, wire_current_a, 1.0, minimum_current_a)  # type: ignore[arg-type]
 
 
 def _reading(
-    wire_voltage_v: npt.ArrayLike, shunt_voltage_v: npt.ArrayLike, least_voltage: float, shunt_ohm: float
+    wire_voltage_v: npt.ArrayLike, shunt_voltage_v: npt.ArrayLike, min_voltage_v: float, shunt_ohm: float
 ) -> ResistanceReading | ArrayReading:
-    """Array path of Eq. 1; plain integers and 0-d arrays come back as one reading."""
+    """Return the readings of arrays by Eq. 1; plain integers and 0-d arrays give a single reading."""
     wire = np.asarray(wire_voltage_v, dtype=np.float64)
     shunt = np.asarray(shunt_voltage_v, dtype=np.float64)
     if wire.shape != shunt.shape and wire.ndim and shunt.ndim:
@@ -197,8 +197,8 @@ def _reading(
             f"wire voltages have shape {wire.shape} and shunt voltages or currents {shunt.shape}: "
             "give both the same shape, time first"
         )
-    carries = np.abs(shunt) >= least_voltage
-    # Dividing by 1 where no current flows keeps the division silent; np.where drops the result again.
+    carries = np.abs(shunt) >= min_voltage_v
+    # Readings without current are divided by 1, which avoids a warning; np.where discards the result.
     with np.errstate(over="ignore", invalid="ignore"):
         ratio = series_resistance_ohm(wire, np.where(carries, shunt, 1.0), shunt_ohm)
     valid = carries & (ratio > 0.0) & np.isfinite(ratio)
@@ -209,8 +209,9 @@ def _reading(
 
 
 def _bad_constants(shunt_resistance_ohm: float, minimum_current_a: float) -> str:
+    """Return the message on a shunt resistance or minimum current that cannot be."""
     return (
-        f"shunt resistance {shunt_resistance_ohm} ohm and least current {minimum_current_a} A: "
+        f"shunt resistance {shunt_resistance_ohm} ohm and minimum current {minimum_current_a} A: "
         "both must be positive and finite"
     )
 
@@ -259,7 +260,7 @@ def wire_resistance_ohm(
     elastic_strain: float,
     thermal_strain: float,
 ) -> float:
-    """Return rho l / A [ohm] with the length and the cross-section that the strains leave.
+    """Return the resistance rho l / A [ohm] of a wire with the length and cross-section that follow from its strains.
 
     Parameters
     ----------
@@ -282,7 +283,7 @@ def wire_resistance_ohm(
 
     References
     ----------
-    R = rho l / A with each strain's own change of l and A. Source of Poisson's ratio: the vendor's data of NiTi.
+    R = rho l / A, with the change of l and A by each strain. Source of Poisson's ratio: the vendor's data of NiTi.
 
     Examples
     --------

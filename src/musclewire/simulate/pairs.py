@@ -1,7 +1,7 @@
-"""Two wires that meet: pulling together, against each other, or each on its finger with something between them.
+"""Two coupled wires: pulling together or against each other, or each on its finger with an object between them.
 
-Each wire keeps its own heat, phases and history, by the same kernel as a single wire. What joins them is a circuit and
-a connector, or two connectors and an object that both fingers touch.
+Each wire has its own heat, phases and history, by the same functions as a single wire. The two are coupled by a circuit
+and a connector, or by an object that both fingers touch.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from musclewire.wire.step import (
 
 __all__ = ["APART", "OWN_SUPPLY", "PARALLEL", "SERIES", "Grip", "Pair", "PairMeans", "advance_pair", "no_grip"]
 
-# How the second wire is fed: from a supply of its own, across the same terminals, or in the same current.
+# Supply of the second wire: its own one, in parallel with the first wire, or in series with it.
 OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
-# Which way the second wire pulls the common connector: 1 along with the first, -1 against it, 0 on one of its own.
+# Direction in which the second wire pulls the common connector: 1 with the first, -1 against it; 0 without one.
 APART = 0.0
-# Steps of Newton's method end below this; a wire then lacks 1e-8 N.
+# Newton's method ends at a step below this: the force is then balanced to 1e-8 N.
 SMALL_MOVE_M = 1e-13
 MAX_NEWTON_STEPS = 30
 
@@ -118,8 +118,8 @@ class PairMeans(NamedTuple):
     grip_n: float
 
 
-class Heated(NamedTuple):
-    """What one step's heat did to two wires: the voltages meanwhile, and the rises that their grains followed [K]."""
+class HeatedPair(NamedTuple):
+    """Voltages of two wires during one step, and the temperature rises that their grains followed [K]."""
 
     wire_voltage_v: float
     shunt_voltage_v: float
@@ -128,7 +128,7 @@ class Heated(NamedTuple):
 
 @compiled
 def at_table(table: FloatArray, step_m: float, displacement_m: float) -> tuple[float, float]:
-    """Return value and slope of a table, which goes on straight at both ends."""
+    """Return value and slope of a table, extrapolated linearly at both ends."""
     place = displacement_m / step_m
     low = min(max(int(place), 0), table.shape[0] - 2)
     rise = table[low + 1] - table[low]
@@ -137,7 +137,7 @@ def at_table(table: FloatArray, step_m: float, displacement_m: float) -> tuple[f
 
 @compiled
 def grip_of(grip: Grip, displacement_m: float, other_m: float) -> tuple[float, float, float]:
-    """Return the force between endpoint and object [N], and force and stiffness it puts on the first connector."""
+    """Return the force between endpoint and object [N], with the force and stiffness on the first connector."""
     own, own_slope = at_table(grip.endpoint_m, grip.step_m, displacement_m)
     other, _ = at_table(grip.endpoint_m, grip.step_m, other_m)
     soft = at_table(grip.compliance_m_per_n, grip.step_m, displacement_m)[0]
@@ -152,7 +152,7 @@ def grip_of(grip: Grip, displacement_m: float, other_m: float) -> tuple[float, f
 
 @compiled
 def contraction_at(wire: RunningWire, stress_pa: float) -> tuple[float, float]:
-    """Return contraction at a stress while the phases stay, and by how much a pascal lowers it."""
+    """Return the contraction at a stress with unchanged phases, and its decrease with stress [1/Pa]."""
     state, constants = wire.state, wire.constants
     shortened = contraction_at_stress(
         constants,
@@ -167,7 +167,7 @@ def contraction_at(wire: RunningWire, stress_pa: float) -> tuple[float, float]:
 
 @compiled
 def connectors_m(first: RunningWire, second: RunningWire, direction: float) -> tuple[float, float]:
-    """Return the displacement of both connectors, each the way its wire pulls; a slack wire does not show it."""
+    """Return the displacements of both connectors, positive as their wires pull, from the wire that is not slack."""
     own = first.state.contraction * first.constants.leg_length_m
     other = second.state.contraction * second.constants.leg_length_m
     if direction == APART:
@@ -180,8 +180,8 @@ def connectors_m(first: RunningWire, second: RunningWire, direction: float) -> t
 def shared_stresses(first: RunningWire, second: RunningWire, direction: float) -> tuple[float, float]:
     """Return the stresses of two wires on one connector in equilibrium with its load: Newton on its displacement.
 
-    N_1 s_1 + d N_2 s_2 = F_p1 + d F_p2 + k x + what the table adds + friction, x = S_1 l_1 = d S_2 l_2; a wire that
-    the connector leaves slack carries nothing, and either may be.
+    N_1 s_1 + d N_2 s_2 = F_p1 + d F_p2 + k x + force of the table + friction, x = S_1 l_1 = d S_2 l_2; a slack
+    wire carries nothing, and either may be slack.
     """
     one, other = first.constants, second.constants
     section, other_section = one.legs * one.area_m2, other.legs * other.area_m2
@@ -203,7 +203,7 @@ def shared_stresses(first: RunningWire, second: RunningWire, direction: float) -
         slack = pulled <= 0.0 and other_pulled <= 0.0
         holding = section * per_m if pulled > 0.0 or slack else 0.0
         other_holding = other_section * other_per_m if other_pulled > 0.0 or slack else 0.0
-        # More pull than load: the connector must go further than here. Kinks send a step too far; half the way remains.
+        # With more pull than load the displacement is larger. A step that overshoots at a kink becomes a bisection.
         low_m, high_m = (x, high_m) if missing_n > 0.0 else (low_m, x)
         move_m = missing_n / (holding + other_holding + stiffness)
         if not low_m <= x + move_m <= high_m:
@@ -244,7 +244,7 @@ def settle_pair(
         settle_at(first, rises_k[0], dt_s, stress)
         settle_at(second, rises_k[1], dt_s, other_stress)
         return 0.0
-    # Each finger takes the other where it was: one step of lag, with its own compliance in the equilibrium.
+    # Each finger's equilibrium takes the other one's position of the step before, and its own stiffness.
     x, y = connectors_m(first, second, APART)
     grip_n, push_n, push_n_per_m = grip_of(grip, x, y)
     _, other_push_n, other_push_n_per_m = grip_of(grip, y, x)
@@ -255,15 +255,15 @@ def settle_pair(
 
 @compiled
 def settle_against(wire: RunningWire, rise_k: float, dt_s: float, push_n: float, push_n_per_m: float) -> None:
-    """Bring a wire into equilibrium with its load and a push that was found at the end of the step before."""
+    """Bring a wire into equilibrium with its load and with a force known from the end of the step before."""
     shortened, _ = contraction_at(wire, wire.state.stress_pa)
     moved_m = (shortened - wire.state.contraction) * wire.constants.leg_length_m
     find_equilibrium(wire, rise_k, dt_s, push_n + push_n_per_m * moved_m, push_n_per_m)
 
 
 @compiled
-def heat_pair(first: RunningWire, second: RunningWire, drive_voltage_v: float, dt_s: float, pair: Pair) -> Heated:
-    """Let both wires have one step's current; return the voltages meanwhile and the rises that the grains followed."""
+def heat_pair(first: RunningWire, second: RunningWire, drive_voltage_v: float, dt_s: float, pair: Pair) -> HeatedPair:
+    """Heat both wires by one step's current; return the voltages and the temperature rises that the grains followed."""
     first_ohm = resistance_ahead_ohm(first.state, dt_s)
     second_ohm = resistance_ahead_ohm(second.state, dt_s)
     current, partner, voltage, through = currents_a(
@@ -271,7 +271,7 @@ def heat_pair(first: RunningWire, second: RunningWire, drive_voltage_v: float, d
     )
     rise = heat(first, current * current * first_ohm, dt_s)
     other_rise = heat(second, partner * partner * second_ohm, dt_s)
-    return Heated(voltage, through * first.constants.shunt_resistance_ohm, (rise, other_rise))
+    return HeatedPair(voltage, through * first.constants.shunt_resistance_ohm, (rise, other_rise))
 
 
 @compiled
@@ -285,7 +285,7 @@ def advance_pair_rows(
     dt_s: float,
     steps: int,
 ) -> tuple[float, float, float, float, float, float, float]:
-    """Do the work of :func:`advance_pair` in place on arrays of one record, (1,); return the means."""
+    """Advance two wires in place, each an array of one record, (1,); return the means of :func:`advance_pair`."""
     one, other = constants[0][0], constants[1][0]
     first, second = running(states[0][0], one, load_tables_n[0]), running(states[1][0], other, load_tables_n[1])
     pair, grip = Pair(*pair_values), Grip(*grip_values)
@@ -304,7 +304,7 @@ def advance_pair_rows(
         other_moved += 0.5 * (y_before + y)
         other_force += 0.5 * (other_stress + second.state.stress_pa) * other.legs * other.area_m2
         grip_sum += grip_n
-    # Time would gather rounding errors if it were added up step by step; both wires have the first one's clock.
+    # Adding up time step by step would accumulate rounding errors; both wires have the first one's clock.
     first.state.time_s += steps * dt_s
     second.state.time_s = first.state.time_s
     return (
@@ -319,7 +319,7 @@ def advance_pair_rows(
 
 
 def no_grip() -> Grip:
-    """Return a grip on nothing, for wires on one connector."""
+    """Return a grip without an object, for wires on one connector."""
     nothing = np.zeros(2)
     return Grip(0.0, 0.0, 1.0, nothing, nothing, nothing)
 
@@ -333,9 +333,9 @@ def advance_pair(
     dt_s: float,
     steps: int,
 ) -> tuple[tuple[WireState, WireState], PairMeans]:
-    """Return both wires after ``steps`` steps of ``dt_s`` at one drive voltage, and the means on the way.
+    """Return both wires after ``steps`` steps of ``dt_s`` at one drive voltage, and the means over these steps.
 
-    The states given are left as they were. The circuit's shunt and leads are the first wire's.
+    The states passed in are not changed. The circuit's shunt and leads are the first wire's.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""A wire through a whole history in one compiled call: a drive over time, or temperatures under a constant stress.
+"""A wire along a whole history in one compiled call: a drive over time, or temperatures at constant stress.
 
-For what needs a thousand histories: identification, tables, batches. The rig goes sample by sample instead.
+Identification, tables and batches need thousands of histories; a rig advances sample by sample instead.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ __all__ = ["DrivenPath", "IsobaricPath", "drive_path", "isobaric_path"]
 
 
 class DrivenPath(NamedTuple):
-    """What a drive did to a wire, sample by sample, each (n_samples,): means over the sample, then truth at its end."""
+    """Response of a wire to a drive, each (n_samples,): means over each sample, then the true state at its end."""
 
     wire_voltage_v: FloatArray
     shunt_voltage_v: FloatArray
@@ -36,9 +36,9 @@ class DrivenPath(NamedTuple):
 
 
 class IsobaricPath(NamedTuple):
-    """What a wire under constant stress did along given temperatures, each (n_points,).
+    """Response of a wire at constant stress to prescribed temperatures, each (n_points,).
 
-    ``strain`` counts from stress-free austenite at 20 C.
+    ``strain`` is relative to stress-free austenite at 20 C.
     """
 
     strain: FloatArray
@@ -57,11 +57,11 @@ def drive_rows(
     steps: int,
     regulated_current: bool,
 ) -> FloatArray:
-    """Do the work of :func:`drive_path` in place on arrays of one record; what it shows comes as (9, n_samples)."""
+    """Drive a wire in place on arrays of one record; return the columns of a :class:`DrivenPath`."""
     state, series = states[0], constants[0].series_resistance_ohm
     shown = np.empty((9, drive.shape[0]))
     for sample in range(drive.shape[0]):
-        resistance = resistance_ahead_ohm(state, dt_s)  # as the circuit takes it for a step
+        resistance = resistance_ahead_ohm(state, dt_s)  # as in one step in the circuit
         voltage = drive[sample] * (resistance + series) if regulated_current else drive[sample]
         means = advance_rows(states, constants, load_table_n, voltage, dt_s, steps)
         shown[0, sample] = means[0]
@@ -85,12 +85,12 @@ def drive_path(
     state: WireState | None = None,
     regulated_current: bool = False,
 ) -> tuple[DrivenPath, WireState]:
-    """Return what ``drive``, (n_samples,) in volts, does to a wire and the state it ends in.
+    """Return the response of a wire to ``drive``, (n_samples,) in volts, and the state at the end.
 
     Each drive is held for ``steps`` steps of ``dt_s``. With ``regulated_current`` the drive is a current in amperes,
-    which a source holds by what the wire's resistance was at the start of each sample. Starts at rest, cold, unless a
-    ``state`` is given, which is left as it was. The same numbers, to the bit, as ``simulate.circuit.advance`` sample by
-    sample. Raises CallerError for steps that are not positive.
+    which a source regulates by the wire's resistance at the start of each sample. The wire starts at rest, cold, unless
+    a ``state`` is given, which is not changed. The numbers equal those of ``simulate.wires.advance`` sample by sample
+    to the bit. Raises CallerError for steps that are not positive.
     """
     if not dt_s > 0.0 or steps < 1:
         raise CallerError(f"a path needs a positive time step and at least one step a sample, got {dt_s} s and {steps}")
@@ -102,7 +102,7 @@ def drive_path(
 
 @compiled
 def isobaric_rows(states: Rows, constants: Rows, stress_pa: float, temperature_k: FloatArray) -> FloatArray:
-    """Do the work of :func:`isobaric_path` in place on arrays of one record; what it shows comes as (4, n_points)."""
+    """Follow temperatures in place on arrays of one record; return the columns of an :class:`IsobaricPath`."""
     state, of = states[0], constants[0]
     shown = np.empty((4, temperature_k.shape[0]))
     for point in range(temperature_k.shape[0]):
@@ -118,8 +118,8 @@ def isobaric_rows(states: Rows, constants: Rows, stress_pa: float, temperature_k
 def isobaric_path(constants: WireConstants, stress_pa: float, temperature_k: FloatArray) -> IsobaricPath:
     """Return strain and resistance of a wire under ``stress_pa`` along ``temperature_k``, (n_points,).
 
-    The wire was cooled from hot to the first temperature under that stress before. No spring, no heat balance: the
-    temperatures are given. Raises CallerError for a negative stress.
+    Beforehand the wire is cooled from hot to the first temperature at that stress. There is no spring and no heat
+    balance: the temperatures are prescribed. Raises CallerError for a negative stress.
     """
     if not stress_pa >= 0.0:
         raise CallerError(f"stress is {stress_pa} Pa: a wire cannot be pushed, give 0 or more")

@@ -1,4 +1,4 @@
-"""A wire that was heated slowly from cold and rests there: where a cooling curve begins."""
+"""A wire heated slowly from cold, at rest: the start of a cooling curve."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from musclewire.wire.switching import follow, phase_fractions
 
 __all__ = ["heated_state"]
 
-# Stress follows the temperature by one Newton step a time: steps as fine as this leave nothing over.
+# Stress follows temperature by one Newton step at a time: in steps this fine nothing remains to be balanced.
 STEP_K = 0.1
 
 
 @compiled
 def warm_rows(states: Rows, constants: Rows, load_table_n: FloatArray, temperature_k: FloatArray) -> None:
-    """Lead a wire, a row of (1,), along ``temperature_k``, (n,), in equilibrium with its load, in place."""
+    """Take a wire, a row of (1,), through temperatures, (n,), in equilibrium with its load, in place."""
     state, of = states[0], constants[0]
     wire = running(state, of, load_table_n)
     for point in range(temperature_k.shape[0]):
@@ -34,16 +34,16 @@ def warm_rows(states: Rows, constants: Rows, load_table_n: FloatArray, temperatu
             of.heat_capacity_j_per_k * (temperature_k[point] - REFERENCE_TEMPERATURE_K) - of.latent_heat_j * transformed
         )
         find_equilibrium(wire, rise_k, 1.0, 0.0, 0.0)
-    # It rests there: nothing is left of how the last step went.
+    # At rest: the rates of the last step do not hold any more.
     state.stress_slope_pa_per_k = 0.0
     state.temperature_rate_k_per_s = 0.0
     state.resistance_rate_ohm_per_s = 0.0
 
 
 def heated_state(constants: WireConstants, temperature_k: float) -> WireState:
-    """Return a wire on its load that was heated from cold to a temperature, so slowly that it was in balance all along.
+    """Return a wire on its load, heated from cold to a temperature so slowly that it is in equilibrium throughout.
 
-    It is on the heating side of its loop: above the end of transformation austenite, below it what heating left.
+    It is on the heating branch of its loop: austenite above the end of the transformation, partly martensite below.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def heated_state(constants: WireConstants, temperature_k: float) -> WireState:
 
     Returns
     -------
-    The state there, at rest: no rate of the last step is left.
+    The state at that temperature, at rest.
 
     Raises
     ------

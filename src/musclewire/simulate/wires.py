@@ -1,4 +1,4 @@
-"""The wires of a simulated rig through time, one or two, in their driving circuit, behind the same few calls.
+"""The wires of a simulated rig over time, one or two in their driving circuit, behind one interface.
 
 The circuit of one wire is a buffer amplifier, wire, shunt and leads in series.
 """
@@ -19,7 +19,7 @@ __all__ = ["WireMeans", "advance", "advance_rows", "SampleMeans", "OneWire", "Si
 
 
 class WireMeans(NamedTuple):
-    """Means over one call of :func:`advance`: what an averaging acquisition card sees.
+    """Means over one call of :func:`advance`: what an averaging acquisition card measures.
 
     Parameters
     ----------
@@ -42,9 +42,9 @@ class WireMeans(NamedTuple):
 def advance(
     state: WireState, constants: WireConstants, drive_voltage_v: float, dt_s: float, steps: int
 ) -> tuple[WireState, WireMeans]:
-    """Return the state after ``steps`` steps of ``dt_s`` at one drive voltage, and the means on the way.
+    """Return the state after ``steps`` steps of ``dt_s`` at one drive voltage, and the means over these steps.
 
-    The state given is left as it was. Energy is kept to rounding: enthalpy changes by heat in minus heat
+    The state passed in is not changed. Energy is conserved to rounding: enthalpy changes by heat in minus heat
     out, and temperature follows from enthalpy and phase fractions.
 
     Parameters
@@ -70,7 +70,7 @@ def advance(
     """
     after = state.copy()
     # Arrays go into compiled code and plain numbers come back. Numba would call the class of a named tuple on the way
-    # out; a Ctrl-C that arrives in that call finds nobody to handle it, and the process dies on the spot.
+    # out; a Ctrl-C that arrives during that call is not handled, and the process dies.
     means = advance_rows(after.row, constants.row, constants.load_table_n, drive_voltage_v, dt_s, steps)
     return after, WireMeans(*means)
 
@@ -79,7 +79,7 @@ def advance(
 def advance_rows(
     states: Rows, constants: Rows, load_table_n: FloatArray, drive_voltage_v: float, dt_s: float, steps: int
 ) -> tuple[float, float, float, float]:
-    """Do the work of :func:`advance` in place on arrays of one record, (1,)."""
+    """Advance a wire in place, arrays of one record, (1,); return the means of :func:`advance`."""
     state, of = states[0], constants[0]
     wire = running(state, of, load_table_n)
     wire_voltage_sum = 0.0
@@ -94,18 +94,18 @@ def advance_rows(
         shunt_voltage_sum += current * of.shunt_resistance_ohm
         contraction, stress_pa = state.contraction, state.stress_pa
         step(wire, current * current * resistance_ohm, dt_s)
-        # The mean over a step, as for the voltages: else strain would lag resistance by a step.
+        # The mean over a step, as for the voltages: otherwise strain would lag resistance by a step.
         displacement_sum += 0.5 * (contraction + state.contraction) * of.leg_length_m
         force_sum += 0.5 * (stress_pa + state.stress_pa) * of.legs * of.area_m2
-    # Time would gather rounding errors if it were added up step by step.
+    # Adding up time step by step would accumulate rounding errors.
     state.time_s += steps * dt_s
     return wire_voltage_sum / steps, shunt_voltage_sum / steps, displacement_sum / steps, force_sum / steps
 
 
 class SampleMeans(NamedTuple):
-    """Means over a sample: what averaging instruments see; ``grip_n`` is None with one wire.
+    """Means over a sample: what averaging instruments measure; ``grip_n`` is None with one wire.
 
-    Force is that of both wires where they pull together, of the first one otherwise.
+    Force is that of both wires if they pull together, otherwise of the first one.
     """
 
     wire_voltage_v: float
@@ -116,7 +116,7 @@ class SampleMeans(NamedTuple):
 
 
 class SimulatedWires(Protocol):
-    """One wire or two, in the state they are in."""
+    """One wire or two, with their present state."""
 
     @property
     def state(self) -> WireState:
@@ -129,7 +129,7 @@ class SimulatedWires(Protocol):
         ...
 
     def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> SampleMeans:
-        """Go on by some steps at one drive voltage.
+        """Advance by some steps at one drive voltage.
 
         Parameters
         ----------
@@ -138,16 +138,16 @@ class SimulatedWires(Protocol):
         dt_s
             Length of a step [s].
         steps
-            How many steps: those of one sample period.
+            Number of steps in one sample period.
 
         Returns
         -------
-        Means over the steps, as averaging instruments see them.
+        Means over the steps, as averaging instruments measure them.
         """
         ...
 
     def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
-        """Change the air from here on.
+        """Change the temperature and the convection of the air from now on.
 
         Parameters
         ----------
@@ -159,7 +159,7 @@ class SimulatedWires(Protocol):
         ...
 
     def age_like(self, before: SimulatedWires) -> None:
-        """Take over clock and cycles from the wires of the setting before.
+        """Take over clock and cycles from the wires at the previous setting.
 
         Parameters
         ----------
@@ -170,10 +170,10 @@ class SimulatedWires(Protocol):
 
 
 def aged(constants: WireConstants, before: WireState) -> tuple[WireConstants, WireState]:
-    """Return a wire at rest that has been through what another had: its clock and cycles, instruments zeroed here."""
-    # What a new wire has gained in length by now belongs to the new zero.
-    fresh = math.exp(-before.cycles / constants.shakedown_cycles)
-    gained = constants.shakedown_strain * (1.0 - fresh)
+    """Return a wire at rest with the clock and cycles of another, its instruments zeroed at this setting."""
+    # The length that a new wire has gained until now belongs to the new zero.
+    remaining = math.exp(-before.cycles / constants.shakedown_cycles)
+    gained = constants.shakedown_strain * (1.0 - remaining)
     zeroed = constants.replace(cold_strain=constants.cold_strain + gained)
     return zeroed, resting_state(zeroed).replace(time_s=before.time_s, cycles=before.cycles)
 
@@ -190,23 +190,23 @@ class OneWire:
         self._still_factor = constants.convection_factor
 
     def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> SampleMeans:
-        """Go on by some steps at one drive voltage."""
+        """Advance by some steps at one drive voltage."""
         self.state, means = advance(self.state, self.constants, drive_voltage_v, dt_s, steps)
         return SampleMeans(*means)
 
     def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
-        """Change the air from here on."""
+        """Change the temperature and the convection of the air from now on."""
         self.constants = self.constants.replace(
             ambient_temperature_k=ambient_temperature_k, convection_factor=self._still_factor * convection_ratio
         )
 
     def age_like(self, before: SimulatedWires) -> None:
-        """Take over clock and cycles from the wire of the setting before."""
+        """Take over clock and cycles from the wire at the previous setting."""
         self.constants, self.state = aged(self.constants, before.state)
 
 
 class TwoWires:
-    """Two wires that meet; the load and the circuit are the first one's."""
+    """Two coupled wires; the load and the circuit are the first one's."""
 
     def __init__(self, constants: tuple[WireConstants, WireConstants], pair: Pair, grip: Grip) -> None:
         """Cool both wires under their pretension."""
@@ -226,7 +226,7 @@ class TwoWires:
         return self._states[1]
 
     def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> SampleMeans:
-        """Go on by some steps at one drive voltage."""
+        """Advance by some steps at one drive voltage."""
         self._states, means = advance_pair(
             self._states, self._both, self._pair, self._grip, drive_voltage_v, dt_s, steps
         )
@@ -240,7 +240,7 @@ class TwoWires:
         )
 
     def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
-        """Change the air from here on, around both wires alike."""
+        """Change the temperature and the convection of the air around both wires from now on."""
         first, second = (
             one.replace(ambient_temperature_k=ambient_temperature_k, convection_factor=factor * convection_ratio)
             for one, factor in zip(self._both, self._still_factors, strict=True)
@@ -248,7 +248,7 @@ class TwoWires:
         self._both = (first, second)
 
     def age_like(self, before: SimulatedWires) -> None:
-        """Take over clock and cycles from the wires of the setting before."""
+        """Take over clock and cycles from the wires at the previous setting."""
         partner = before.partner_state
         assert partner is not None  # another setting of one rig: its parts are the same
         first, state = aged(self._both[0], before.state)

@@ -1,1 +1,1 @@
-"""The model of one wire: its row, what is constant, its balances and one step. No shipped files, no rig."""
+"""The model of one wire: state and constants as rows, balances and one step; no shipped files, no rig."""

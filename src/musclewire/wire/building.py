@@ -28,7 +28,7 @@ TABLE_STEP_K = 2.0
 
 @lru_cache(maxsize=64)
 def convection_table(diameter_m: float, ambient_temperature_k: float) -> FloatArray:
-    """Return the convection coefficient every 2 K from 200 K to 800 K for one ambient, (301,)."""
+    """Return the convection coefficient every 2 K from 200 K to 800 K at one ambient temperature, (301,)."""
     walls = TABLE_START_K + TABLE_STEP_K * np.arange(CONVECTION_POINTS)
     return np.array([convection_coefficient_w_per_m2_k(t, ambient_temperature_k, diameter_m) for t in walls])
 
@@ -38,9 +38,8 @@ def constants_from(
 ) -> WireConstants:
     """Return the constants of a wire on a rig; the cold reference strain is found by cooling it there.
 
-    ``load`` takes the place of the rig's bias spring. A new wire has yet to see its first cycles; otherwise its
-    shakedown is over and leaves no trace. Raises CallerError if the numbers cannot belong to a wire (no length, no
-    grains).
+    ``load`` replaces the rig's bias spring. The shakedown of a new wire is still to come; otherwise it is over and has
+    no effect. Raises CallerError if the numbers cannot describe a wire (no length, no grains).
     """
     return constants_of(alloy.values(), wire.values(), rig.values(), load=load, new_wire=new_wire)
 
@@ -53,9 +52,9 @@ def constants_of(
     load: ConnectorLoad | None = None,
     new_wire: bool = False,
 ) -> WireConstants:
-    """Do the work of :func:`constants_from` on bare numbers by name: a search tries thousands of them."""
-    pulled = load or spring_load(bench["spring_stiffness_n_per_m"])
-    require_a_wire(material, spool, bench, pulled)
+    """Return the constants from plain numbers by name, as a search that tries thousands of sets needs them."""
+    attached = load or spring_load(bench["spring_stiffness_n_per_m"])
+    require_a_wire(material, spool, bench, attached)
     grains = int(bench["grains"])
     spread = spread_grains(grains, material["grain_skew"], material["grain_tail"])
     constants = WireConstants.of(
@@ -70,8 +69,8 @@ def constants_of(
         convection_table_step_k=TABLE_STEP_K,
         convection_table_w_per_m2_k=convection_table(spool["diameter_m"], bench["ambient_temperature_k"]),
         pretension_n=bench["pretension_n"],
-        spring_stiffness_n_per_m=pulled.stiffness_n_per_m,
-        load_step_m=pulled.step_m,
+        spring_stiffness_n_per_m=attached.stiffness_n_per_m,
+        load_step_m=attached.step_m,
         friction_n=bench["guide_friction_n"],
         friction_presliding_m=bench["guide_presliding_m"],
         cold_strain=0.0,
@@ -79,14 +78,14 @@ def constants_of(
         grain_middle=spread.middle,
         grain_width=spread.width,
     )
-    constants.load_table_n = pulled.table_n()
+    constants.load_table_n = attached.table_n()
     return with_pretension(constants, bench["pretension_n"])
 
 
 def require_a_wire(
     material: Mapping[str, float], spool: Mapping[str, float], bench: Mapping[str, float], load: ConnectorLoad
 ) -> None:
-    """Raise CallerError for numbers that cannot belong to a wire, or that a step cannot follow."""
+    """Raise CallerError for numbers that cannot describe a wire, or with which a step would be unstable."""
     if min(bench["wire_length_m"], bench["legs"], spool["diameter_m"]) <= 0.0:
         raise CallerError("wire_length_m, legs and diameter_m must be above 0: there is no wire otherwise")
     rubs = bench["guide_friction_n"] > 0.0 or load.friction_n.max() > 0.0
@@ -100,7 +99,7 @@ def require_a_wire(
 
 
 def alloy_on_spool(material: Mapping[str, float], spool: Mapping[str, float], *, new_wire: bool) -> dict[str, float]:
-    """Return the alloy's own constants with what this spool shifts; shakedown is over unless the wire is new."""
+    """Return the alloy's constants with the factors and shifts of a spool; without shakedown unless the wire is new."""
     same = {item.name: material[item.name] for item in WireConstants.fields if item.name in material}
     if not new_wire:
         same |= {"shakedown_strain": 0.0, "shakedown_resistivity": 0.0, "shakedown_barrier": 0.0}
@@ -114,7 +113,7 @@ def alloy_on_spool(material: Mapping[str, float], spool: Mapping[str, float], *,
 
 
 def body(material: Mapping[str, float], spool: Mapping[str, float], bench: Mapping[str, float]) -> dict[str, float]:
-    """Return the dimensions of a wire and the heat it takes."""
+    """Return the dimensions, heat capacity and latent heat of a wire."""
     length, legs, diameter = bench["wire_length_m"], bench["legs"], spool["diameter_m"]
     area = 0.25 * math.pi * diameter**2
     mass = area * length * material["density_kg_per_m3"]
@@ -131,7 +130,7 @@ def body(material: Mapping[str, float], spool: Mapping[str, float], bench: Mappi
 
 
 def with_pretension(constants: WireConstants, pretension_n: float) -> WireConstants:
-    """Return the constants for another setting of the linear stage; contraction counts from cold there.
+    """Return the constants at another setting of the linear stage; contraction is relative to the cold wire there.
 
     Parameters
     ----------
@@ -163,14 +162,14 @@ def with_pretension(constants: WireConstants, pretension_n: float) -> WireConsta
 
 
 def cooled_wire(constants: WireConstants, stress_pa: float, temperature_k: float) -> WireState:
-    """Return the grains of a wire cooled from hot to a temperature under a stress, in a row that is 0 otherwise."""
+    """Return a row with the grains of a wire cooled from hot to a temperature under a stress; all else is 0."""
     state = WireState.zeros(constants.grains)
     cool_from_hot(state.row, constants.row, stress_pa, temperature_k)
     return state
 
 
 def mean_phases(state: WireState) -> tuple[float, float]:
-    """Return the fractions of martensite and R-phase, from the grains themselves."""
+    """Return the fractions of martensite and R-phase, as means over the grains."""
     return float(state.grain_martensite.mean()), float(state.grain_r_phase.mean())
 
 

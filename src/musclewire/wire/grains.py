@@ -14,7 +14,7 @@ __all__ = ["GrainSpread", "signed_power", "spread_grains"]
 
 
 class GrainSpread(NamedTuple):
-    """Grains as intervals in units of the spread that leave no gap between them.
+    """Grains as adjacent intervals in units of the spread.
 
     Parameters
     ----------
@@ -39,8 +39,8 @@ def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> Float
     """Return z (z^2 + 0.3^2)^(tail/2), stretched by 1 + skew above and 1 - skew below the middle; always increasing.
 
     A signed power of a normal quantile with a linear core, in two pieces (Fechner's split distribution). Measured
-    Flexinol isobars have a sharp core with long tails (tail near 1), which a normal distribution (tail 0) or a cosine
-    law has not.
+    Flexinol isobars have a sharp core with long tails (tail near 1), unlike a normal distribution (tail 0) or a cosine
+    law.
 
     Parameters
     ----------
@@ -53,12 +53,12 @@ def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> Float
 
     Returns
     -------
-    Places in units of the spread, in the shape of ``normal_quantile``.
+    Offsets in units of the spread, in the shape of ``normal_quantile``.
 
     Raises
     ------
     CallerError
-        For a tail below 0 or a skew outside -1 to 1, with which the places would not increase.
+        For a tail below 0 or a skew outside -1 to 1, for which the result would not be increasing.
     """
     if not (0.0 <= tail < np.inf and -1.0 < skew < 1.0):
         raise CallerError(f"grain_tail {tail} must be 0 or more and grain_skew {skew} between -1 and 1")
@@ -69,8 +69,8 @@ def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> Float
 def spread_grains(grains: int, skew: float, tail: float) -> GrainSpread:
     """Return ``grains`` classes of equal weight of a signed-power distribution.
 
-    Class j reaches from the quantile j/n to (j + 1)/n; the outermost two, whose true reach is endless, reach as
-    far outwards from the quantile in their middle as inwards.
+    Class j extends from the quantile j/n to (j + 1)/n. The outermost two would be unbounded: they extend as far
+    outwards from the quantile in their middle as inwards.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""What a wire pulls, as the wire's equilibrium takes it: a spring, and a table of all that is not a straight line.
+"""The load at a wire's connector as the equilibrium takes it: a linear spring, and a table of everything nonlinear.
 
-Loads at one connector add up: each part gives its force at the connector's displacement.
+Loads at one connector add up: each part has a force at the connector's displacement.
 """
 
 from __future__ import annotations
@@ -73,9 +73,9 @@ def with_table(
     reach_m: float,
     points: int = 2001,
 ) -> ConnectorLoad:
-    """Return a spring and next to it two functions of displacement [m], tabulated from 0 to ``reach_m``.
+    """Return a spring with two functions of displacement [m] in addition, tabulated from 0 to ``reach_m``.
 
-    Straight lines join the points, so that a kink lies at most ``reach_m / (points - 1)`` from its place.
+    The table is interpolated linearly, so that a kink is at most ``reach_m / (points - 1)`` from its place.
     Raises CallerError if a function does not stay finite, or the reach is not positive.
     """
     if not reach_m > 0.0:

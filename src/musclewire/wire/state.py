@@ -1,6 +1,6 @@
-"""The row of a wire: all that it remembers, and what does not change while it runs.
+"""The row of a wire: its state, and the constants that do not change while it runs.
 
-Two lists of fields are the one definition. The layout in memory, attributes in Python and in compiled code and
+Two lists of fields are the only definition. The layout in memory, attributes in Python and in compiled code and
 docs/reference/wire_row.md follow from them; a new field is one line here, and the line of the step that writes it.
 
 A row is a NumPy record. Compiled code reads and writes it in place, by attribute; in Python it is read through a class
@@ -33,16 +33,16 @@ __all__ = [
     "WireState",
 ]
 
-# Records as compiled code takes them, (n_wires,); what comes out by index has the attributes of its Row.
+# Records as compiled code takes them, (n_wires,); each element has the fields of its Row as attributes.
 Rows = Any
 
-# Lengths that differ from wire to wire, by the name they have in the documentation, and how many more than grains.
+# Array lengths that depend on the number of grains, as the documentation names them, and their excess over it.
 GRAINS, GRAIN_EDGES = "grains", "grains + 1"
 BEYOND_GRAINS = {GRAINS: 0, GRAIN_EDGES: 1}
 
 
 class Field:
-    """One field of a row: a float, or an array of them where it has a length."""
+    """One field of a row: a float, or an array of floats if it has a length."""
 
     name: str
 
@@ -51,7 +51,7 @@ class Field:
         self.unit, self.meaning, self.length = unit, meaning, length
 
     def __set_name__(self, owner: type, name: str) -> None:
-        """Learn the name under which a row has this field."""
+        """Take the name that this field has in its row."""
         self.name = name
 
     def __get__(self, row: Row | None, owner: type | None = None) -> Any:
@@ -65,7 +65,7 @@ class Field:
         return values[0]
 
     def __set__(self, row: Row, value: object) -> None:
-        """Refuse to write: a state handed out stays what it was."""
+        """Refuse to write: from Python a row never changes."""
         raise AttributeError(f"{self.name} of a {type(row).__name__} cannot be written: use replace({self.name}=...)")
 
     def shape(self, grains: int) -> tuple[int, ...]:
@@ -89,20 +89,20 @@ class Row:
     Parameters
     ----------
     numbers
-        The bare numbers of the row in the order of its fields, one-dimensional; they belong to the row from here on.
+        The plain numbers of the row in the order of its fields, one-dimensional; the row owns them from now on.
     layout
-        What is where in them: ``layout(grains)``.
+        Their layout in memory: ``layout(grains)``.
     """
 
     fields: ClassVar[tuple[Field, ...]] = ()
 
     def __init_subclass__(cls) -> None:
-        """Gather the fields in the order of their lines, those of the class above first."""
+        """Collect the fields in the order of their lines, those of the base class first."""
         cls.fields = (*cls.fields, *(item for item in vars(cls).values() if isinstance(item, Field)))
 
     def __init__(self, numbers: FloatArray, layout: np.dtype[np.void]) -> None:
-        """Take the bare numbers of a row, which belong to this object from here on, and their layout."""
-        # A view with names over bare numbers: NumPy copies and makes these ten times faster than records.
+        """Take the plain numbers of a row, which this object owns from now on, and their layout."""
+        # A view with names over plain numbers: NumPy creates and copies these ten times faster than records.
         self.numbers = numbers
         self.row: NDArray[np.void] = np.ndarray(1, layout, numbers)
 
@@ -121,7 +121,7 @@ class Row:
 
     @classmethod
     def of(cls, grains: int, **values: object) -> Self:
-        """Return a row of these values. Raises CallerError if a field is left out, or there is none of that name."""
+        """Return a row of these values. Raises CallerError if a field is missing or unknown."""
         missing = [item.name for item in cls.fields if item.name not in values]
         if missing:
             raise CallerError(f"a {cls.__name__} needs {', '.join(missing)}")
@@ -129,7 +129,7 @@ class Row:
 
     @property
     def record(self) -> Any:
-        """The one record of ``row``, which a compiled function for one row takes."""
+        """The only record of ``row``, as a compiled function of one wire takes it."""
         return self.row[0]
 
     @property
@@ -139,11 +139,11 @@ class Row:
         return int(self.row.dtype[sized.name].shape[0])
 
     def copy(self) -> Self:
-        """Return a row of the same numbers that may be changed without changing this one."""
+        """Return an independent row of the same numbers."""
         return type(self)(self.numbers.copy(), self.row.dtype)
 
     def replace(self, **changes: object) -> Self:
-        """Return a row with other values of some fields. Raises CallerError for a field that there is none of."""
+        """Return a row with other values of some fields. Raises CallerError for an unknown field."""
         changed = self.copy()
         for name, value in changes.items():
             if name not in (changed.row.dtype.names or ()):
@@ -152,7 +152,7 @@ class Row:
         return changed
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the bare numbers: the view with names is made again over them."""
+        """Pickle the plain numbers; the view with names is rebuilt over them."""
         return type(self), (self.numbers, self.row.dtype)
 
     def values(self) -> dict[str, Any]:
@@ -176,35 +176,35 @@ class WireState(Row):
     Parameters
     ----------
     numbers
-        The bare numbers of the row in the order of its fields, one-dimensional.
+        The plain numbers of the row in the order of its fields, one-dimensional.
     layout
-        What is where in them: ``WireState.layout(grains)``.
+        Their layout in memory: ``WireState.layout(grains)``.
     """
 
     time_s: float = field("s", "time since the wire was first at rest")
     temperature_k: float = field("K", "temperature")
     stress_pa: float = field("Pa", "stress of one leg")
-    contraction: float = field("1", "shortening over the length cold under pretension")
+    contraction: float = field("1", "contraction relative to the cold length under pretension")
     friction_n: float = field("N", "friction of guide and load, positive against contraction")
     enthalpy_j: float = field("J", "enthalpy, 0 for austenite at 20 C")
-    heat_in_j: float = field("J", "electrical heat in so far")
-    heat_out_j: float = field("J", "heat given to the air so far")
-    cycles: float = field("1", "full transformations there and back so far")
+    heat_in_j: float = field("J", "electrical heat since the start")
+    heat_out_j: float = field("J", "heat lost to the air since the start")
+    cycles: float = field("1", "full transformation cycles since the start")
     martensite_fraction: float = field("1", "volume fraction of martensite")
     r_phase_fraction: float = field("1", "volume fraction of R-phase")
     resistance_ohm: float = field("ohm", "resistance")
-    capacity_j_per_k: float = field("J/K", "heat capacity that the last step showed, latent heat included")
-    stress_slope_pa_per_k: float = field("Pa/K", "stress over temperature in the last step")
+    capacity_j_per_k: float = field("J/K", "apparent heat capacity in the last step, latent heat included")
+    stress_slope_pa_per_k: float = field("Pa/K", "slope of stress over temperature in the last step")
     temperature_rate_k_per_s: float = field("K/s", "rate of the temperature in the last step")
     resistance_rate_ohm_per_s: float = field("ohm/s", "rate of the resistance in the last step")
     grain_martensite: FloatArray = field("1", "fraction of martensite of each grain", GRAINS)
     grain_r_phase: FloatArray = field("1", "fraction of R-phase of each grain", GRAINS)
     followed_force_k: FloatArray = field(
         "K",
-        "driving forces that the grains have followed, in the order of `DrivingForces`",
+        "thermodynamic driving forces that the grains have followed, in the order of `DrivingForces`",
         DRIVING_FORCES,
     )
-    followed_stress_pa: float = field("Pa", "stress at which the grains have followed them")
+    followed_stress_pa: float = field("Pa", "stress of these driving forces")
 
 
 class WireConstants(Row):
@@ -213,51 +213,51 @@ class WireConstants(Row):
     Parameters
     ----------
     numbers
-        The bare numbers of the row in the order of its fields, one-dimensional.
+        The plain numbers of the row in the order of its fields, one-dimensional.
     layout
-        What is where in them: ``WireConstants.layout(grains)``.
+        Their layout in memory: ``WireConstants.layout(grains)``.
     load_table_n
-        What the load pulls beyond pretension and spring, and its friction beyond the guide's [N], (2, n_points), at
-        displacements of 0, 1, 2... times ``load_step_m``; by default neither. It is not in the row, as its length
-        differs from load to load.
+        Force of the load in addition to pretension and spring, and friction in addition to the guide's [N],
+        (2, n_points), at displacements of 0, 1, 2... times ``load_step_m``; by default neither. It is not in the row,
+        as its length differs from load to load.
     """
 
     load_table_n: FloatArray
 
-    wire_length_m: float = field("m", "length cold under pretension")
+    wire_length_m: float = field("m", "cold length under pretension")
     leg_length_m: float = field("m", "length of one leg of the V")
     legs: float = field("1", "number of legs")
     austenite_length_m: float = field("m", "length as stress-free austenite at 20 C")
     area_m2: float = field("m2", "cross section")
-    surface_m2: float = field("m2", "surface that gives heat to the air")
+    surface_m2: float = field("m2", "surface area in contact with the air")
     heat_capacity_j_per_k: float = field("J/K", "heat capacity without latent heat")
-    latent_heat_j: float = field("J", "heat from martensite to austenite")
+    latent_heat_j: float = field("J", "latent heat from martensite to austenite")
     series_resistance_ohm: float = field("ohm", "shunt and leads in series with the wire")
     shunt_resistance_ohm: float = field("ohm", "shunt")
     ambient_temperature_k: float = field("K", "temperature of the air")
-    convection_factor: float = field("1", "heat transfer coefficient over that of the correlation")
+    convection_factor: float = field("1", "heat transfer coefficient relative to that of the correlation")
     convection_table_start_k: float = field("K", "wall temperature of the convection table's first point")
-    convection_table_step_k: float = field("K", "wall temperature from point to point of the convection table")
+    convection_table_step_k: float = field("K", "step in wall temperature of the convection table")
     convection_table_w_per_m2_k: FloatArray = field(
         "W/(m2 K)", "heat transfer coefficient of the correlation", CONVECTION_POINTS
     )
     pretension_n: float = field("N", "force of the cold wire")
     spring_stiffness_n_per_m: float = field("N/m", "stiffness of the spring")
     friction_n: float = field("N", "friction of the guide")
-    friction_presliding_m: float = field("m", "motion until friction turns around")
-    load_step_m: float = field("m", "displacement from point to point of the load's table")
-    martensite_temperature_k: float = field("K", "equilibrium of austenite and martensite without stress")
+    friction_presliding_m: float = field("m", "motion over which friction rises from 0 to its limit")
+    load_step_m: float = field("m", "step in displacement of the load's table")
+    martensite_temperature_k: float = field("K", "equilibrium temperature of austenite and martensite without stress")
     martensite_stress_rate_pa_per_k: float = field("Pa/K", "Clausius-Clapeyron slope of martensite")
     martensite_barrier_k: float = field("K", "barrier between austenite and martensite")
     martensite_barrier_per_pa: float = field("K/Pa", "change of that barrier with stress")
-    r_phase_temperature_k: float = field("K", "equilibrium of austenite and R-phase without stress")
+    r_phase_temperature_k: float = field("K", "equilibrium temperature of austenite and R-phase without stress")
     r_phase_stress_rate_pa_per_k: float = field("Pa/K", "Clausius-Clapeyron slope of the R-phase")
     r_phase_entropy_ratio: float = field("1", "entropy of A to R over that of A to M")
     r_phase_barrier_k: float = field("K", "barrier between austenite and R-phase")
     r_to_m_barrier_k: float = field("K", "barrier between R-phase and martensite")
     strain_at_no_stress: float = field("1", "transformation strain of martensite without stress")
     strain_saturated: float = field("1", "transformation strain of martensite under high stress")
-    strain_stress_scale_pa: float = field("Pa", "stress over which martensite is oriented")
+    strain_stress_scale_pa: float = field("Pa", "stress scale over which martensite is oriented")
     r_phase_strain: float = field("1", "transformation strain of the R-phase")
     austenite_modulus_pa: float = field("Pa", "modulus of austenite")
     martensite_modulus_pa: float = field("Pa", "modulus of martensite")
@@ -273,10 +273,12 @@ class WireConstants(Row):
     shakedown_strain: float = field("1", "strain that a new wire gains by shakedown")
     shakedown_resistivity: float = field("1", "relative rise of martensite's resistivity in a new wire")
     shakedown_barrier: float = field("1", "relative rise of martensite's barrier in a new wire")
-    cold_strain: float = field("1", "strain cold under pretension, against stress-free austenite at 20 C")
-    martensite_spread_k: float = field("K", "spread of martensite's temperatures over the grains")
+    cold_strain: float = field(
+        "1", "strain of the cold wire under pretension, relative to stress-free austenite at 20 C"
+    )
+    martensite_spread_k: float = field("K", "spread of martensite's transformation temperature over the grains")
     martensite_spread_per_pa: float = field("K/Pa", "change of that spread with stress")
-    r_phase_spread_k: float = field("K", "spread of the R-phase's temperatures over the grains")
+    r_phase_spread_k: float = field("K", "spread of the R-phase's transformation temperature over the grains")
     grain_edges: FloatArray = field("1", "edges of the grains in units of the spread", GRAIN_EDGES)
     grain_middle: FloatArray = field("1", "middle of each grain in units of the spread", GRAINS)
     grain_width: FloatArray = field("1", "width of each grain in units of the spread", GRAINS)
@@ -284,12 +286,12 @@ class WireConstants(Row):
     def __init__(
         self, numbers: FloatArray, layout: np.dtype[np.void], load_table_n: FloatArray = NO_LOAD_TABLE
     ) -> None:
-        """Take bare numbers, their layout and a load's table; without one there is nothing beyond the spring."""
+        """Take plain numbers, their layout and a load's table; the default is a plain spring."""
         super().__init__(numbers, layout)
         self.load_table_n = load_table_n
 
     def copy(self) -> Self:
-        """Return constants of the same numbers and load that may be changed without changing these."""
+        """Return independent constants of the same numbers and load."""
         return type(self)(self.numbers.copy(), self.row.dtype, self.load_table_n)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -298,16 +300,16 @@ class WireConstants(Row):
 
 
 class Shakedown(NamedTuple):
-    """How much of a new wire's shakedown is left, and its effects.
+    """Shakedown that remains of a new wire's, and its effects.
 
     Parameters
     ----------
     remaining
-        Fraction that is still to come: 1 before the first cycle, 0 in the end.
+        Remaining fraction: 1 before the first cycle, 0 in the end.
     residual_strain
         Strain that the wire has gained since it was new.
     barrier_factor
-        By which the barrier between austenite and martensite is multiplied, 1 or more.
+        Factor on the barrier between austenite and martensite, 1 or more.
     """
 
     remaining: float
@@ -316,7 +318,7 @@ class Shakedown(NamedTuple):
 
 
 class RunningWire(NamedTuple):
-    """A wire inside compiled code: its two records, which a step changes in place, its load's table and shakedown."""
+    """A wire in compiled code: its two records, of which a step changes the state, load table and shakedown."""
 
     state: WireState
     constants: WireConstants

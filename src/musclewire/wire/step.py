@@ -41,17 +41,17 @@ __all__ = [
     "step",
 ]
 
-# How far a load may be from the straight line along which a Newton step went; less is an error of second order.
+# Deviation of the load from its linearisation above which Newton's method continues; less is of second order.
 SMALL_BEND_N = 1e-5
 MAX_NEWTON_STEPS = 30
-# A predicted capacity beyond this multiple of the wire's own means a plateau; more would only slow recovery.
+# A predicted heat capacity above this multiple of the sensible one means a plateau; more would only slow recovery.
 MAX_CAPACITY_RATIO = 30.0
-# How steeply stress is predicted to follow temperature at most, as a fraction of Clausius and Clapeyron's slope. A rest
-# leaves a slope of rounding errors; were it steeper than theirs, a wire that cools would be predicted to lose stress
-# faster than martensite needs to, and would turn to austenite by cooling. A soft load shows that in its next step, a
-# stiff one cannot.
+# Limit of the predicted slope of stress over temperature, as a fraction of the Clausius-Clapeyron slope. At rest the
+# slope consists of rounding errors; if it were steeper than the phase boundary, a cooling wire would be predicted to
+# lose stress faster than martensite requires, and would transform to austenite by cooling. A soft load corrects this in
+# the next step, a stiff one cannot.
 SAFE_SLOPE_FRACTION = 0.8
-# Parts of a step's heat, at most; and the fraction of it that may be left for the next step.
+# Maximum number of parts of a step's heat, and the fraction of it that may be left to the next step.
 MAX_PARTS = 6
 SMALL_PART = 1e-2
 # Rises below this are rounding.
@@ -101,7 +101,7 @@ def strain_at(
 def total_strain(
     constants: WireConstants, stress_pa: float, martensite: float, r_phase: float, temperature_k: float
 ) -> float:
-    """Return the whole strain of the wire against stress-free austenite at 20 C.
+    """Return the total strain of the wire relative to stress-free austenite at 20 C.
 
     Parameters
     ----------
@@ -126,16 +126,16 @@ def total_strain(
 
 @compiled
 def contraction_of(constants: WireConstants, strain: float) -> float:
-    """Return how much shorter the wire is than cold under pretension, as a fraction of that length.
+    """Return the contraction of the wire relative to its cold length under pretension.
 
-    Strain counts from stress-free austenite, contraction from the longer wire that one lays a ruler on.
+    Strain is relative to stress-free austenite, contraction to the longer, cold wire that a ruler measures.
 
     Parameters
     ----------
     constants
-        The wire's constants, one record; its ``cold_strain`` is the strain cold under pretension.
+        The wire's constants, one record; its ``cold_strain`` is the strain of the cold wire under pretension.
     strain
-        Whole strain against stress-free austenite at 20 C, residual strain included.
+        Total strain relative to stress-free austenite at 20 C, residual strain included.
 
     Returns
     -------
@@ -153,14 +153,14 @@ def contraction_at_stress(
     temperature_k: float,
     residual_strain: float,
 ) -> float:
-    """Return the contraction of a wire at a stress while its phases stay."""
+    """Return the contraction of a wire at a stress, with unchanged phases."""
     strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k) + residual_strain
     return contraction_of(constants, strain)
 
 
 @compiled
 def compliance_per_pa(constants: WireConstants, stress_pa: float, martensite: float) -> float:
-    """Return how much strain grows with stress [1/Pa] while the phases stay."""
+    """Return the derivative of strain by stress [1/Pa], with unchanged phases."""
     return 1.0 / reuss_modulus_pa(
         martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa
     ) + martensite * maximum_transformation_strain_slope_per_pa(
@@ -173,9 +173,9 @@ def compliance_per_pa(constants: WireConstants, stress_pa: float, martensite: fl
 
 @compiled
 def load_beyond_spring(load_table_n: FloatArray, step_m: float, displacement_m: float) -> tuple[float, float]:
-    """Return force [N] and stiffness [N/m] of the load beyond pretension and spring, from its table.
+    """Return force [N] and stiffness [N/m] that a load's table adds to pretension and spring.
 
-    Below 0 the load has let go and keeps the force it begins with; beyond the table it goes on as it ended.
+    Below 0 the force is that of the first point, without stiffness; beyond the last point it keeps its slope.
     """
     table = load_table_n[0]
     if displacement_m <= 0.0:
@@ -188,7 +188,7 @@ def load_beyond_spring(load_table_n: FloatArray, step_m: float, displacement_m: 
 
 @compiled
 def friction_limit_n(constants: WireConstants, load_table_n: FloatArray, displacement_m: float) -> float:
-    """Return the largest friction [N] at a displacement: the guide's, and what the load has of its own."""
+    """Return the Coulomb friction [N] at a displacement: the guide's plus the load's."""
     table = load_table_n[1]
     place = min(max(displacement_m / constants.load_step_m, 0.0), table.shape[0] - 1.0)
     low = min(int(place), table.shape[0] - 2)
@@ -198,19 +198,19 @@ def friction_limit_n(constants: WireConstants, load_table_n: FloatArray, displac
 
 @compiled
 def equilibrium_stress_pa(wire: RunningWire, push_n: float, push_n_per_m: float) -> float:
-    """Return the leg stress [Pa] at which wire and load agree: one Newton step from the wire's, on a kink a few.
+    """Return the leg stress [Pa] at which wire and load are in equilibrium: one Newton step, several at a kink.
 
-    The balance is F_T = F_p + k S l_leg + what the load's table adds + friction + push, with sigma = F_T / (legs A); a
+    The balance is F_T = F_p + k S l_leg + force of the load's table + friction + push, with sigma = F_T / (legs A); a
     slack wire carries nothing.
 
     Parameters
     ----------
     wire
-        The wire with its load, its phases and temperature already those after the step's heat.
+        The wire with its load; its phases and temperature are those after the step's heat.
     push_n
-        A further force on the connector at the wire's displacement [N]: that of a second wire; 0 without one.
+        Another force on the connector at the wire's displacement [N]: that of a second wire; 0 without one.
     push_n_per_m
-        How that force grows with the displacement [N/m].
+        Stiffness of that force [N/m].
 
     Returns
     -------
@@ -218,9 +218,9 @@ def equilibrium_stress_pa(wire: RunningWire, push_n: float, push_n_per_m: float)
 
     Notes
     -----
-    The function is almost linear in stress, so that one step leaves an error of second order. Where the table bends
-    within that step, the steps go on, kept between stresses known to be too low and too high: from a wall a single
-    step would go far out of it, and the next one far into it.
+    The equation is almost linear in stress, so that one step leaves an error of second order. If the slope of the table
+    changes within that step, more steps follow, bracketed by stresses known to be too low and too high: at a wall a
+    single step would overshoot far out of it, and the next one far into it.
 
     References
     ----------
@@ -249,7 +249,7 @@ def equilibrium_stress_pa(wire: RunningWire, push_n: float, push_n_per_m: float)
         stress_pa = max(stress_pa - excess_pa / (1.0 + stiffness * per_stretch * compliance / section), 0.0)
         if stress_pa > high_pa or stress_pa < low_pa:
             stress_pa = 0.5 * (low_pa + high_pa)
-        if load_table_n.shape[1] == 2:  # a plain spring bends nowhere
+        if load_table_n.shape[1] == 2:  # a plain spring is linear
             break
         contraction = contraction_at_stress(constants, stress_pa, martensite, r_phase, temperature_k, residual_strain)
         after_m = contraction * constants.leg_length_m
@@ -283,7 +283,7 @@ def resistance_of(
     temperature_k
         Temperature of the wire [K].
     shakedown_remaining
-        Fraction of the shakedown that is still to come: 1 for a new wire, 0 in the end. It raises the resistivity of
+        Fraction of the shakedown that remains: 1 for a new wire, 0 in the end. It raises the resistivity of
         martensite by ``shakedown_resistivity``.
 
     Returns
@@ -324,7 +324,7 @@ def convection_w_per_m2_k(constants: WireConstants, temperature_k: float) -> flo
 
 
 class EnthalpyStep(NamedTuple):
-    """What a step's heat has done to a wire: its phases, the capacity it showed, and the rise its grains followed.
+    """Result of a step's heat: temperature, phases, apparent heat capacity, and the rise that the grains followed.
 
     Parameters
     ----------
@@ -335,7 +335,7 @@ class EnthalpyStep(NamedTuple):
     r_phase
         Volume fraction of R-phase after the step.
     capacity_j_per_k
-        Heat over rise in the last part of the step, latent heat included [J/K]; at least the wire's own.
+        Heat over rise in the last part of the step, latent heat included [J/K]; at least the sensible heat capacity.
     rise_k
         Rise of temperature that the grains followed [K].
     """
@@ -356,12 +356,12 @@ def shakedown_of(constants: WireConstants, cycles: float) -> Shakedown:
     constants
         The wire's constants, one record.
     cycles
-        Full transformations there and back since the wire was new, 0 or more; half a cycle counts as half.
+        Full transformation cycles since the wire was new, 0 or more; half a cycle counts as half.
 
     Returns
     -------
-    The fraction that is left, exp(-cycles / shakedown_cycles), and its effects. In a wire whose shakedown was over at
-    the start it has no effects: its constants are 0.
+    The fraction that remains, exp(-cycles / shakedown_cycles), and its effects. It has none in a wire whose shakedown
+    was over at the start: its constants are 0.
 
     References
     ----------
@@ -376,40 +376,40 @@ def shakedown_of(constants: WireConstants, cycles: float) -> Shakedown:
 
 @compiled_inline
 def running(state: WireState, constants: WireConstants, load_table_n: FloatArray) -> RunningWire:
-    """Return what a step works on; the shakedown is that at the cycles the wire has now."""
+    """Return a wire as a step takes it, with the shakedown that remains after its cycles."""
     return RunningWire(state, constants, load_table_n, shakedown_of(constants, state.cycles))
 
 
 @compiled_inline
 def enthalpy_step(wire: RunningWire, heat_j: float) -> EnthalpyStep:
-    """Return temperature and phases after a step's heat, found together; the grains move in place.
+    """Return temperature and phases after a step's heat, solved together; the grains change in place.
 
-    A rise is tried with the last known capacity, the grains follow it, and enthalpy gives the rise that is left.
-    Stress goes along by its slope in the step before. Energy is kept to rounding.
+    A rise is predicted with the last heat capacity, the grains follow it, and enthalpy gives the remaining rise. Stress
+    is predicted by its slope in the step before. Energy is conserved to rounding.
 
     Parameters
     ----------
     wire
-        The wire before the step. Its grains move in place; its other numbers stay.
+        The wire before the step. Its grains change in place; its other numbers do not.
     heat_j
-        Heat into the wire during the step [J]: electrical less that given to the air.
+        Heat into the wire during the step [J]: electrical heat less the loss to the air.
 
     Returns
     -------
-    Temperature and phases after the step, the capacity that the wire showed, and the rise that its grains followed.
+    Temperature and phases after the step, the apparent heat capacity, and the rise that the grains followed.
     """
     state, constants = wire.state, wire.constants
-    own = constants.heat_capacity_j_per_k
+    sensible_j_per_k = constants.heat_capacity_j_per_k
     ratio = constants.r_phase_entropy_ratio
     enthalpy_j = state.enthalpy_j + heat_j
     martensite, r_phase, capacity = state.martensite_fraction, state.r_phase_fraction, state.capacity_j_per_k
     rise_k = 0.0
     temperature_k = state.temperature_k
-    left_k = heat_j / own
+    left_k = heat_j / sensible_j_per_k
     for _ in range(MAX_PARTS):
-        # Latent heat makes the wire's capacity larger than its own by a factor only known once grains have moved.
-        # Coming from below, a part of the way at a time, never moves grains further than the heat there is.
-        part_k = left_k * own / capacity
+        # Latent heat raises the heat capacity by a factor that is known only once the grains have changed. Parts that
+        # approach the rise from below never transform more than the heat allows.
+        part_k = left_k * sensible_j_per_k / capacity
         rise_k += part_k
         change_m, change_r, grains = follow(
             state,
@@ -421,21 +421,22 @@ def enthalpy_step(wire: RunningWire, heat_j: float) -> EnthalpyStep:
         martensite += change_m / grains
         r_phase += change_r / grains
         temperature_k = (
-            REFERENCE_TEMPERATURE_K + (enthalpy_j + constants.latent_heat_j * (martensite + ratio * r_phase)) / own
+            REFERENCE_TEMPERATURE_K
+            + (enthalpy_j + constants.latent_heat_j * (martensite + ratio * r_phase)) / sensible_j_per_k
         )
         if part_k != 0.0:
-            capacity = own - constants.latent_heat_j * (change_m + ratio * change_r) / (grains * part_k)
-            capacity = min(max(capacity, own), MAX_CAPACITY_RATIO * own)
+            capacity = sensible_j_per_k - constants.latent_heat_j * (change_m + ratio * change_r) / (grains * part_k)
+            capacity = min(max(capacity, sensible_j_per_k), MAX_CAPACITY_RATIO * sensible_j_per_k)
         left_before_k, left_k = left_k, state.temperature_k + rise_k
         left_k = temperature_k - left_k
-        if left_k * left_before_k <= 0.0 or abs(left_k) < SMALL_PART * abs(heat_j / own) + NO_RISE_K:
+        if left_k * left_before_k <= 0.0 or abs(left_k) < SMALL_PART * abs(heat_j / sensible_j_per_k) + NO_RISE_K:
             break
     return EnthalpyStep(temperature_k, martensite, r_phase, capacity, rise_k)
 
 
 @compiled_inline
 def heat(wire: RunningWire, power_w: float, dt_s: float) -> float:
-    """Let heat flow for one step and the grains follow; return the rise they have followed [K]."""
+    """Apply one step's heat to a wire and let its grains follow; return the rise that they followed [K]."""
     state, constants = wire.state, wire.constants
     middle_k = state.temperature_k + 0.5 * dt_s * state.temperature_rate_k_per_s
     excess_k = middle_k - constants.ambient_temperature_k
@@ -456,9 +457,9 @@ def heat(wire: RunningWire, power_w: float, dt_s: float) -> float:
 
 @compiled_inline
 def settle_at(wire: RunningWire, rise_k: float, dt_s: float, stress_pa: float) -> None:
-    """Put a wire under its new stress, with the contraction, friction and resistance it then has.
+    """Set the stress of a wire, with the contraction, friction and resistance that follow from it.
 
-    How stress followed temperature is kept for the next step's prediction, as far as it can be trusted.
+    The slope of stress over temperature is kept, within its limit, for the next step's prediction.
     """
     state, constants = wire.state, wire.constants
     martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
@@ -481,18 +482,18 @@ def settle_at(wire: RunningWire, rise_k: float, dt_s: float, stress_pa: float) -
 
 @compiled_inline
 def find_equilibrium(wire: RunningWire, rise_k: float, dt_s: float, push_n: float, push_n_per_m: float) -> None:
-    """Bring a wire into equilibrium with its load and a push on its connector, with the resistance it then has."""
+    """Bring a wire into equilibrium with its load and another force on its connector, and update its resistance."""
     settle_at(wire, rise_k, dt_s, equilibrium_stress_pa(wire, push_n, push_n_per_m))
 
 
 @compiled_inline
 def resistance_ahead_ohm(state: WireState, dt_s: float) -> float:
-    """Return the resistance half a step ahead, as it will be on the mean over the step."""
+    """Return the resistance half a step ahead: its predicted mean over the step."""
     return state.resistance_ohm + 0.5 * dt_s * state.resistance_rate_ohm_per_s
 
 
 @compiled_inline
 def step(wire: RunningWire, power_w: float, dt_s: float) -> None:
-    """Take a wire on its own load through one step with this electrical power."""
+    """Advance a wire on its load by one step at an electrical power."""
     rise_k = heat(wire, power_w, dt_s)
     find_equilibrium(wire, rise_k, dt_s, 0.0, 0.0)

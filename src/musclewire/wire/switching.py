@@ -1,10 +1,10 @@
-"""Which grains of a wire change phase as temperature and stress move: compiled.
+"""Phase changes of a wire's grains as temperature and stress change, compiled.
 
-A grain moves only when one of its six thermodynamic driving forces has risen, and only if that force's threshold swept
-over it. So a step looks at the few grains between the thresholds before and after, whatever their total number.
+A grain changes only if one of its six thermodynamic driving forces has risen and that force's threshold has swept over
+it. A step therefore evaluates only the few grains between the thresholds before and after, whatever their number.
 
-All that touches the grains of a row stands here; the rest of the wire knows :func:`follow`, :func:`phase_fractions`
-and :func:`cool_from_hot`.
+All code that accesses the grains of a row is in this file; the rest of the wire uses :func:`follow`,
+:func:`phase_fractions` and :func:`cool_from_hot`.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ __all__ = [
 
 
 class DrivingForces(NamedTuple):
-    """Thermodynamic driving force [K] of each of the six phase changes for a grain of offset 0, and at what stress.
+    """Thermodynamic driving forces [K] of the six phase changes of a grain of offset 0, and the stress they are for.
 
-    How far the advantage of the new phase is beyond the barrier: the change is due from 0 on.
+    A driving force is the advantage of the new phase less the barrier: the change is due from 0 on.
 
     Parameters
     ----------
     a_to_m_k, a_to_r_k, r_to_m_k
         Of the changes on cooling [K]: austenite to martensite, austenite to R-phase, R-phase to martensite.
     m_to_a_k, r_to_a_k, m_to_r_k
-        Of the changes on heating [K], the same ones backwards.
+        Of the changes on heating [K], the reverse of these.
     stress_pa
         Stress of the leg [Pa], on which the spread over the grains depends.
     """
@@ -67,7 +67,7 @@ def driving_forces_at(
     stress_pa
         Stress of a leg [Pa].
     barrier_factor
-        By which the barrier between austenite and martensite is multiplied: above 1 in a new wire, 1 after shakedown.
+        Factor on the barrier between austenite and martensite: above 1 in a new wire, 1 after shakedown.
 
     Returns
     -------
@@ -88,8 +88,8 @@ def driving_forces_at(
         temperature_k, stress_pa, constants.r_phase_temperature_k, constants.r_phase_stress_rate_pa_per_k
     )
     preference = martensite - r_phase
-    # A load may close the hysteresis, not turn it inside out; and no detour by way of austenite may be easier than
-    # the straight way between R-phase and martensite: else there is no return-point memory.
+    # Stress may close the hysteresis but not invert it, and the detour via austenite must not be easier than the direct
+    # change between R-phase and martensite: otherwise return-point memory is lost.
     barrier = barrier_factor * max(
         constants.martensite_barrier_k + constants.martensite_barrier_per_pa * stress_pa, 0.0
     )
@@ -109,8 +109,8 @@ def driving_forces_at(
 def spreads(constants: WireConstants, stress_pa: float) -> tuple[float, float, float]:
     """Return the spreads [K] over the grains of f_M, f_R and f_M - f_R at a stress.
 
-    Load pulls grains apart: each is turned differently to the wire's axis and feels its own part of the stress.
-    A spread under a microkelvin counts as that: a switch rather than a ramp.
+    Stress widens the spreads, as grains are oriented differently to the wire's axis and carry different stresses. A
+    spread is at least a microkelvin, which is a switch rather than a ramp.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def spreads(constants: WireConstants, stress_pa: float) -> tuple[float, float, f
 
 @compiled
 def grain_at(edges: FloatArray, place: float) -> int:
-    """Return the number of the grain that holds a place in units of the spread; -1 and n_grains lie outside."""
+    """Return the index of the grain at an offset in units of the spread; -1 and n_grains are outside."""
     low = -1
     high = edges.shape[0]
     while high - low > 1:
@@ -148,7 +148,7 @@ def grain_at(edges: FloatArray, place: float) -> int:
 
 @compiled
 def grains_swept(edges: FloatArray, before: float, after: float) -> tuple[int, int]:
-    """Return first and past-the-last grain between two places of a moving threshold, both places included."""
+    """Return the first grain between two positions of a moving threshold, and the one after the last."""
     first = grain_at(edges, min(before, after))
     last = grain_at(edges, max(before, after))
     return max(first, 0), min(last + 1, edges.shape[0] - 1)
@@ -163,7 +163,7 @@ def cool_swept(
     grain_martensite: FloatArray,
     grain_r_phase: FloatArray,
 ) -> None:
-    """Let grains ``first`` to before ``last`` follow the driving forces of cooling, in place."""
+    """Apply the driving forces of cooling to the grains from ``first`` to before ``last``, in place."""
     spread_m, spread_r, spread_p = spreads(constants, forces.stress_pa)
     for j in range(first, last):
         middle = constants.grain_middle[j]
@@ -189,7 +189,7 @@ def heat_swept(
     grain_martensite: FloatArray,
     grain_r_phase: FloatArray,
 ) -> None:
-    """Let grains ``first`` to before ``last`` follow the driving forces of heating, in place."""
+    """Apply the driving forces of heating to the grains from ``first`` to before ``last``, in place."""
     spread_m, spread_r, spread_p = spreads(constants, forces.stress_pa)
     for j in range(first, last):
         middle = constants.grain_middle[j]
@@ -214,10 +214,9 @@ def switch_grains(
     grain_martensite: FloatArray,
     grain_r_phase: FloatArray,
 ) -> tuple[float, float]:
-    """Let every grain follow forces that changed from ``followed``, in place; return the change of both sums.
+    """Apply driving forces that changed from ``followed`` to all grains, in place; return the change of both sums.
 
-    A grain moves only when one of its forces has risen, and only if that force's threshold swept over it: so a
-    step looks at the few grains between the thresholds before and after, whatever their total number.
+    Only the grains between the thresholds before and after of a driving force that has risen are evaluated.
     """
     spread_m, spread_r, spread_p = spreads(constants, forces.stress_pa)
     followed_m, followed_r, followed_p = spreads(constants, followed.stress_pa)
@@ -239,9 +238,9 @@ def switch_grains(
         else:
             new, old, spread, followed_spread = forces.m_to_r_k, followed.m_to_r_k, spread_p, followed_p
         place, followed_place = new / spread, old / followed_spread
-        # The threshold stands where a grain's offset makes its force zero; it moves as force or spread changes.
+        # The threshold is the offset at which a grain's driving force is zero; it moves with driving force and spread.
         if spread * followed_spread < 0.0:
-            first, last = 0, grains  # the order of the grains has turned over: all may be due
+            first, last = 0, grains  # the order of the grains is reversed: all may change
         elif (place - followed_place) * spread > 0.0:
             first, last = grains_swept(edges, followed_place, place)
         else:
@@ -263,7 +262,7 @@ def switch_grains(
 def follow(
     state: WireState, constants: WireConstants, temperature_k: float, stress_pa: float, barrier_factor: float
 ) -> tuple[float, float, int]:
-    """Let the grains of a row follow a temperature and a stress.
+    """Apply a temperature and a stress to the grains of a row.
 
     Parameters
     ----------
@@ -276,11 +275,11 @@ def follow(
     stress_pa
         New stress of a leg [Pa].
     barrier_factor
-        By which the barrier between austenite and martensite is multiplied: above 1 in a new wire, 1 after shakedown.
+        Factor on the barrier between austenite and martensite: above 1 in a new wire, 1 after shakedown.
 
     Returns
     -------
-    By how much the sums of martensite and of R-phase over the grains have changed, and the number of grains.
+    The changes of the sums of martensite and of R-phase over the grains, and the number of grains.
 
     References
     ----------
@@ -291,13 +290,13 @@ def follow(
     kept = state.followed_force_k
     followed = DrivingForces(kept[0], kept[1], kept[2], kept[3], kept[4], kept[5], state.followed_stress_pa)
     change_m, change_r = switch_grains(constants, forces, followed, state.grain_martensite, state.grain_r_phase)
-    keep(state, forces)
+    store_followed(state, forces)
     return change_m, change_r, constants.grain_middle.shape[0]
 
 
 @compiled
-def keep(state: WireState, forces: DrivingForces) -> None:
-    """Write the driving forces that the grains have followed into a row."""
+def store_followed(state: WireState, forces: DrivingForces) -> None:
+    """Store the driving forces that the grains have followed in their row."""
     kept = state.followed_force_k
     kept[0] = forces.a_to_m_k
     kept[1] = forces.a_to_r_k
@@ -310,20 +309,20 @@ def keep(state: WireState, forces: DrivingForces) -> None:
 
 @compiled
 def phase_fractions(state: WireState) -> tuple[float, float]:
-    """Return the fractions of martensite and R-phase from the grains themselves."""
+    """Return the fractions of martensite and R-phase, as means over the grains."""
     return state.grain_martensite.mean(), state.grain_r_phase.mean()
 
 
 @compiled
 def cool_from_hot(states: Rows, constants: Rows, stress_pa: float, temperature_k: float) -> None:
-    """Set the grains of a row, (1,), to those of a wire cooled from all austenite at one stress.
+    """Set the grains of a row, (1,), to those of a wire cooled from full austenite at constant stress.
 
-    On cooling all three forces only rise, and fractions only rise to bounds that the forces set: the way there leaves
-    no trace, so one look at its end is enough.
+    On cooling all three driving forces only rise, and fractions only rise to bounds that these set: the result does not
+    depend on the path, so that evaluating its end is enough.
     """
     state, of = states[0], constants[0]
     state.grain_martensite[:] = 0.0
     state.grain_r_phase[:] = 0.0
     forces = driving_forces_at(of, temperature_k, stress_pa, 1.0)
     cool_swept(of, forces, 0, of.grain_middle.shape[0], state.grain_martensite, state.grain_r_phase)
-    keep(state, forces)
+    store_followed(state, forces)
