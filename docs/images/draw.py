@@ -1,8 +1,8 @@
-"""Draw every picture and write every number of the documentation again: python docs/images/draw.py
+"""Draw all pictures and write all generated numbers of the documentation: python docs/images/draw.py
 
 After a change of the shipped parameters or of the physics, run it once and commit what changed:
 
-- README.md's pictures, from a run of the main job (``python docs/images/draw.py physics`` leaves these out),
+- README.md's pictures, from a run of the demo (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
 - docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md and wire_row.md.
 """
@@ -39,7 +39,7 @@ DPI = 110
 
 
 def draw_readme_pictures() -> None:
-    """Run the demo and write both pictures beside this file."""
+    """Run the demo and write both pictures into this folder."""
     with tempfile.TemporaryDirectory() as folder:
         result = run_demo(Path(folder))
     with mpl.rc_context(STYLE):
@@ -48,7 +48,7 @@ def draw_readme_pictures() -> None:
 
 
 def draw_physics_pictures(loops: tuple[physics_runs.LoopTruth, ...]) -> None:
-    """Write the pictures of the page on physics beside this file."""
+    """Write the pictures of the page on physics into this folder."""
     with mpl.rc_context(STYLE):
         physics_pictures.pretension_figure(loops).savefig(HERE / "phases_over_strain.png", dpi=DPI)
         physics_pictures.isobar_figure().savefig(HERE / "isobars.png", dpi=DPI)
@@ -57,12 +57,12 @@ def draw_physics_pictures(loops: tuple[physics_runs.LoopTruth, ...]) -> None:
 
 
 def with_blocks(text: str, blocks: dict[str, str]) -> str:
-    """Return a page with what stands between its markers written again."""
+    """Return a page with new text between its markers."""
     return BLOCK.sub(lambda found: f"{found[1]}\n{blocks[found[2]]}\n\n{found[3]}", text)
 
 
 def main() -> None:
-    """Draw and write all, or without the demo's pictures if asked for ``physics`` only."""
+    """Draw and write everything; with the argument ``physics`` all but the demo's pictures."""
     if sys.argv[1:] != ["physics"]:
         draw_readme_pictures()
     loops = physics_runs.loops_of_the_sweep()

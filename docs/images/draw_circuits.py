@@ -1,6 +1,6 @@
-"""Draw the circuits of docs/how-to/wire_the_circuit.md again: python docs/images/draw_circuits.py
+"""Draw the circuits of docs/how-to/wire_the_circuit.md: python docs/images/draw_circuits.py
 
-Each is drawn as .svg to solder from and as .png to look at, beside this file. The values come from the parts lists in
+Each is written into this folder, as .svg to solder from and as .png to look at. The values come from the parts lists in
 ``musclewire/parameters/data/parts``, which are also written into the page, so drawing and list cannot differ. Needs
 schemdraw (extra ``dev``).
 """
@@ -111,7 +111,7 @@ class Circuit:
         self.ground((x, lower - 0.6))
 
     def save(self, name: str) -> None:
-        """Write the drawing beside this file, as .svg and .png; the same bytes each time it is drawn."""
+        """Write the drawing into this folder, as .svg and .png, with the same bytes each time."""
         os.environ["SOURCE_DATE_EPOCH"] = "0"
         with mpl.rc_context({"svg.hashsalt": "musclewire", "svg.fonttype": "path"}):
             self.drawing.save(str(HERE / f"{name}.svg"))

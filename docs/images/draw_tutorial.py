@@ -17,7 +17,7 @@ PICTURES = ("finger", "pretensioner", "sweep", "run")
 
 
 def main() -> None:
-    """Run every block of the page in one folder, then copy its pictures beside this file."""
+    """Run every block of the page in one folder, then copy its pictures into this folder."""
     with tempfile.TemporaryDirectory() as folder:
         path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
         for language, text in BLOCK.findall(PAGE.read_text("utf-8")):

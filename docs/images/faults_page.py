@@ -15,9 +15,9 @@ Written by `python docs/images/draw.py physics` from `tests/faults/matrix.toml`,
 holds this page to it. Do not edit it by hand. `pytest tests/faults` injects every row.
 
 {count} faults are injected into wire, circuit, converter, board, line and host. {ended} end in the safe state: 0 V at
-the wire within the stated time, the cause in the recording's `ended`, exit code 3 where the host survives. {survived}
-are survived: the run goes on. What was at the wire is read from the bench's own log, tick by tick, not from what host
-or board say.
+the wire within the stated time, the cause in the recording's `ended`, exit code 3 if the host survives. {survived}
+are survived: the run continues. The voltage at the wire is read from the bench's own log, tick by tick, not from host
+or board.
 
 How they are run:
 
@@ -33,10 +33,10 @@ microcontroller ([what was tried](firmware_protocol.md)).
 
 FOOT = """## What the times mean
 
-From the injection to the last tick with a voltage at the wire. To the time an event must last comes the period of the
-samples, 50 ms here. The board has its own watch and does not wait for the host: where "board" acts, it does so with no
+From the injection to the last tick with a voltage at the wire. The sample period, 50 ms here, is added to the
+time an event must last. The board watches by itself and does not wait for the host: rows in which "board" acts need no
 host at all. A transistor that has failed closed cannot be switched off by anything in this table: there the commanded
-code is judged, and the message says to cut the power.
+code is checked, and the message says to cut the power.
 
 "-" as exit code: the host was killed, or a script's own exception decides. Where several events are named, chance
 decides which of them is seen first.

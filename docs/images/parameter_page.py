@@ -1,4 +1,4 @@
-"""docs/reference/parameters.md from the parameter files: every number beside what is published."""
+"""docs/reference/parameters.md from the parameter files: every number with its published range."""
 
 from __future__ import annotations
 
@@ -29,11 +29,12 @@ SHOWN = {
 HEAD = """# Parameters of the simulated wire, one by one
 
 Written by `python docs/images/draw.py` from the TOML files under `src/musclewire/parameters/data`; a test holds this
-page to them. Do not edit it by hand. See also [how the values were found](../explanation/parameters.md), [the equations
-they stand in](../explanation/physics.md) and [symbols](symbols.md).
+page to them. Do not edit it by hand. See also [how the values were found](../explanation/parameters.md), [their
+equations](../explanation/physics.md) and [symbols](symbols.md).
 
 The files hold SI; here prefixes, percent and degrees Celsius are used. "Published" reaches from the lowest to the
-highest figure found for NiTi actuator wire. One figure is no range to lie in: then the ratio of ours to it is said.
+highest figure found for NiTi actuator wire. One figure is no range: for such a parameter the table has the ratio of our
+value to it.
 """
 
 
@@ -211,7 +212,7 @@ def derived(alloy: Alloy) -> list[tuple[str, str, float, str, str]]:
         ),
         (
             "r_to_m_barrier_acting_k",
-            "what h_RM acts as: at most h_M + h_R",
+            "effective h_RM: at most h_M + h_R",
             min(a["r_to_m_barrier_k"], barrier + a["r_phase_barrier_k"]),
             "K",
             f"the file has {shown(a['r_to_m_barrier_k'], '', 'K')}",
@@ -220,7 +221,7 @@ def derived(alloy: Alloy) -> list[tuple[str, str, float, str, str]]:
 
 
 def derived_table(alloy: Alloy) -> str:
-    """Return what follows from the parameters beside what is published for it."""
+    """Return quantities that follow from the parameters, with their published ranges."""
     ranges = published_ranges().derived
     rows = []
     for name, words, value, unit, remark in derived(alloy):
@@ -230,14 +231,14 @@ def derived_table(alloy: Alloy) -> str:
     return table(["quantity", "value", "published", "inside", "remark"], rows)
 
 
-WIRES_TEXT = """What belongs to one spool; everything else is the alloy's. `finger-100um` is the wire of the
-paper's finger, read as a spool of its own ([decision
+WIRES_TEXT = """The numbers of one spool; all others are the alloy's. `finger-100um` is the wire of the
+paper's finger, taken to be a spool of its own ([decision
 10](../explanation/decisions/0010-the-fingers-wire-is-its-own-spool.md)). The isobar sample is the wire behind the
 published isobars, whose diameter and class are not stated."""
 
 
 def wires_table(wires: list[Wire]) -> str:
-    """Return the wires beside each other; a value's kind stands behind it."""
+    """Return the wires in columns; each value is followed by its kind."""
     rows = []
     for name, _ in wires[0].items():
         items: list[Parameter] = [getattr(wire, name) for wire in wires]
@@ -278,7 +279,7 @@ def sources_table(groups: list[Alloy | Wire]) -> str:
 
 
 def published_table() -> str:
-    """Return where every published range comes from and how far to trust it."""
+    """Return every published range with its source and its standing."""
     rows = [
         [f"`{name}`", shown_range(found, name), found.standing, found.source]
         for name, found in published_ranges().parameters.items()
@@ -290,12 +291,12 @@ def published_table() -> str:
 
 
 def unit_suffix(found: PublishedRange) -> str:
-    """Return how a name with that unit ends."""
+    """Return the ending of names with that unit."""
     return {"K": "_k", "J/kg": "_j_per_kg", "J/(kg K)": "_j_per_kg_k"}[found.unit]
 
 
-PRIORS_TEXT = """What `parameters.priors:load_priors` believes of a wire before anything is measured: a normal
-distribution cut off at bounds, and the experiment that tells the parameter best. The bounds are wider than the
+PRIORS_TEXT = """What `parameters.priors:load_priors` assumes of a wire before any measurement: a normal
+distribution truncated at bounds, and the experiment that identifies the parameter best. The bounds are wider than the
 published ranges on purpose: they are where a search stops."""
 
 

@@ -1,4 +1,4 @@
-"""What is written into docs/how-to/wire_the_circuit.md: parts lists from the data files, the table of wires."""
+"""The generated parts of docs/how-to/wire_the_circuit.md: parts lists from the data files, the table of wires."""
 
 from __future__ import annotations
 

@@ -12,12 +12,12 @@ ZERO_DEGC_K = 273.15
 
 
 def blocks(loops: tuple[LoopTruth, ...]) -> dict[str, str]:
-    """Return what stands between the page's markers, by their names."""
+    """Return the text between the page's markers, by their names."""
     return {"pretension": pretension_table(loops), "reading": paragraphs(reading(loops[0], loops[-1]))}
 
 
 def pretension_table(loops: tuple[LoopTruth, ...]) -> str:
-    """Return what the branches of each loop differ by at half the stroke, and what it is made of."""
+    """Return the difference of the branches of each loop at half the stroke, and its parts."""
     rows: list[tuple[str, Callable[[LoopTruth], str]]] = [
         ("stress of the cold legs", lambda loop: f"{cold_stress_mpa(loop):.0f} MPa"),
         ("strain gap (Eq. 2)", lambda loop: f"{100.0 * loop.strain_gap:.1f} %"),

@@ -62,14 +62,14 @@ def pretension_figure(loops: tuple[LoopTruth, ...]) -> Figure:
     label_phases(rows[0, 0], rows[0, -1], loops[0])
     label_branches(rows[1, 0], loops[0])
     figure.legend(*rows[2, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
-    rows[0, 0].set_ylabel("share of the wire [%]\nheating solid, cooling dashed")
+    rows[0, 0].set_ylabel("phase fraction [%]\nheating solid, cooling dashed")
     rows[1, 0].set_ylabel("resistance [ohm]")
     rows[2, 0].set_ylabel("resistance on heating\nless that on cooling [mohm]")
     return figure
 
 
 def draw_phases(axes: Axes, loop: LoopTruth) -> None:
-    """Draw the shares of the three phases on both branches; R-phase is filled."""
+    """Draw the fractions of the three phases on both branches; R-phase is filled."""
     for phase, colour in (("austenite", AUSTENITE), ("martensite", MARTENSITE), ("r_phase", R_PHASE)):
         for branch, line in ((loop.heating, "-"), (loop.cooling, "--")):
             axes.plot(100.0 * branch.contraction, 100.0 * getattr(branch, phase), line, color=colour, linewidth=1.4)
@@ -121,13 +121,13 @@ def label_branches(axes: Axes, loop: LoopTruth) -> None:
 
 
 def draw_parts(axes: Axes, parts: Parts) -> None:
-    """Draw what heating has more resistance than cooling at equal strain, and the two effects it is made of."""
+    """Draw the resistance on heating less that on cooling at equal strain, and the two effects that cause it."""
     strain = 100.0 * parts.contraction
     axes.fill_between(strain, 1e3 * parts.hotter, color=HEATING, alpha=0.3, linewidth=0, label="as heating is hotter")
     axes.fill_between(
         strain, 1e3 * parts.r_phase, color=R_PHASE, alpha=0.3, linewidth=0, label="as one branch has more R-phase"
     )
-    axes.plot(strain, 1e3 * parts.rest, ":", color="#777777", linewidth=1.1, label="shape and share of martensite")
+    axes.plot(strain, 1e3 * parts.rest, ":", color="#777777", linewidth=1.1, label="geometry and martensite fraction")
     axes.plot(strain, 1e3 * parts.whole, color=AVERAGE, linewidth=1.9, label="all together")
     axes.axhline(0.0, color="#555555", linewidth=0.8)
 
@@ -180,7 +180,7 @@ def draw_published_isobar(axes: Axes, published: dict[str, list[list[float]]], c
 
 
 def title_of(stress_mpa: float, ours: IsobarSummary, measured: tuple[float, float, float]) -> str:
-    """Return stress, stroke and half-transformation temperatures, simulated beside measured, in three lines."""
+    """Return stress, stroke and half-transformation temperatures, simulated and measured, in three lines."""
     heating, cooling = (each[1] - ZERO_DEGC_K for each in (ours.heating_k, ours.cooling_k))
     return (
         f"{stress_mpa:g} MPa\nstroke {100.0 * ours.stroke:.2f} % (measured {measured[0]:.2f})\n"
@@ -216,16 +216,16 @@ def grains_figure() -> Figure:
     left.set_xlim(middle - 42.0, balance_k(constants, 200.0 * MPA) - ZERO_DEGC_K + 42.0)
     left.set(
         xlabel="temperature of balance between austenite and martensite [°C]",
-        ylabel="share of the grains [% per K]",
+        ylabel="density of grains [% per K]",
         title="How grains differ, without and with load",
     )
     left.legend(loc="upper right", fontsize=8.5)
-    draw_transformed_share(right, normal)
+    draw_transformed_fraction(right, normal)
     return figure
 
 
-def draw_transformed_share(axes: Axes, normal_k: float) -> None:
-    """Draw how much of its strain a heated wire has lost at 100 MPa, with its grains and with normal ones."""
+def draw_transformed_fraction(axes: Axes, normal_k: float) -> None:
+    """Draw the fraction of its strain that a heated wire has lost at 100 MPa, with its grains and with normal ones."""
     wire = load_wire(ISOBAR_WIRE)
     alloy, bench = load_alloy(wire.alloy), load_bench("dead-weight")
     plain = {"grain_skew": 0.0, "grain_tail": 0.0, "martensite_spread_k": normal_k}

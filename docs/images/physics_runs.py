@@ -160,24 +160,24 @@ def resistivities(constants: WireConstants, temperature_k: FloatArray) -> FloatA
 
 
 def parts_of_the_difference(loop: LoopTruth, points: int = 200) -> Parts:
-    """Split what heating has more resistance than cooling at equal strain; the parts add up to it.
+    """Return the parts of the difference in resistance between heating and cooling at equal strain.
 
     R = G rho with rho = sum x_i rho_i(T) and G the geometry. A difference of products is exactly the sum of each
-    factor's difference times the other's mean. "Hotter" is the mean phases at other temperatures; "R-phase" is what
-    R-phase in place of austenite adds; the rest is the share of martensite and the geometry.
+    factor's difference times the other's mean. "Hotter" is the effect of temperature at the mean phases; "R-phase" is
+    that of R-phase in place of austenite; the rest is that of the martensite fraction and the geometry.
     """
     low, high = loop.shared_contraction
     strain = np.linspace(low, high, points)
     hot, cold = at_strain(loop.heating, strain), at_strain(loop.cooling, strain)
-    shares = [np.array([getattr(branch, phase) for phase in PHASES]) for branch in (hot, cold)]
+    fractions = [np.array([getattr(branch, phase) for phase in PHASES]) for branch in (hot, cold)]
     rho = [resistivities(loop.constants, branch.temperature_k) for branch in (hot, cold)]
     shape = [
-        branch.resistance_ohm / (share * each).sum(axis=0)
-        for branch, share, each in zip((hot, cold), shares, rho, strict=True)
+        branch.resistance_ohm / (fraction * each).sum(axis=0)
+        for branch, fraction, each in zip((hot, cold), fractions, rho, strict=True)
     ]
     mean_shape, mean_rho = 0.5 * (shape[0] + shape[1]), 0.5 * (rho[0] + rho[1])
-    hotter = mean_shape * (0.5 * (shares[0] + shares[1]) * (rho[0] - rho[1])).sum(axis=0)
-    more_r = shares[0][1] - shares[1][1]
+    hotter = mean_shape * (0.5 * (fractions[0] + fractions[1]) * (rho[0] - rho[1])).sum(axis=0)
+    more_r = fractions[0][1] - fractions[1][1]
     r_phase = mean_shape * more_r * (mean_rho[1] - mean_rho[0])
     whole = hot.resistance_ohm - cold.resistance_ohm
     return Parts(strain, whole, hotter, r_phase, whole - hotter - r_phase)

@@ -11,10 +11,10 @@ HEAD = """# What keeps the wire safe
 Written by `python docs/images/draw.py physics` from the table the code runs by; a test holds this page to it. Do not
 edit it by hand. `musclewire protection` prints the same table, `musclewire protection RIG` also the limits of a rig.
 
-One table of states, signals and events stands below every rig: simulated, replayed, on a card, on a board. A script
+One table of states, signals and events protects every rig: simulated, replayed, on a card, on a board. A script
 reaches the wire only through `rig.exchange(...)`, and `exchange` asks the table before a voltage goes out and after a
 sample has come back. The C library of `musclewire export c` and the firmware carry the same table, made from the same
-file, and follow it when the host is gone. What the table cannot do stands at the end of this page.
+file, and follow it when the host is gone. The end of this page lists what the table cannot do.
 """
 
 TRANSITIONS_HEAD = """## Transitions
@@ -24,16 +24,16 @@ state that follows and the effect on the way; `-` means that nothing happens. Ho
 transition up here; no other line of code changes the state.
 """
 
-RULES = """- **Latched.** After a trip the drive stays off whatever is asked; the first cause stays, too. The rig
+RULES = """- **Latched.** After a trip the drive stays off whatever is commanded; the first cause stays, too. The rig
   must be opened again, a board armed again.
-- **In time.** From a fault to 0 V takes at most 0.5 s. An event's own time is in the table; to it comes one sample
-  period, because a fault shows in the next sample.
+- **In time.** From a fault to 0 V takes at most 0.5 s. An event's own time is in the table; one sample period is
+  added, because a fault shows in the next sample.
 - **Missing.** A reading without current, a late sample or a missing command is bridged: the drive is held at once,
   falls to the sense voltage after {sense} s and goes off after {trip} s. Nothing that a script commands is followed
   meanwhile.
 - **Averaged.** A reading is judged as a mean over at least {reading} ms: one noisy sample of a fast rig is no event.
 - **Reported.** A trip raises `ProtectionTripError`, a `RigError` with the event in `.event`; a command ends with exit
-  code 3, and the recording says the cause in `ended`.
+  code 3, and the recording states the cause in `ended`.
 """
 
 EVENTS_HEAD = """## Events
@@ -56,8 +56,8 @@ simulated rig with the paper's wire:
 
 LAST = """## What it cannot do
 
-- A transistor or amplifier that has failed closed heats the wire whatever software says. The event `output_stuck`
-  tells, and only the supply's fuse, its current limit or the emergency switch stop it.
+- A transistor or amplifier that has failed closed heats the wire whatever the software does. The event `output_stuck`
+  reports it, and only the supply's fuse, its current limit or the emergency switch stop it.
 - The temperature is an estimate from the power, for still air and a straight wire. A wire in a sleeve, against a wall
   or embedded is hotter.
 - A frozen converter without noise of its own is seen only when the drive has moved.

@@ -21,9 +21,9 @@ HEAD = """# Rig files of real hardware
 Written by `python docs/images/draw.py physics` from the schemas that check the files; a test holds this page to them.
 Do not edit it by hand. Rig files of the simulated rig are on the page on [files](files.md).
 
-A user with a wire on a bench changes one word: where a command says `simulated`, it says the rig file's name. Numbers
-are SI, or text with a unit (`"14 cm"`). An unknown key is an error that names the nearest. Four files come along to be
-copied: `ni-pci-6229`, `ni-usb-6001`, `serial-board` and `arduino-uno`, under `src/musclewire/parameters/data/rigs`.
+With a wire on a bench one word changes: a command takes the rig file's name instead of `simulated`. Numbers
+are SI, or text with a unit (`"14 cm"`). An unknown key is an error that names the nearest. Four files are included as
+templates: `ni-pci-6229`, `ni-usb-6001`, `serial-board` and `arduino-uno`, under `src/musclewire/parameters/data/rigs`.
 """
 SECTIONS = {
     "The wire and its circuit": (
@@ -32,8 +32,8 @@ SECTIONS = {
     ),
     "`[limits]`": (
         LimitsTable,
-        "What the [protection](protection.md) is held against follows from wire and circuit; these are for what you "
-        "know better. A simulated rig's file takes the same table.",
+        "The limits of the [protection](protection.md) follow from wire and circuit; these keys are for what you know "
+        "better. A simulated rig's file takes the same table.",
     ),
     '`kind = "serial"`': (SerialConfiguration, "A board with the firmware: [how to](../how-to/drive_a_board.md)."),
     '`kind = "nidaq"`': (NiDaqConfiguration, "A data acquisition card: [how to](../how-to/drive_an_ni_card.md)."),
@@ -111,7 +111,7 @@ def default_of(field: FieldInfo) -> str:
 
 
 def type_in_words(field: FieldInfo) -> str:
-    """Return what may stand at a key that has no text of its own: its choices, or a table."""
+    """Return the values allowed at a key without a description: its choices, or a table."""
     choices = [choice for choice in get_args(field.annotation) if isinstance(choice, str)]
     if choices:
         return " or ".join(f'`"{choice}"`' for choice in choices)

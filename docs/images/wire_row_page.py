@@ -9,7 +9,7 @@ HEAD = """# The row of a wire
 Written by `python docs/images/draw.py physics` from the lists of fields in `wire/state.py`; a test holds this page to
 them. Do not edit it by hand.
 
-A simulated wire is two rows: what it remembers from step to step, and what does not change while it runs. A row is a
+A simulated wire is two rows: its state, which changes from step to step, and its constants. A row is a
 NumPy record: compiled code reads and writes `state.temperature_k` in place, Python reads the same name
 (`true_state_of(rig).wire_state.temperature_k`), and many wires are an array of rows. A state that was handed out never
 changes: a step works on a copy. `state.replace(time_s=0.0)` is another state, `state.values()` every field by name,
@@ -36,9 +36,9 @@ def summary(row: type[Row]) -> str:
 
 
 def fields(row: type[Row]) -> str:
-    """Return the fields of a row as a table, in the order in which they lie in memory."""
+    """Return the fields of a row as a table, in their order in memory."""
     lines = [
         f"| `{item.name}` | {item.unit} | {'' if item.length is None else f'({item.length},)'} | {item.meaning} |"
         for item in row.fields
     ]
-    return "\n".join(["| field | unit | shape | what it is |", "|---|---|---|---|", *lines])
+    return "\n".join(["| field | unit | shape | meaning |", "|---|---|---|---|", *lines])

@@ -1,4 +1,4 @@
-"""The Flexinol catalogue: every size a maker can buy, every number with how far it is corroborated, and wires from it.
+"""The Flexinol catalogue: every size on sale, whether each number is corroborated, and the wires that follow from it.
 
 The numbers are in ``data/catalogue/flexinol.toml`` in the vendor's units; here they are SI.
 """
@@ -35,16 +35,16 @@ Status = Literal["corroborated", "unverified", "suspect"]
 CLASSES = {"lt": "70 C (LT)", "ht": "90 C (HT)"}
 INCH_M = 0.0254
 GRAM_FORCE_N = 9.80665e-3
-# How far the highest drive voltage lies above the largest one needed.
+# The highest drive voltage allowed exceeds the largest one needed by this factor.
 VOLTAGE_MARGIN = 1.125
-# What the catalogue's sizes are driven on by default: the bench of the paper.
+# The catalogue's sizes are driven on the paper's bench by default.
 DEFAULT_LENGTH_M, DEFAULT_SHUNT_OHM = 0.14, 1.0
 
 Checked = ConfigDict(extra="forbid", frozen=True)
 
 
 class CatalogueCell(BaseModel):
-    """One number of the catalogue, in the vendor's unit, and who else prints it."""
+    """One number of the catalogue, in the vendor's unit, and the source that corroborates it."""
 
     model_config = Checked
 
@@ -55,7 +55,7 @@ class CatalogueCell(BaseModel):
 
     @property
     def corroborated(self) -> bool:
-        """Whether the number was found printed by somebody else."""
+        """Whether another source prints the same number."""
         return self.status == "corroborated"
 
 
@@ -78,17 +78,17 @@ class CatalogueRow(BaseModel):
 
     @property
     def diameter_m(self) -> float:
-        """Diameter the wire is drawn to."""
+        """Diameter of the wire."""
         return self.diameter_in * INCH_M
 
     @property
     def area_m2(self) -> float:
-        """Section of that diameter."""
+        """Cross section."""
         return 0.25 * math.pi * self.diameter_m**2
 
     @property
     def pull_force_n(self) -> float:
-        """Force the hot wire is rated to pull with."""
+        """Rated pull of the hot wire."""
         return self.pull_force_g.value * GRAM_FORCE_N
 
     @property
@@ -102,7 +102,7 @@ class CatalogueRow(BaseModel):
         return 1e-3 * self.current_ma.value
 
     def cooling_cell(self, wire_class: str) -> CatalogueCell:
-        """Return the cooling time's cell for 'lt' or 'ht'."""
+        """Return the cell of the cooling time of class 'lt' or 'ht'."""
         return self.cooling_lt_s if wire_class == "lt" else self.cooling_ht_s
 
     def cells(self) -> list[tuple[str, CatalogueCell]]:
@@ -112,7 +112,7 @@ class CatalogueRow(BaseModel):
 
 
 class WireRules(BaseModel):
-    """What turns a row of the catalogue into a wire, stated once for all sizes."""
+    """The rules by which a row of the catalogue becomes a wire, stated once for all sizes."""
 
     model_config = Checked
 
@@ -159,7 +159,7 @@ def catalogue_row(name: str) -> CatalogueRow:
 
 
 def same_size_hint(name: str) -> str:
-    """Return a hint at the catalogue's spelling of a size written otherwise ('flexinol-0.1-lt'), or nothing."""
+    """Return a hint at the catalogue's spelling of a size ('flexinol-0.1-lt' is spelt 0.10), or ""."""
     parts = name.split("-")
     try:
         size_mm = float(parts[1])
@@ -178,9 +178,9 @@ def class_of(name: str) -> str:
 
 
 def catalogue_wire(name: str, shift_wire: Wire, reference_wire: Wire) -> Wire:
-    """Return a size of the catalogue as a wire; each number says what it comes from.
+    """Return a size of the catalogue as a wire; each number states its source.
 
-    ``shift_wire`` gives the temperatures of 90 C wire; ``reference_wire`` the convection factor and the wire whose
+    ``shift_wire`` gives the temperatures of 90 C wire; ``reference_wire`` gives the convection factor, and its
     resistivity counts as 1. Raises CallerError for an unknown name.
     """
     catalogue = load_catalogue()
@@ -207,20 +207,20 @@ def catalogue_wire(name: str, shift_wire: Wire, reference_wire: Wire) -> Wire:
 
 
 def given(value: float, unit: str, kind: str, source: str, note: str = "") -> dict[str, Any]:
-    """Return a parameter as a file would state it."""
+    """Return a parameter as a file states it."""
     return Parameter.model_validate(
         {"value": value, "unit": unit, "kind": kind, "source": source, "note": note}
     ).model_dump()
 
 
 def printed(cell: CatalogueCell, unit: str, source: str, to_si: float = 1.0) -> dict[str, Any]:
-    """Return a cell as a parameter whose note says how far it is corroborated."""
+    """Return a cell as a parameter whose note says whether it is corroborated."""
     where = f"{cell.status}: {cell.source}" if cell.source else cell.status
     return given(cell.value * to_si, unit, "datasheet", source, "; ".join(filter(None, (where, cell.note))))
 
 
 def resistivity_factor(row: CatalogueRow, reference: Wire) -> dict[str, Any]:
-    """Return how much more this size resists than the wire to which the alloy's resistivities were fitted."""
+    """Return this size's resistivity over that of the wire to which the alloy's resistivities were fitted."""
     of_reference = reference.resistance_per_metre_ohm_per_m.value * reference.diameter_m.value**2
     factor = row.resistance_ohm_per_m.value * row.diameter_m**2 / of_reference * reference.resistivity_factor.value
     return given(
@@ -233,7 +233,7 @@ def resistivity_factor(row: CatalogueRow, reference: Wire) -> dict[str, Any]:
 
 
 def temperature_shift(wire_class: str, shift_wire: Wire, rules: WireRules) -> dict[str, Any]:
-    """Return the one stated amount by which a class lies above the alloy's temperatures."""
+    """Return the stated difference between the temperatures of a class and those of the alloy."""
     shift = shift_wire.temperature_shift_k
     if wire_class == "ht":
         return given(shift.value, "K", "derived", f"that of {shift_wire.name}, whose isobars match 90 C wire")
@@ -247,7 +247,7 @@ def temperature_shift(wire_class: str, shift_wire: Wire, rules: WireRules) -> di
 
 
 def voltages(row: CatalogueRow, wire_class: str, rules: WireRules) -> dict[str, Any]:
-    """Return amplitude of the slow sine and highest drive voltage for 14 cm behind 1 ohm."""
+    """Return amplitude of the slow sine and highest drive voltage for 14 cm in series with 1 ohm."""
     cold_ohm = row.resistance_ohm_per_m.value * DEFAULT_LENGTH_M + DEFAULT_SHUNT_OHM
     holding_a = 1e-3 * (row.holding_lt_ma if wire_class == "lt" else row.holding_ht_ma)
     holding_v, one_second_v = holding_a * cold_ohm, row.current_a * cold_ohm

@@ -1,11 +1,11 @@
-"""One file that stands for one tendon-driven finger: its geometry, and how it answers a pull at its tendon.
+"""A file that describes one tendon-driven finger: its geometry, and its response to a pull at the tendon.
 
 format = "musclewire-finger"
 version = 1
 name = "my-finger"
 description = "..."
 
-[geometry.beam_thickness_m]             what it was computed from, each number as in all parameter files
+[geometry.beam_thickness_m]             the inputs of the computation, each number as in all parameter files
 value = 0.0002
 unit = "m"
 kind = "assumed"
@@ -40,11 +40,11 @@ EVEN_TOLERANCE = 1e-6
 
 
 class FingerCurve(BaseModel):
-    """A finger's answer to tendon travel; every column is (n_points,) over the same evenly spaced travels from 0.
+    """A finger's response to tendon travel; every column is (n_points,) over the same evenly spaced travels from 0.
 
     Force and displacement hold for a finger that touches nothing; a force f [N] that pushes its endpoint back, at the
-    same tendon travel, adds ``tendon_force_per_endpoint_force * f`` to the tendon's force and takes
-    ``endpoint_compliance_m_per_n * f`` from the endpoint's displacement. Forces are those of both tendon legs together.
+    same tendon travel, adds ``tendon_force_per_endpoint_force * f`` to the tendon's force and reduces the endpoint's
+    displacement by ``endpoint_compliance_m_per_n * f``. Forces are those of both tendon legs together.
 
     Parameters
     ----------
@@ -57,10 +57,10 @@ class FingerCurve(BaseModel):
     tendon_force_per_endpoint_force
         Rise of the tendon's force per force at the endpoint.
     endpoint_compliance_m_per_n
-        What a force at the endpoint takes from its displacement [m/N].
+        Reduction of the endpoint's displacement per force at it [m/N].
     friction_share
-        What friction along the tendon adds to the connector's force when pulling, as a fraction of the force without
-        friction; easing takes as much away, the capstan law to first order.
+        Rise of the connector's force by friction along the tendon while it pulls, as a fraction of the force without
+        friction; while it eases the force falls by as much (capstan law to first order).
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -93,12 +93,12 @@ class FingerCurve(BaseModel):
 
     @property
     def stiffness_n_per_m(self) -> float:
-        """Stiffness along the tendon where it begins to pull [N/m]: the paper's k_f."""
+        """Stiffness along the tendon at the beginning of its travel [N/m]: the paper's k_f."""
         return (self.tendon_force_n[1] - self.tendon_force_n[0]) / self.tendon_travel_m[1]
 
 
 class FingerFile(BaseModel):
-    """A finger by name: what it was computed from, and its curve.
+    """A finger: its name, the inputs of its computation, and its curve.
 
     Parameters
     ----------
@@ -109,11 +109,11 @@ class FingerFile(BaseModel):
     name
         Name of the finger.
     description
-        What the finger is, in a sentence.
+        Description of the finger in a sentence.
     geometry
         Numbers that the curve was computed from, each with unit, kind and source.
     curve
-        The finger's answer to the travel of its tendon.
+        The finger's response to the travel of its tendon.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -127,17 +127,17 @@ class FingerFile(BaseModel):
 
 
 def folder_of_fingers() -> Path:
-    """Return where the fingers that come along lie."""
+    """Return the folder of the fingers that ship with musclewire."""
     return Path(str(files("musclewire.parameters"))) / "data" / "fingers"
 
 
 def finger_names() -> list[str]:
-    """Return the names of the fingers that come with musclewire."""
+    """Return the names of the fingers that ship with musclewire."""
     return sorted(item.stem for item in folder_of_fingers().glob("*.toml"))
 
 
 def load_finger(name: str) -> FingerFile:
-    """Return a finger that comes with musclewire, by name, or one of a file (.toml), read afresh.
+    """Return a finger that ships with musclewire, by name, or one of a file (.toml), which is read at every call.
 
     Raises CallerError for an unknown name or a wrong file, naming the key and the nearest right one.
     """
@@ -146,7 +146,7 @@ def load_finger(name: str) -> FingerFile:
 
 @cache
 def named_finger(name: str) -> FingerFile:
-    """Return a finger that comes with musclewire."""
+    """Return a finger that ships with musclewire."""
     if name not in finger_names():
         raise CallerError(f"there is no finger called '{name}'{nearest_hint(name, finger_names())}")
     return read_finger_file(folder_of_fingers() / f"{name}.toml")

@@ -18,7 +18,7 @@ def known_failures() -> dict[str, str]:
 
 
 def parsed_known_failures(text: str) -> dict[str, str]:
-    """Return the list in a TOML text. Raises CallerError where a row has no reason in words."""
+    """Return the list in a TOML text. Raises CallerError if a row has no reason in words."""
     listed = tomllib.loads(text)
     for name, reason in listed.items():
         if not (isinstance(reason, str) and reason.strip()):

@@ -1,4 +1,4 @@
-"""The parameter files that come with musclewire, by name, and the user's own wires, by file."""
+"""The parameter files that ship with musclewire, by name, and the user's own wires, by file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FOLDERS = {"wire": "wires", "alloy": "alloys", "bench": "benches"}
 
 
 def names(kind: str) -> list[str]:
-    """Return the names of all wires, alloys or benches that come with musclewire; catalogue wires come last.
+    """Return the names of all wires, alloys or benches that ship with musclewire; catalogue wires come last.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def load_wire(name: str) -> Wire:
     Parameters
     ----------
     name
-        A named wire, one of the catalogue, or a wire file (.toml), read afresh.
+        A named wire, one of the catalogue, or a wire file (.toml), which is read at every call.
 
     Returns
     -------
@@ -85,19 +85,19 @@ def load_wire(name: str) -> Wire:
 
 
 def bench_known_with(wire: str) -> dict[str, Parameter]:
-    """Return what a wire file knows of the bench it was found on; nothing for the wires that come along."""
+    """Return the bench's numbers in a wire file; none for wires that ship with musclewire."""
     return dict(read_wire_file(wire).bench) if is_wire_file(wire) else {}
 
 
 @cache
 def named_alloy(name: str) -> Alloy:
-    """Return an alloy that comes with musclewire."""
+    """Return an alloy that ships with musclewire."""
     return validated(Alloy, read_named("alloy", name), f"alloy {name}")
 
 
 @cache
 def named_wire(name: str) -> Wire:
-    """Return a wire that comes with musclewire, or of the catalogue."""
+    """Return a wire that ships with musclewire, or one of the catalogue."""
     if name in catalogue_names():
         rules = load_catalogue().wire
         return catalogue_wire(name, named_wire(rules.high_temperature_shift_wire), named_wire(rules.reference_wire))

@@ -1,4 +1,4 @@
-"""What flexures are made of: those materials that come with musclewire, by name, and the user's own, by file.
+"""Materials of flexures: those that ship with musclewire, by name, and the user's own, by file.
 
 format = "musclewire-material"
 version = 1
@@ -35,14 +35,14 @@ SUFFIX = ".toml"
 
 
 class Material(ParameterGroup):
-    """An isotropic elastic material, how far it may be loaded, and how thin each process makes it."""
+    """An isotropic elastic material, the stress it may bear, and how thin each process makes it."""
 
     format: Literal["musclewire-material"]
     version: Literal[1]
     youngs_modulus_pa: Parameter = parameter("Pa", "E: Young's modulus")
     poisson_ratio: Parameter = parameter("1", "nu: Poisson's ratio", "not negative")
-    yield_stress_pa: Parameter = parameter("Pa", "stress at which it stays bent")
-    allowable_stress_pa: Parameter = parameter("Pa", "stress that a flexure may have for long and often")
+    yield_stress_pa: Parameter = parameter("Pa", "stress at which it yields")
+    allowable_stress_pa: Parameter = parameter("Pa", "stress that a flexure bears for long and in many cycles")
     density_kg_per_m3: Parameter = parameter("kg/m^3", "density")
     minimum_thickness_m: dict[str, Parameter] = Field(description="thinnest flexure by process", min_length=1)
 
@@ -61,7 +61,7 @@ class Material(ParameterGroup):
 
     @property
     def processes(self) -> list[str]:
-        """The processes this material is known to be made with, the first being the usual one."""
+        """The processes known for this material, the usual one first."""
         return list(self.minimum_thickness_m)
 
     def minimum_thickness_by(self, process: str | None) -> float:
@@ -76,12 +76,12 @@ class Material(ParameterGroup):
 
 
 def folder_of_materials() -> Path:
-    """Return where the materials that come along lie."""
+    """Return the folder of the materials that ship with musclewire."""
     return Path(str(files("musclewire.parameters"))) / "data" / "materials"
 
 
 def material_names() -> list[str]:
-    """Return the names of the materials that come with musclewire."""
+    """Return the names of the materials that ship with musclewire."""
     return sorted(item.stem for item in folder_of_materials().glob(f"*{SUFFIX}"))
 
 
@@ -91,7 +91,7 @@ def load_material(name: str) -> Material:
     Parameters
     ----------
     name
-        One that comes with musclewire, or a file (.toml), read afresh.
+        One that ships with musclewire, or a file (.toml), which is read at every call.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def load_material(name: str) -> Material:
 
 @cache
 def named_material(name: str) -> Material:
-    """Return a material that comes with musclewire."""
+    """Return a material that ships with musclewire."""
     if name not in material_names():
         raise CallerError(f"there is no material called '{name}'{nearest_hint(name, material_names())}")
     return read_material_file(folder_of_materials() / f"{name}{SUFFIX}")

@@ -1,7 +1,7 @@
-"""What a parameter is, and which parameters a wire, an alloy and a rig have.
+"""A parameter, and the groups of parameters that describe an alloy, a wire and a bench.
 
 A parameter file states each number with its SI unit, its source and its kind. A value without a source is an
-error, and so is a key nobody knows: a typo must not become a silent default.
+error, and so is an unknown key: a typo must not become a silent default.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Kind = Literal["measured", "datasheet", "fitted", "derived", "assumed"]
 
 
 class Parameter(BaseModel):
-    """One number: value, SI unit, where it comes from and how far to trust it.
+    """One number: value, SI unit, source, and the kind of knowledge it is.
 
     Parameters
     ----------
@@ -28,9 +28,9 @@ class Parameter(BaseModel):
     kind
         "measured", "datasheet", "fitted", "derived" or "assumed".
     source
-        Where it comes from, for people.
+        Its source, in words.
     note
-        What else to know of it.
+        Remarks.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -46,12 +46,12 @@ Range = Literal["positive", "not negative", "any"]
 
 
 def parameter(unit: str, description: str, allowed: Range = "positive") -> Any:
-    """Declare a parameter of a group with the unit its file must state and the numbers it may have."""
+    """Return the field of a parameter, with the unit that a file must state and the range allowed."""
     return Field(description=description, json_schema_extra={"unit": unit, "allowed": allowed})
 
 
 def checked(key: str, item: Parameter, field: FieldInfo) -> None:
-    """Raise ValueError where a parameter has another unit or range than its field declares."""
+    """Raise ValueError if a parameter has another unit than its field declares, or is outside its range."""
     declared = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
     if item.unit != declared["unit"]:
         raise ValueError(f"{key} has the unit '{item.unit}', it must be given in '{declared['unit']}'")
@@ -66,8 +66,8 @@ class ParameterGroup(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    name: str = Field(description="by which it is loaded")
-    description: str = Field(description="what it is, for people")
+    name: str = Field(description="name by which it is loaded")
+    description: str = Field(description="description for people")
 
     @model_validator(mode="after")
     def _units_and_ranges_are_as_declared(self) -> ParameterGroup:
@@ -86,7 +86,7 @@ class ParameterGroup(BaseModel):
 
 
 class Alloy(ParameterGroup):
-    """What the metal is, whatever the wire's size. Symbols as in docs/reference/symbols.md."""
+    """The metal, independent of the wire's size. Symbols as in docs/reference/symbols.md."""
 
     martensite_temperature_k: Parameter = parameter("K", "T_M0: austenite and martensite in balance, no stress")
     martensite_stress_rate_pa_per_k: Parameter = parameter("Pa/K", "C_M: Clausius-Clapeyron slope of martensite")

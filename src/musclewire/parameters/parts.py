@@ -1,6 +1,6 @@
-"""What to buy for a circuit of the wiring guide: parts with value, reason, source, and an estimated price.
+"""Parts lists of the circuits in the wiring guide: each part with value, reason, source, and an estimated price.
 
-Prices are estimates in euros for one piece, as of the month that the list says; nothing was looked up in a shop.
+Prices are estimates in euros for one piece, as of the month that the list states; none was looked up in a shop.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Checked = ConfigDict(extra="forbid", frozen=True)
 
 
 class CircuitPart(BaseModel):
-    """One part: its label on the drawing, its value, what it is, why it is there, and where its numbers come from."""
+    """One part: its label in the drawing, its value, kind and purpose, and the source of its numbers."""
 
     model_config = Checked
 
@@ -57,7 +57,7 @@ class PartsList(BaseModel):
 
 
 def folder_of_parts() -> Path:
-    """Return where the lists lie."""
+    """Return the folder of the lists."""
     return Path(str(files("musclewire.parameters"))) / "data" / "parts"
 
 

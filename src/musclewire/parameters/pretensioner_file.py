@@ -1,4 +1,4 @@
-"""One file that stands for one designed pretensioner: its dimensions, what it is made of, what was computed of it.
+"""A file that describes one designed pretensioner: its dimensions, its material, and the computed properties.
 
 format = "musclewire-pretensioner"
 version = 1
@@ -56,11 +56,11 @@ class PretensionerFile(BaseModel):
 
     @property
     def stiffness_n_per_m(self) -> float:
-        """Stiffness along the wire as computed when it was designed [N/m]. Raises CallerError where it is not told."""
+        """Stiffness along the wire by the design [N/m]. Raises CallerError if the file does not state it."""
         found = self.computed.get("stiffness_n_per_m")
         if found is None:
             raise CallerError(
-                "this pretensioner's file does not say its stiffness: write it again by 'design pretensioner'"
+                "this pretensioner's file does not state its stiffness: write it again by 'design pretensioner'"
             )
         return found.value
 

@@ -1,4 +1,4 @@
-"""What is known of a wire's parameters before anything is measured."""
+"""Priors: the knowledge of a wire's parameters before any measurement."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ SCHEMAS: dict[str, type[Alloy] | type[Wire] | type[Bench]] = {"alloy": Alloy, "w
 
 
 class Prior(BaseModel):
-    """A normal distribution cut off at bounds, in SI.
+    """A normal distribution truncated at bounds, in SI.
 
     Parameters
     ----------
     group
-        What it is a parameter of: alloy, wire or bench.
+        The group of the parameter: alloy, wire or bench.
     mean
         Mean of the distribution.
     std
@@ -37,7 +37,7 @@ class Prior(BaseModel):
     unit
         Unit of the four numbers, the one that the parameter has in its schema.
     source
-        Where the numbers are from.
+        Source of the numbers.
     measure
         The experiment that makes the parameter identifiable.
     """
@@ -94,7 +94,7 @@ class PriorSet(BaseModel):
 
 
 def prior_set_names() -> list[str]:
-    """Return the names of the prior sets that come with musclewire."""
+    """Return the names of the prior sets that ship with musclewire."""
     folder = files("musclewire.parameters") / "data" / "priors"
     return sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
 

@@ -1,4 +1,4 @@
-"""What is published for the parameters of a wire, and whether a value lies inside it."""
+"""Published ranges of the parameters of a wire, and whether a value lies inside."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from musclewire.parameters.validation import validated
 
 __all__ = ["PublishedRange", "PublishedRanges", "outside", "published_ranges"]
 
-# Values are stored with few digits: what agrees this closely lies on the edge, not beyond it.
+# Values are stored with few digits: one that differs by less than this fraction lies on the edge, not beyond it.
 ROUNDING = 1e-6
 
 
 class PublishedRange(BaseModel):
-    """From low to high over all sources found, in SI; equal where there is one figure only.
+    """The range over all sources found, in SI; low and high are equal if there is only one figure.
 
-    ``standing`` says how far to trust it: figures read in a source, computed from such, or from recollection.
+    ``standing`` says how reliable it is: figures read in a source, derived from such, or from recollection.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -40,11 +40,11 @@ class PublishedRange(BaseModel):
 
     @property
     def is_one_figure(self) -> bool:
-        """Whether only one figure was found, which is no range to lie in."""
+        """Whether only one figure was found, which makes no range."""
         return self.low == self.high
 
     def beyond(self, value: float) -> float:
-        """Return how far a value lies above (positive) or below (negative) the range, 0 inside; same unit."""
+        """Return the distance of a value above (positive) or below (negative) the range, 0 inside; same unit."""
         slack = ROUNDING * max(abs(self.low), abs(self.high))
         if value > self.high + slack:
             return value - self.high
@@ -74,12 +74,12 @@ class PublishedRanges(BaseModel):
 
 @cache
 def published_ranges() -> PublishedRanges:
-    """Return the ranges that come with musclewire (data/published/ranges.toml)."""
+    """Return the ranges that ship with musclewire (data/published/ranges.toml)."""
     return validated(PublishedRanges, read_published("ranges"), "published ranges")
 
 
 def outside(group: Alloy | Wire | Bench) -> dict[str, Parameter]:
-    """Return those parameters of a file that lie outside what is published for them; one figure is no range."""
+    """Return the parameters of a file that lie outside their published range; one figure makes no range."""
     ranges = published_ranges().parameters
     return {
         name: item

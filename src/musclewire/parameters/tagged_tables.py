@@ -1,4 +1,4 @@
-"""A table of a file that says by one of its keys which of the registered kinds it is."""
+"""A table of a file in which one key names which of the registered kinds it is."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ __all__ = ["TaggedTable"]
 
 @dataclass(frozen=True)
 class TaggedTable:
-    """What an annotated field takes: a table that names its kind by a key, checked by that kind's own schema.
+    """Annotation of a field that holds a table: one key names its kind, whose schema checks it.
 
-    Unlike a union of schemas it knows kinds that were registered later, by a call or by another package.
+    Unlike a union of schemas it accepts kinds that were registered later, by a call or by another package.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class TaggedTable:
     key: str
 
     def __get_pydantic_core_schema__(self, _source: Any, _handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Have pydantic check a table here."""
+        """Return a schema by which pydantic calls :meth:`checked`."""
         return core_schema.no_info_plain_validator_function(self.checked)
 
     def model_of(self, tag: str) -> type[BaseModel] | None:
@@ -44,7 +44,7 @@ class TaggedTable:
         return found
 
     def checked(self, given: Any) -> BaseModel:
-        """Return a table as its kind; errors carry the name of the kind in their place, as those of a union do."""
+        """Return a table as its kind; the location of an error includes the kind's name, as with a union."""
         if isinstance(given, BaseModel):
             return given
         if not isinstance(given, dict):
@@ -72,7 +72,7 @@ def errors_of(error: ValidationError) -> list[Any]:
 
 
 def placed(tag: str, problem: Any) -> InitErrorDetails:
-    """Return an error with the kind's name before its place."""
+    """Return an error with the kind's name at the head of its location."""
     kind: Any = problem["type"]
     return InitErrorDetails(
         type=kind, loc=(tag, *problem["loc"]), input=problem["input"], ctx=dict(problem.get("ctx", {}))

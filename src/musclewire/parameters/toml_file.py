@@ -1,4 +1,4 @@
-"""Reading a user's TOML file: what is wrong with it, in one line."""
+"""Reading a user's TOML file, with errors in one line."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ __all__ = ["read_toml"]
 
 
 def read_toml(path: Path, kind: str, instead: str = "") -> dict[str, Any]:
-    """Return the content of a TOML file; ``kind`` is what messages call it, such as "wire file".
+    """Return the content of a TOML file; ``kind`` is its name in messages, such as "wire file".
 
-    Raises CallerError where there is no such file (``instead`` then says what to give), or it is no TOML.
+    Raises CallerError if the file does not exist (the message ends with ``instead``), or is no TOML.
     """
     try:
         return tomllib.loads(path.read_text("utf-8"))

@@ -1,4 +1,4 @@
-"""Turn pydantic's report on a file into one line that a person can act on."""
+"""Messages, in one line, for files that pydantic refuses."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["first_problem", "validated"]
 
 Model = TypeVar("Model", bound=BaseModel)
 
-# What is wrong with a value, by pydantic's name for it; braces are filled with what the rule says, u is the unit.
+# Messages by pydantic's name of the error; braces are filled from the violated rule, u is the unit.
 IN_WORDS = {
     "greater_than": "must be above {gt:g}{u}",
     "greater_than_equal": "must be {ge:g}{u} or more",
@@ -37,20 +37,20 @@ IN_WORDS = {
     "too_long": "must have at most {max_length} entries",
     "dict_type": "must be a table, [{key}] in TOML",
 }
-# What each table of a list is called, by the key that says which it is; otherwise it is called as the list.
+# Names of the tables in a list, by the key that names their kind; other tables have the name of the list.
 NAMES_OF_TABLES = {"part": "part"}
 TABLE_EXPECTED = ("model_type", "model_attributes_type")
 
 
 class Place(NamedTuple):
-    """Where in a model a problem is: the model that has the key, and the key's field where it is one of its own."""
+    """Location of a problem: the model that has the key, and the key's field if the model declares it."""
 
     model: type[BaseModel]
     field: FieldInfo | None
 
 
 def validated(model: type[Model], data: Any, where: str) -> Model:
-    """Return ``data`` as ``model``; CallerError naming the first wrong key, and the nearest right one."""
+    """Return ``data`` as ``model``. Raises CallerError that names the first wrong key and the nearest valid one."""
     try:
         return model.model_validate(data)
     except ValidationError as error:
@@ -60,7 +60,7 @@ def validated(model: type[Model], data: Any, where: str) -> Model:
 def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
     """Return the first problem of a validation as one line."""
     problems = error.errors(include_url=False)
-    # A misspelt key is both unknown and missing; only the first way to say it names the spelling.
+    # A misspelt key is both unknown and missing; only the first of the two errors shows the spelling.
     problem = next((found for found in problems if found["type"] == "extra_forbidden"), problems[0])
     place = ".".join(str(part) for part in problem["loc"])
     if problem["type"] == "extra_forbidden":
@@ -69,8 +69,8 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
         return tag_problem(place, {name: str(text) for name, text in problem["ctx"].items()})
     if problem["type"] == "missing":
         return f"the key '{place}' is missing"
-    beside = {other["type"] for other in problems if other["loc"][:-1] == problem["loc"][:-1]}
-    if {"float_type", "string_type"} <= beside:  # one key that takes either, refused as both
+    siblings = {other["type"] for other in problems if other["loc"][:-1] == problem["loc"][:-1]}
+    if {"float_type", "string_type"} <= siblings:  # one key that takes either, refused as both
         key = place.rpartition(".")[0]
         return f"{key}: must be a number in SI or text with a unit, not {shown(problem['input'])}"
     message = in_words(dict(problem), model) or str(problem["msg"]).removeprefix("Value error, ").replace("\n", " ")
@@ -78,7 +78,7 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def in_words(problem: Mapping[str, Any], model: type[BaseModel]) -> str | None:
-    """Return what is wrong with a value in plain words, with the unit where the key has one; None where none are known.
+    """Return a message for a wrong value, with the unit if the key has one; None for other kinds of error.
 
     ``problem`` is one of pydantic's errors: its ``type``, ``loc``, ``input`` and ``ctx``.
     """
@@ -115,7 +115,7 @@ def shown(value: Any) -> str:
 
 
 def unit_of(field: FieldInfo | None) -> str:
-    """Return the unit in which a key is given, "" where it has none."""
+    """Return the unit in which a key is given, "" for a key without unit."""
     said = (getattr(getattr(item, "func", None), "unit", "") for item in (field.metadata if field else ()))
     return next((str(unit) for unit in said if unit), "")
 
@@ -135,7 +135,7 @@ def key_names(field: FieldInfo) -> list[str]:
 
 
 def tag_problem(place: str, context: Mapping[str, str]) -> str:
-    """Return what is wrong with the key that tells which model of a union is meant."""
+    """Return a message for a wrong key that names the kind of a table."""
     key = context["discriminator"].strip("'")
     if "tag" not in context:
         return f"the key '{place}.{key}' is missing"
@@ -144,12 +144,12 @@ def tag_problem(place: str, context: Mapping[str, str]) -> str:
 
 
 def known_keys(model: type[BaseModel], place: Iterable[Any]) -> list[str]:
-    """Return the keys allowed where the wrong one stands, following nested models as far as they go."""
+    """Return the keys allowed at the location of a wrong key, following nested models."""
     return list(place_of(model, place).model.model_fields)
 
 
 def place_of(model: type[BaseModel], place: Iterable[Any]) -> Place:
-    """Return the model that has the last key of a place, following nested models as far as they go, and its field."""
+    """Return the model that has the last key of a location, following nested models, and the key's field."""
     current: type[BaseModel] = model
     keys = list(place)
     parts = iter(keys[:-1])

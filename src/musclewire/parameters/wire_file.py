@@ -1,11 +1,11 @@
-"""One file that stands for one wire: what it is, what it is made of, and what is known of the bench it was found on.
+"""A file that describes one wire: its own numbers, its alloy, and the known numbers of the bench it was measured on.
 
 format = "musclewire-wire"
 version = 1
 name = "my-spool"
 description = "..."
 
-[wire.diameter_m]                       all numbers of a wire, each as in the parameter files that come along
+[wire.diameter_m]                       all numbers of a wire, each as in the parameter files of musclewire
 value = 0.0001
 unit = "m"
 kind = "measured"
@@ -62,12 +62,12 @@ class WireFile(BaseModel):
 
 
 def is_wire_file(name: str) -> bool:
-    """Tell whether a wire's name is the path of a file."""
+    """Return whether a wire's name is the path of a file."""
     return name.endswith(SUFFIX)
 
 
 def read_wire_file(path: str | Path) -> WireFile:
-    """Return a wire file, checked. Raises CallerError naming the file, the key and the nearest right key."""
+    """Return a wire file, checked. Raises CallerError that names the file, the key and the nearest valid key."""
     file = Path(path)
     data = read_toml(file, "wire file")
     head = {key: data.get(key, "") for key in HEAD}
@@ -79,7 +79,7 @@ def read_wire_file(path: str | Path) -> WireFile:
 
 
 def wire_file_text(name: str, description: str, wire: Wire, alloy: Alloy, bench: Mapping[str, Parameter]) -> str:
-    """Return the text of the file for a wire, its alloy and what is known of the bench."""
+    """Return the text of the file for a wire, its alloy and the known numbers of its bench."""
     lines = [
         'format = "musclewire-wire"',
         "version = 1",

@@ -1,4 +1,4 @@
-"""The nouns everyone shares: a raw sample, a recording, and how recordings are read and written."""
+"""Samples and recordings, which all rooms use, and the reading and writing of recordings."""
 
 from __future__ import annotations
 

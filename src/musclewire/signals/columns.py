@@ -1,6 +1,6 @@
 """The columns a recording may have: one name, one SI unit, one meaning each.
 
-Foreign files call the same things otherwise; ``data/synonyms.toml`` lists the other names we recognise.
+Files of other programs use other names; ``data/synonyms.toml`` lists those that are recognised.
 """
 
 from __future__ import annotations
@@ -56,29 +56,29 @@ _ALL = (
     Column("stress_pa", "Pa", "tensile stress in the wire", "reference"),
     Column("wire_temperature_k", "K", "temperature of the wire", "reference"),
     Column("ambient_temperature_k", "K", "temperature of the air around the wire", "reference"),
-    Column("target_strain", "", "strain asked of the controller", "control"),
-    Column("target_displacement_m", "m", "displacement asked of the controller", "control"),
-    Column("target_force_n", "N", "force asked of the controller", "control"),
+    Column("target_strain", "", "target strain of the controller", "control"),
+    Column("target_displacement_m", "m", "target displacement of the controller", "control"),
+    Column("target_force_n", "N", "target force of the controller", "control"),
     Column("estimated_strain", "", "strain estimated from resistance", "control"),
     Column("estimated_displacement_m", "m", "displacement estimated from resistance", "control"),
     Column("estimated_force_n", "N", "force estimated from resistance", "control"),
     Column("estimated_strain_std", "", "standard deviation of the estimated strain", "control"),
-    Column("target_grip_force_n", "N", "force between fingers and object asked of the controller", "control"),
+    Column("target_grip_force_n", "N", "target of the force between fingers and object", "control"),
     Column("estimated_grip_force_n", "N", "force between fingers and object estimated from resistance", "control"),
-    Column("contact_score", "", "how much contact explains better than none, in standard deviations", "control"),
+    Column("contact_score", "", "evidence for contact against no contact, in standard deviations", "control"),
     Column("contact", "", "1 once contact has been found, 0 before", "control"),
-    Column("valid", "", "1 where the estimate holds, 0 where it does not", "control"),
-    Column("proportional_gain", "", "proportional gain in force at this tick", "control"),
-    Column("integral_gain", "", "integral gain in force at this tick", "control"),
-    Column("derivative_gain", "", "derivative gain in force at this tick", "control"),
-    Column("slow_correction", "", "of an estimator's slow part: 0 none due, 1 applied, 2 late, 3 failed", "control"),
+    Column("valid", "", "1 if the estimate is valid, 0 if not", "control"),
+    Column("proportional_gain", "", "proportional gain at this tick", "control"),
+    Column("integral_gain", "", "integral gain at this tick", "control"),
+    Column("derivative_gain", "", "derivative gain at this tick", "control"),
+    Column("slow_correction", "", "an estimator's slow correction: 0 none due, 1 applied, 2 late, 3 failed", "control"),
     Column("cycle", "", "number of the cycle this row belongs to", "control"),
     Column("resistance_ohm", "ohm", "resistance at which both branches are given", "table"),
     Column("strain_heating", "", "strain on the heating branch at this resistance", "table"),
     Column("strain_cooling", "", "strain on the cooling branch at this resistance", "table"),
 )
 
-# What an estimator or a controller of another package records begins with this; its unit is the name's ending.
+# Names of columns of other packages' estimators and controllers begin with this, and end in the unit.
 EXTRA_PREFIX = "extra_"
 EXTRA_NAME = re.compile(r"extra_[a-z0-9]+(?:_[a-z0-9]+)*")
 UNIT_ENDINGS = {
@@ -96,7 +96,7 @@ UNIT_ENDINGS = {
 
 
 class _Columns(dict[str, Column]):
-    """All columns by name; one that begins with ``extra_`` is made when it is looked up, in any process."""
+    """All columns by name; one that begins with ``extra_`` is created when it is looked up, in any process."""
 
     def __missing__(self, name: str) -> Column:
         """Return an extra column. Raises KeyError for any other name."""
@@ -127,12 +127,12 @@ ISOBAR_TABLE = ("wire_temperature_k", "reference_strain", "stress_pa")
 
 
 def needs_no_clock(names: Collection[str]) -> bool:
-    """Tell whether columns of these names make a table without ``time_s``."""
+    """Return whether columns of these names make a table without ``time_s``."""
     return any(set(table) <= set(names) for table in (BRANCH_TABLE, ISOBAR_TABLE))
 
 
 def known_column(name: str) -> Column:
-    """Return the column called ``name``; CallerError with the nearest name when there is none."""
+    """Return the column called ``name``; raises CallerError with the nearest name if there is none."""
     try:
         return COLUMNS[name]
     except KeyError:
@@ -140,12 +140,12 @@ def known_column(name: str) -> Column:
 
 
 def key_of_header(text: str) -> str:
-    """Reduce a header to what is compared: letters and digits only, lower case."""
+    """Return a header as it is compared: only its letters and digits, in lower case."""
     return "".join(character for character in text.lower() if character.isalnum())
 
 
 def columns_called(header_name: str) -> tuple[Column, ...]:
-    """Return the columns a foreign name (without its unit) may mean, the likeliest first.
+    """Return the columns that a name of another program (without its unit) may mean, the likeliest first.
 
     A name can mean several ("T" is a time or a temperature); its unit then decides.
     """

@@ -11,7 +11,7 @@ __all__ = ["ElectricalSource", "require_electrical"]
 
 
 class ElectricalSource(StrEnum):
-    """From what the resistance of the wire can be had."""
+    """The columns from which the resistance of the wire can be computed."""
 
     SHUNT = "wire_voltage_v and shunt_voltage_v"
     CURRENT = "wire_voltage_v and wire_current_a"
@@ -21,7 +21,7 @@ class ElectricalSource(StrEnum):
 def require_electrical(recording: Recording) -> ElectricalSource:
     """Return the measurement from which resistance follows, the rawest first: shunt, current, resistance.
 
-    ``SHUNT`` also needs a positive metadata ``shunt_resistance_ohm``. RecordingError says what is missing.
+    ``SHUNT`` also needs a positive metadata ``shunt_resistance_ohm``. Raises RecordingError if nothing suffices.
     """
     has_shunt = "wire_voltage_v" in recording and "shunt_voltage_v" in recording
     if has_shunt and _shunt_is_known(recording):
@@ -46,4 +46,4 @@ def _what_is_missing(recording: Recording, has_shunt: bool) -> str:
     columns = ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
     missing = ", ".join(name for name in columns if name not in recording)
     needs = f"give {ElectricalSource.SHUNT}, or {ElectricalSource.CURRENT}, or {ElectricalSource.RESISTANCE}"
-    return f"no resistance can be had from this recording, it lacks {missing}: {needs}"
+    return f"no resistance can be computed from this recording, it lacks {missing}: {needs}"

@@ -26,7 +26,7 @@ __all__ = [
 
 
 class Drive(NamedTuple):
-    """A drive voltage that is put out for one sample period.
+    """A drive voltage that is applied for one sample period.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Target(NamedTuple):
     value
         The target in SI: a strain (dimensionless), a displacement [m] or a force [N].
     quantity
-        What it is a target of: that of the model on the device.
+        The quantity of the target; it must be that of the model on the device.
     """
 
     value: float
@@ -100,10 +100,10 @@ def drive_voltage_of(command: Command) -> float:
 
 
 class RawSample(NamedTuple):
-    """What a rig returns for one command: what its wires carry, nothing derived.
+    """The measurements that a rig returns for one command, with nothing derived from them.
 
-    Displacements and forces are reference instruments, None on a rig without. They are recorded and used to
-    characterise and to judge; the closed loop never sees them.
+    Displacements and forces come from reference instruments and are None on a rig without them. They are recorded and
+    serve to characterise and to validate; the closed loop never reads them.
 
     Parameters
     ----------
@@ -116,15 +116,15 @@ class RawSample(NamedTuple):
     shunt_voltage_v
         Voltage across the shunt [V].
     displacement_m
-        Contraction at the wire's connector [m]: an LVDT.
+        Contraction at the wire's connector [m], as an LVDT measures it.
     force_n
-        Force in the wire at its connector [N]: a load cell.
+        Force in the wire at its connector [N], as a load cell measures it.
     ambient_temperature_k
         Temperature of the air [K].
     endpoint_displacement_m
-        Displacement of the end of what the wire moves [m]: a laser on a fingertip.
+        Displacement of the endpoint of the moved mechanism [m], as a laser on a fingertip measures it.
     endpoint_force_n
-        Force at that end [N]: a load cell between fingers.
+        Force at the endpoint [N], as a load cell between the fingers measures it.
     """
 
     time_s: float
@@ -138,15 +138,15 @@ class RawSample(NamedTuple):
     endpoint_force_n: float | None = None
 
 
-# What every rig gives, and the reference instruments that only some have: those that may be missing.
+# The columns of every rig, and those of reference instruments, which a rig may lack: these have a default.
 ELECTRICAL_COLUMNS = tuple(name for name in RawSample._fields if name not in RawSample._field_defaults)
 REFERENCE_COLUMNS = tuple(RawSample._field_defaults)
 
 
 class WireSample(NamedTuple):
-    """All that an estimator may see of a sample.
+    """The part of a sample that an estimator may use.
 
-    No reference instrument is in it: what senses the wire by itself cannot read one by mistake.
+    It holds no reference instrument, so that self-sensing cannot read one by mistake.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ class WireSample(NamedTuple):
 
 
 def wire_sample(sample: RawSample) -> WireSample:
-    """Return of a rig's sample what an estimator may see."""
+    """Return the part of a rig's sample that an estimator may use."""
     return WireSample(
         sample.time_s,
         sample.drive_voltage_v,
@@ -191,13 +191,13 @@ class Reason(IntEnum):
     OUT_OF_RANGE = 3
     """The resistance lies outside of the range in which the model senses."""
     COLD = 4
-    """The wire is still on its way from A to B, where resistance does not tell the quantity."""
+    """The wire is still on its way from A to B, where resistance does not determine the quantity."""
     NOT_READY = 5
     """The estimator has not seen enough samples yet."""
 
 
 class QuantityEstimate(NamedTuple):
-    """What an estimator makes of a sample.
+    """An estimator's result for one sample.
 
     Parameters
     ----------
@@ -206,11 +206,11 @@ class QuantityEstimate(NamedTuple):
     std
         Its standard deviation, in the same unit; finite, at least 0.
     valid
-        Whether the value may be believed; only with ``Reason.OK``.
+        Whether the value is valid, which requires ``Reason.OK``.
     reason
         Why it is valid or not.
     failure
-        Why a run must end here, in one line, after ``reason`` has lasted too long; "" while it may go on.
+        Message, in one line, of a run that must end because ``reason`` has lasted too long; "" while it may continue.
     """
 
     value: float
@@ -221,7 +221,7 @@ class QuantityEstimate(NamedTuple):
 
 
 class EstimatorStep(NamedTuple):
-    """What an estimator returns for a sample.
+    """The values that an estimator returns for a sample.
 
     Parameters
     ----------
@@ -239,12 +239,12 @@ class EstimatorStep(NamedTuple):
 
 
 class ControlStep(NamedTuple):
-    """What a controller returns for a tick.
+    """The values that a controller returns for a tick.
 
     Parameters
     ----------
     command
-        What the rig is to do for the next sample period.
+        The command for the next sample period.
     state
         The controller's next state, immutable.
     recorded

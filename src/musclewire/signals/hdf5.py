@@ -1,4 +1,4 @@
-"""One HDF5 file per run: a dataset per column, metadata as attributes, readable even after a cut-off run.
+"""One HDF5 file per run: a dataset per column, metadata as attributes, readable even if the run was cut off.
 
 The file is plain HDF5 and not SWMR: after a crash MATLAB's h5read and any other reader opens it as it is.
 """
@@ -28,7 +28,7 @@ _CHUNK_ROWS = 1024
 
 
 class RecordingWriter:
-    """Writes a recording while it is taken; after a kill at any moment, every flushed row can be read.
+    """Writes a recording during the run; if the process is killed at any moment, every flushed row can be read.
 
     Parameters
     ----------
@@ -39,9 +39,9 @@ class RecordingWriter:
     metadata
         As in ``Recording``; ``ended`` is written here, "running" until :meth:`close`.
     block_rows
-        Rows kept back before they are written and flushed together: 20 are a second at 20 Hz.
+        Rows that are buffered, then written and flushed together: 20 are one second at 20 Hz.
     overwrite
-        Whether an existing file is replaced; refused otherwise.
+        Whether to replace an existing file, which is refused otherwise.
 
     Raises
     ------
@@ -86,7 +86,7 @@ class RecordingWriter:
         return self._ended
 
     def append(self, row: Mapping[str, float]) -> None:
-        """Keep one row; every ``block_rows`` rows are written and flushed.
+        """Add one row; every ``block_rows`` rows are written and flushed.
 
         Parameters
         ----------
@@ -103,26 +103,26 @@ class RecordingWriter:
         self.append_values(_checked_row(row, self._names))
 
     def append_values(self, values: list[float]) -> None:
-        """Keep one row as a list that nobody changes any more; the fast way in.
+        """Add one row as a list, without checks; the caller must not change the list afterwards.
 
         Parameters
         ----------
         values
-            A number for each column, in their order, SI. It is not checked.
+            A number for each column, in their order, SI.
         """
         self._buffer.append(values)
         if len(self._buffer) >= self._block_rows:
             self._write_block()
 
     def close(self, ended: str = "done", metadata: Mapping[str, MetadataValue] | None = None) -> None:
-        """Write what is left, and why the recording ended. Closing twice does nothing.
+        """Write the remaining rows, and why the recording ended. Closing twice does nothing.
 
         Parameters
         ----------
         ended
             Why, in one line; "done" for a run that reached its end.
         metadata
-            What was not known before.
+            Entries that were not known when the file was created.
         """
         if self._ended != "running":
             return
@@ -135,7 +135,7 @@ class RecordingWriter:
             self._file.close()
 
     def close_unfinished(self) -> None:
-        """Write what is left and close the file without a reason: whoever reads it finds a run that was cut off."""
+        """Write the remaining rows and close the file without a reason, so that it reads as a run that was cut off."""
         self._write_block()
         self._file.close()
 
@@ -146,7 +146,7 @@ class RecordingWriter:
     def __exit__(
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Close, with the reason when an exception is on its way; the exception goes on."""
+        """Close the file, with the reason if an exception was raised; the exception propagates."""
         if kind is None:
             self.close()
         elif issubclass(kind, (KeyboardInterrupt, SystemExit)):
@@ -173,7 +173,7 @@ class RecordingWriter:
 
 
 def fill_hdf5(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
-    """Write columns to ``path`` directly; ``write_columns`` sees to it that the file is whole."""
+    """Write columns to ``path`` directly; ``write_columns`` makes sure that the file is complete."""
     rows = len(next(iter(columns.values())))
     with _create_file(path, tuple(columns), metadata, overwrite=False) as file:
         for name, values in columns.items():
@@ -183,9 +183,9 @@ def fill_hdf5(columns: Mapping[str, FloatArray], metadata: Mapping[str, Metadata
 
 
 def read_hdf5_columns(path: Path) -> tuple[dict[str, FloatArray], dict[str, MetadataValue]]:
-    """Return columns and metadata; of a file cut off while running its complete rows, and ``ended`` "cut off".
+    """Return columns and metadata; of a file cut off in a run, its complete rows and ``ended`` "cut off".
 
-    RecordingError when the file is missing, damaged, still being written, not HDF5 or not ours.
+    Raises RecordingError if the file is missing, damaged, still being written, or not a musclewire recording.
     """
     with _open_file(path) as file, _damage_reported(path):
         _check_format(file, path)
@@ -282,7 +282,7 @@ def _open_file(path: Path) -> Any:
 
 @contextlib.contextmanager
 def _damage_reported(path: Path) -> Any:
-    """Turn what h5py says about broken contents into one line."""
+    """Turn errors of h5py about damaged contents into one line."""
     try:
         yield
     except RecordingError:
@@ -306,7 +306,7 @@ def _check_format(file: Any, path: Path) -> None:
 
 def _values(file: Any, name: str, path: Path) -> FloatArray:
     if name not in file:
-        raise RecordingError(f"{path}: the column '{name}' is announced and missing; use another copy")
+        raise RecordingError(f"{path}: the column '{name}' is listed but missing; use another copy")
     values: FloatArray = np.asarray(file[name][()], dtype=np.float64)
     if values.ndim != 1:
         raise RecordingError(f"{path}: column '{name}' has shape {values.shape}; it must have one value per row")

@@ -1,7 +1,8 @@
 """A recording's file written by another process, for loops too fast to wait for a disk.
 
 A block of rows takes HDF5 longer to write than a period of 1 ms lasts, and a busy disk longer still. So rows go through
-a pipe to a process that writes them. It outlives a killed host and still writes what had been sent.
+a pipe to a process that writes them. It survives if the host is killed, and writes
+the rows that were sent before.
 """
 
 from __future__ import annotations
@@ -23,19 +24,19 @@ from musclewire.signals.metadata import MetadataValue, checked_metadata
 
 __all__ = ["WriterProcess"]
 
-# A message: what it is and how many bytes follow.
+# The head of a message: its kind, and how many bytes follow.
 HEAD = struct.Struct("<BI")
 START, ROWS, CLOSE = 1, 2, 3
 # Rows are sent together this often: a killed host loses no more, and the other process is not woken for each.
 SENT_EVERY_S = 0.1
-# Linux's largest pipe for ordinary users: at 1 kHz and 15 columns what a disk may stall for is eight seconds.
+# The largest pipe that Linux allows ordinary users: at 1 kHz and 15 columns it bridges stalls of eight seconds.
 PIPE_BYTES = 1 << 20
 READY = b"ready\n"
 MAX_CLOSING_S = 60.0
 
 
 class WriterProcess:
-    """Looks like a ``RecordingWriter`` to a recorder, and hands the work on."""
+    """Has the methods of ``RecordingWriter`` that a recorder calls, and sends the rows to another process."""
 
     def __init__(
         self,
@@ -46,7 +47,7 @@ class WriterProcess:
         overwrite: bool,
         sample_period_s: float,
     ) -> None:
-        """Start the process and wait until it has made the file. Raises CallerError as ``RecordingWriter`` does."""
+        """Start the process and wait until it has created the file. Raises CallerError as ``RecordingWriter`` does."""
         self._path = Path(path)
         self._rows_together = max(1, round(SENT_EVERY_S / sample_period_s))
         self._row_values = len(columns)
@@ -85,13 +86,13 @@ class WriterProcess:
         return self._process.stdin
 
     def append_values(self, values: list[float]) -> None:
-        """Keep one row; every tenth of a second they are sent. Raises OSError where the process has given up."""
+        """Add one row; rows are sent every tenth of a second. Raises OSError if the process has ended."""
         self._values.fromlist(values)
         if len(self._values) >= self._rows_together * self._row_values:
             self._send_rows()
 
     def close(self, ended: str, metadata: Mapping[str, MetadataValue]) -> None:
-        """Send what is left, and wait until the file is closed. Raises OSError where that did not succeed."""
+        """Send the remaining rows, and wait until the file is closed. Raises OSError if that fails."""
         if self._closed:
             return
         self._closed = True
@@ -101,7 +102,7 @@ class WriterProcess:
         try:
             code = self._process.wait(MAX_CLOSING_S)
         except subprocess.TimeoutExpired:
-            raise OSError(f"{self._path}: the disk takes nothing for {MAX_CLOSING_S:g} s") from None
+            raise OSError(f"{self._path}: the disk has accepted nothing for {MAX_CLOSING_S:g} s") from None
         if code != 0:
             raise OSError(self._failure_message())
         self._close_pipes()
@@ -109,7 +110,7 @@ class WriterProcess:
     def _close_pipes(self) -> None:
         for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
             assert pipe is not None
-            # What could not be sent to a process that has ended is lost; the recorder has it.
+            # Rows that could not be sent, since the process has ended, are lost here; the recorder still has them.
             with contextlib.suppress(OSError):
                 pipe.close()
 
@@ -126,7 +127,7 @@ class WriterProcess:
             raise OSError(self._failure_message()) from None
 
     def _failure_message(self) -> str:
-        """Return the last line the process said before it ended."""
+        """Return the last line that the process printed before it ended."""
         self._process.wait(MAX_CLOSING_S)
         assert self._process.stderr is not None
         said = self._process.stderr.read().decode("utf-8", "replace").strip().splitlines()
@@ -135,7 +136,7 @@ class WriterProcess:
 
 
 def widen_pipe(pipe: IO[bytes]) -> None:
-    """Let a pipe hold what comes while a disk stalls; elsewhere than on Linux it stays as it is."""
+    """Enlarge a pipe on Linux, so that it holds the rows that arrive while a disk stalls."""
     if sys.platform == "linux":
         import fcntl
 
@@ -143,7 +144,7 @@ def widen_pipe(pipe: IO[bytes]) -> None:
 
 
 def message(source: IO[bytes]) -> tuple[int, bytes] | None:
-    """Return the next whole message; None where the host is gone."""
+    """Return the next whole message; None if the host has ended."""
     head = source.read(HEAD.size)
     if len(head) < HEAD.size:
         return None
@@ -153,7 +154,7 @@ def message(source: IO[bytes]) -> tuple[int, bytes] | None:
 
 
 def write_messages(source: IO[bytes]) -> None:
-    """Write a file from messages; where the host is gone without closing it, it stays marked as cut off."""
+    """Write a file from messages; if the host ends without closing it, it stays marked as cut off."""
     first = message(source)
     if first is None:
         return
@@ -174,7 +175,7 @@ def write_messages(source: IO[bytes]) -> None:
 
 
 def main() -> int:
-    """Write, at ordinary priority on any core whatever the host has taken for itself."""
+    """Write the file at ordinary priority and on any core, even if the host has reserved a core for itself."""
     if sys.platform == "linux":
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
         os.sched_setaffinity(0, range(os.cpu_count() or 1))
@@ -182,7 +183,7 @@ def main() -> int:
         write_messages(sys.stdin.buffer)
     except (OSError, RuntimeError, MusclewireError) as problem:
         print(str(problem).splitlines()[0], file=sys.stderr, flush=True)
-        # HDF5 may crash a process that lets go of a file it could not write: end without that.
+        # HDF5 may crash a process that closes a file it could not write: end without closing it.
         os._exit(1)
     return 0
 

@@ -1,4 +1,4 @@
-"""What each header of a table is taken as: by our own name, by the caller's mapping, or by a synonym."""
+"""Matching the headers of a table to columns: by our own name, by the caller's mapping, or by a synonym."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ __all__ = ["MatchedHeader", "IgnoredHeader", "numbered_headers", "split_header",
 
 @dataclass(frozen=True)
 class MatchedHeader:
-    """A header, the column it was taken as, and how its numbers become SI.
+    """A header, the column it was matched to, and the conversion of its numbers to SI.
 
-    ``value_si = factor * value + offset``; ``unit`` is what the header or the mapping says, or our own unit.
+    ``value_si = factor * value + offset``; ``unit`` is that of the header or the mapping, or our own.
     """
 
     header: str
@@ -39,7 +39,7 @@ class MatchedHeader:
 
     @property
     def conversion(self) -> Conversion:
-        """How the numbers under this header become SI."""
+        """The conversion of the numbers under this header to SI."""
         return Conversion(self.factor, self.offset)
 
 
@@ -60,12 +60,12 @@ _NUMBER = re.compile(r"\s*#(?P<number>\d+)\s*(?::(?P<unit>.*))?")
 
 
 def numbered_headers(count: int) -> tuple[str, ...]:
-    """Return what stands in for headers where a file has none: "#1", "#2", ..."""
+    """Return the substitutes for headers in a file that has none: "#1", "#2", ..."""
     return tuple(f"#{number}" for number in range(1, count + 1))
 
 
 def split_header(header: str) -> tuple[str, str | None]:
-    """Split "Name [unit]", "Name (unit)" or "Name / unit" into name and unit; None for no unit."""
+    """Return name and unit of "Name [unit]", "Name (unit)" or "Name / unit"; None without a unit."""
     match = _BRACKETS.fullmatch(header) or _SLASH.fullmatch(header)
     return (match["name"], match["unit"].strip()) if match else (header.strip(), None)
 
@@ -73,16 +73,18 @@ def split_header(header: str) -> tuple[str, str | None]:
 def understand_headers(
     headers: Sequence[str], mapping: Mapping[str, str] | None, path: str
 ) -> tuple[tuple[MatchedHeader, ...], tuple[IgnoredHeader, ...]]:
-    """Decide what every header is taken as.
+    """Return the headers that match a column, and those that are ignored.
 
-    ``mapping`` is NAME -> "HEADER" or "HEADER:UNIT" and comes before everything else; ``#2`` as HEADER is the second
-    column, unless a header is called so.
+    ``mapping`` is NAME -> "HEADER" or "HEADER:UNIT" and comes first; ``#2`` as HEADER is the second column, unless
+    a header has this name.
 
     Raises
     ------
-    RecordingError: a unit that is missing, unknown or of something else, a mapped header that is not there,
-        two headers taken as one column; one line beginning with ``path``
-    CallerError: a NAME in ``mapping`` that is no column
+    RecordingError
+        If a unit is missing, unknown or of another quantity, a mapped header does not exist, or two headers match one
+        column; one line that begins with ``path``.
+    CallerError
+        For a NAME in ``mapping`` that is no column.
     """
     mapped = [_mapped(name, wanted, headers, path) for name, wanted in (mapping or {}).items()]
     by_index: dict[int, MatchedHeader | IgnoredHeader] = {taken.index: taken for taken in mapped}
@@ -164,7 +166,7 @@ def _taken_by_own_name(
     if own.name in already_mapped:
         return IgnoredHeader(header, "its column is mapped to another header")
     taken = _taken(header, index, own, own.unit if unit is None else unit, "own name", path)
-    # A dimensionless name says nothing of its unit, so percent is fine; time_s in ms is a contradiction.
+    # A dimensionless name states no unit, so percent is allowed; time_s in ms is a contradiction.
     if own.unit and (taken.factor != 1.0 or taken.offset):
         raise RecordingError(
             f"{path}: column '{header}': {own.name} is in {own.unit} by its name, not in {unit}; rename it"
@@ -173,7 +175,7 @@ def _taken_by_own_name(
 
 
 def _with_unit_as_last_word(header: str) -> tuple[str, str | None, tuple[Column, ...]]:
-    """Understand "force_mN" and "Time ms" when the rest is a known name and the last word its unit."""
+    """Split "force_mN" and "Time ms" into name and unit if the rest is a known name and the last word its unit."""
     match = _LAST_WORD.fullmatch(header)
     if match is None:
         return header, None, ()
@@ -190,7 +192,7 @@ def _taken(
     path: str,
 ) -> MatchedHeader:
     if unit is None and column.unit:
-        # "V" reads better than nothing, and it is what the column needs in the end.
+        # The message suggests the SI unit, which the column needs in the end.
         bare = header.strip()
         raise RecordingError(
             f"{path}: column '{bare}' has no unit: write '{bare} [{column.unit}]' in the header "

@@ -1,4 +1,4 @@
-"""What a recording says about itself: checked values, and their spelling as text in a CSV comment."""
+"""The metadata of a recording: checked values, and their spelling as text in a CSV comment."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ MetadataValue = str | int | float | bool | None
 
 _KEY = re.compile(r"[a-z][a-z0-9_.]*")
 
-# The HDF5 file keeps these four beside the metadata, as attributes of the same group.
+# The HDF5 file keeps these four next to the metadata, as attributes of the same group.
 RESERVED = frozenset({"format", "format_version", "columns", "rows"})
 
-# Words even when they look like numbers: version 0.10 is not 0.1, and a wire may be called "125 um".
+# Text even if it looks like a number: version 0.10 is not 0.1, and a wire may be called "125 um".
 _ALWAYS_TEXT = frozenset({
     "wire", "rig", "software_version", "start_time", "ended", "operator", "note", "notes", "comment", "title",
     "sample", "date",
@@ -31,7 +31,7 @@ _WORDS: dict[str, MetadataValue] = {"true": True, "false": False, "none": None}
 
 
 def checked_metadata(metadata: Mapping[str, MetadataValue]) -> Mapping[str, MetadataValue]:
-    """Return a read-only copy with plain Python values; CallerError for a key or value no file could keep."""
+    """Return a read-only copy with plain Python values; raises CallerError for a key or value that no file can keep."""
     return MappingProxyType({_checked_key(key): _checked_value(key, metadata[key]) for key in metadata})
 
 
@@ -59,7 +59,7 @@ def _checked_value(key: str, value: object) -> MetadataValue:
 
 
 def value_to_text(key: str, value: MetadataValue) -> str:
-    """Spell a value so that ``entry_from_text`` reads the same value back."""
+    """Return a value as text from which ``entry_from_text`` reads the same value."""
     if not isinstance(value, str):
         return str(value).lower() if value is None or isinstance(value, bool) else repr(value)
     survives = value.isprintable() and entry_from_text(key, value) == (key, value)
@@ -67,7 +67,7 @@ def value_to_text(key: str, value: MetadataValue) -> str:
 
 
 def entry_from_text(key_text: str, value_text: str) -> tuple[str, MetadataValue] | None:
-    """Understand ``key = value`` of a comment line; None when the key is no name.
+    """Return the entry of a comment line ``key = value``; None if the key is not a valid name.
 
     A quantity is converted to SI and its unit moves into the name:
     ``shunt_resistance = 1.0 ohm`` becomes ``("shunt_resistance_ohm", 1.0)``.
@@ -106,7 +106,7 @@ def _unquoted(text: str) -> str:
 def _plain_value(text: str) -> MetadataValue:
     if text.lower() in _WORDS:
         return _WORDS[text.lower()]
-    # int() and float() also accept 1_000, which nobody who writes a number in a file means.
+    # int() and float() also accept 1_000, which is not how a number is written in a file.
     if "_" in text:
         return text
     try:

@@ -17,7 +17,7 @@ from musclewire.signals.metadata import MetadataValue
 
 __all__ = ["ParquetTable", "read_parquet_table", "fill_parquet"]
 
-# Under this key of the schema our files keep the metadata, as JSON.
+# Our files keep the metadata under this key of the schema, as JSON.
 _KEY = b"musclewire-recording"
 
 
@@ -45,11 +45,11 @@ class ParquetTable:
         return int(self.arrow.num_rows)
 
     def place(self, row: int) -> str:
-        """Say where row ``row`` (from 0) is found."""
+        """Return where row ``row`` (from 0) is in the file."""
         return f"row {row + 1}"
 
     def numbers(self, index: int) -> FloatArray:
-        """Return the column ``index``, shape (n_times,); RecordingError for a blank or no number."""
+        """Return a column, shape (n_times,). Raises RecordingError if a cell is blank or holds no number."""
         import pyarrow as pa
 
         column = self.arrow.column(index)
@@ -67,7 +67,7 @@ class ParquetTable:
 
 
 def read_parquet_table(path: Path) -> ParquetTable:
-    """Read a Parquet file. RecordingError when it is none, MissingExtraError without pyarrow."""
+    """Return the table in a Parquet file. Raises RecordingError for another file, MissingExtraError without pyarrow."""
     _, parquet = _pyarrow()
     import pyarrow as pa
 

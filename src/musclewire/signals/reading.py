@@ -1,4 +1,4 @@
-"""Reading a recording from any file we know, ours or foreign, and saying what was understood."""
+"""Reading recordings from files of musclewire and of other programs, with a report of how they were understood."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from musclewire.signals.tables import Table
 
 __all__ = ["Understanding", "has_headers", "read_hdf5", "read_recording", "understand"]
 
-# Where an estimator had no answer our own runs hold NaN; everywhere else NaN is a hole in the data.
+# Our own runs hold NaN in samples without an estimate; in any other column NaN is a gap in the data.
 _MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
 
 # A wire that shortens by its whole length does not exist: larger numbers are percent, not fractions.
@@ -27,7 +27,7 @@ _STRAINS = frozenset({"reference_strain", "target_strain", "strain_heating", "st
 
 @dataclass(frozen=True)
 class Understanding:
-    """What a file was understood as: which header became which column, and what was left out.
+    """How a file was understood: which header became which column, and which were left out.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class Understanding:
     ignored
         The headers that did not, each with the reason.
     metadata
-        What the file says about itself.
+        The metadata in the file.
     """
 
     path: str
@@ -64,7 +64,7 @@ class Understanding:
         }
 
     def __str__(self) -> str:
-        """Say it in lines for a person."""
+        """Return the report as lines of text."""
         lines = [f"{self.path}: {self.layout}, {self.row_count} rows"]
         lines += [f"  '{item.header}' -> {item.column}{_arithmetic(item)} ({item.how})" for item in self.taken]
         lines += [f"  '{item.header}' ignored: {item.reason}" for item in self.ignored]
@@ -88,7 +88,7 @@ def read_recording(
         ``{"wire_voltage_v": "Vw:mV"}``; HEADER may itself carry a unit, and ``#2`` is the second column whatever it is
         called, also in a file without headers. None if all headers are recognised.
     metadata
-        Added to what the file says, and preferred to it.
+        Added to those of the file, and used instead of them if both state a key.
 
     Returns
     -------
@@ -116,9 +116,9 @@ def read_recording(
 
 
 def read_hdf5(path: str | Path) -> Recording:
-    """Return one of our recordings as it stands, unjudged; a cut-off one with ``ended`` "cut off" and its whole rows.
+    """Return a recording in musclewire's format without checks; of one cut off, the complete rows, ``ended`` "cut off".
 
-    RecordingError when the file is missing, damaged, still being written, not HDF5 or not ours.
+    Raises RecordingError if the file is missing, damaged, still being written, or not a musclewire recording.
     """
     from musclewire.signals.hdf5 import read_hdf5_columns
 
@@ -147,9 +147,9 @@ def has_headers(path: str | Path) -> bool:
 
 
 def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> Understanding:
-    """Return what each header of a file is taken as, its unit and factor, and what is ignored.
+    """Return the column, unit and factor of each header of a file, and which headers are ignored.
 
-    The numbers themselves are not judged.
+    The numbers themselves are not checked.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> Un
 
     Returns
     -------
-    What was understood.
+    The report.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def _understood(
 
 @dataclass(frozen=True)
 class _RecordingTable:
-    """One of our HDF5 recordings, seen as a table."""
+    """A recording in musclewire's HDF5 format as a table."""
 
     recording: Recording
 
@@ -289,7 +289,7 @@ def _recording(values: Mapping[str, FloatArray], metadata: Mapping[str, Metadata
     try:
         return Recording(values, metadata)
     except (CallerError, RecordingError) as problem:
-        # What the file says about itself is the file's fault, not the caller's.
+        # Wrong metadata in a file are the file's fault, not the caller's.
         raise RecordingError(f"{path}: {problem}") from None
 
 

@@ -1,4 +1,4 @@
-"""A recording: columns of numbers over time, and what is known about how they were taken."""
+"""A recording: columns of numbers over time, and the metadata of the run."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ class Recording:
     """Columns of equal length in SI units, with metadata. It never changes; ``with_...`` makes another.
 
     A recording has a clock, ``time_s``, with two exceptions: a printed loop (``is_branch_table``), whose rows are
-    resistances, and isobars (``is_isobar_table``), whose rows are temperatures in the order they were passed.
+    resistances, and isobars (``is_isobar_table``), whose rows are in the order in which the temperatures were reached.
 
     Parameters
     ----------
     columns
         Name -> values of shape (n_times,); the names and their units are those of ``COLUMNS``.
     metadata
-        What is known of the run: wire, wire_length_m, shunt_resistance_ohm, pretension_n, rig, ..., ended. Empty for a
-        foreign file that says nothing; :attr:`facts` reads them.
+        What is known of the run: wire, wire_length_m, shunt_resistance_ohm, pretension_n, rig, ..., ended. Empty by
+        default, as in a file of another program that states nothing; :attr:`facts` reads them.
 
     Raises
     ------
@@ -53,7 +53,7 @@ class Recording:
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Check, and replace what was given by read-only copies."""
+        """Check columns and metadata, and replace them by read-only copies."""
         columns = {known_column(name).name: _read_only(name, self.columns[name]) for name in self.columns}
         _check_equal_lengths(columns)
         _check_rows_are_ordered(columns)
@@ -71,7 +71,7 @@ class Recording:
         raise RecordingError(f"this recording has no column '{name}'; it has {', '.join(self.names)}")
 
     def __contains__(self, name: object) -> bool:
-        """Tell whether this recording has the column ``name``."""
+        """Return whether this recording has the column ``name``."""
         return name in self.columns
 
     def __len__(self) -> int:
@@ -83,7 +83,7 @@ class Recording:
         return True
 
     def __eq__(self, other: object) -> bool:
-        """Tell whether columns and metadata are the same, number by number; NaN equals NaN here."""
+        """Return whether columns and metadata are the same, number by number; NaN equals NaN here."""
         if not isinstance(other, Recording):
             return NotImplemented
         same_columns = self.names == other.names and all(
@@ -94,7 +94,7 @@ class Recording:
     __hash__ = None  # type: ignore[assignment]  # equal by content, and the content is large
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Let a recording travel between processes: read-only mappings cannot be pickled as they are."""
+        """Return the parts from which pickle rebuilds a recording: read-only mappings cannot be pickled."""
         return Recording, (dict(self.columns), dict(self.metadata))
 
     @property
@@ -165,7 +165,7 @@ class Recording:
         start
             First row, counted as in a Python slice; None is the first of all.
         stop
-            Row behind the last; None is the end.
+            Row after the last; None is the end.
 
         Returns
         -------
@@ -219,7 +219,7 @@ class Recording:
         write_columns(self.columns, self.metadata, Path(path))
 
     def __repr__(self) -> str:
-        """Say in one line how much there is, of what, and how it ended."""
+        """Return one line: number of rows, duration, how the run ended, and the columns."""
         return f"Recording({self._summary()}: {', '.join(self.names)})"
 
     def _summary(self) -> str:
@@ -233,10 +233,10 @@ class Recording:
         return ", ".join(parts)
 
     def _repr_html_(self) -> str:
-        """Show the columns with unit and range, and the metadata, in a notebook."""
+        """Return a table of the columns with unit and range, and the metadata, for a notebook."""
         rows = "".join(_html_row(name, values) for name, values in self.columns.items())
         facts = ", ".join(f"{key} = {value}" for key, value in self.metadata.items())
-        head = "<tr><th>column</th><th>unit</th><th>least</th><th>greatest</th></tr>"
+        head = "<tr><th>column</th><th>unit</th><th>minimum</th><th>maximum</th></tr>"
         title = f"<b>Recording</b> ({html.escape(self._summary())})"
         return f"<div>{title}<table>{head}{rows}</table><small>{html.escape(facts)}</small></div>"
 
@@ -249,7 +249,7 @@ def _read_only(name: str, values: ArrayLike) -> FloatArray:
     if array.ndim != 1:
         raise CallerError(f"column '{name}' has shape {array.shape}; give one number per row, shape (n_times,)")
     if array.flags.writeable:
-        # Whoever handed us the array keeps theirs; ours must not change under the readers.
+        # The caller keeps its array; the recording's copy must not change while it is read.
         array = array.copy()
         array.setflags(write=False)
     return array
@@ -272,6 +272,6 @@ def _check_rows_are_ordered(columns: Mapping[str, FloatArray]) -> None:
 
 def _html_row(name: str, values: FloatArray) -> str:
     finite = values[np.isfinite(values)]
-    least, greatest = (f"{finite.min():.6g}", f"{finite.max():.6g}") if finite.size else ("", "")
-    cells = (name, COLUMNS[name].unit, least, greatest)
+    minimum, maximum = (f"{finite.min():.6g}", f"{finite.max():.6g}") if finite.size else ("", "")
+    cells = (name, COLUMNS[name].unit, minimum, maximum)
     return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"

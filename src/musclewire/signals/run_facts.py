@@ -1,7 +1,8 @@
-"""What must be known of a run besides its columns: sample period, shunt, lengths, settings of the experiment.
+"""The facts of a run besides its columns: sample period, shunt, lengths, settings of the experiment.
 
-A recording keeps these facts as metadata, and a foreign file states few of them. Whoever needs a fact takes it from
-:class:`RunFacts`, which raises for one that is missing or impossible: no default stands in for a measured length.
+A recording keeps these facts as metadata, and a file of another program states few of them. Code that needs a fact
+reads it from :class:`RunFacts`, which raises RecordingError if it is missing or impossible: no default replaces a
+measured length.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ __all__ = ["RunFacts"]
 class NumberFact:
     """A number that a run states under the name of the attribute; reading it raises RecordingError if it is missing.
 
-    ``what`` says in words what it is; ``option`` is the command-line option that gives it, if there is one;
-    ``may_be_zero`` is False for what nobody can divide by.
+    ``what`` is its name in words; ``option`` is the command-line option that gives it, if there is one; ``may_be_zero``
+    is False for a number that appears in a denominator.
     """
 
     what: str
@@ -89,7 +90,7 @@ class RunFacts:
 
     @property
     def leg_length_or_none_m(self) -> float | None:
-        """The same, None if neither leg nor wire has a stated length: then displacement gives no strain."""
+        """Length whose shortening is the strain [m]; None if neither leg nor wire has a stated length."""
         leg, whole = self.positive_or_none("leg_length_m"), self.positive_or_none("wire_length_m")
         if leg is not None:
             return leg
@@ -115,18 +116,18 @@ class RunFacts:
 
     @property
     def was_cut_short(self) -> bool:
-        """True if the recording states that its run ended before it was done; a foreign file states nothing of it."""
+        """True if the recording states that its run ended early, which files of other programs do not state."""
         return self.text_or_none("ended") not in (None, "done")
 
     def number(self, key: str, what: str, option: str = "") -> float:
-        """Return a number; ``what`` says in words what it is. Raises RecordingError if it is not stated."""
+        """Return a number; ``what`` is its name in words. Raises RecordingError if it is not stated."""
         value = self.number_or_none(key)
         if value is None:
             raise self.missing(key, what, option)
         return value
 
     def number_or_none(self, key: str) -> float | None:
-        """Return a number, None if it is not stated. Raises RecordingError for what is no finite number."""
+        """Return a number, None if it is not stated. Raises RecordingError if it is not finite."""
         value = self.stated.get(key)
         if value is None:
             return None
@@ -142,7 +143,7 @@ class RunFacts:
         return value
 
     def text(self, key: str, what: str) -> str:
-        """Return a text; ``what`` says in words what it is. Raises RecordingError if it is not stated."""
+        """Return a text; ``what`` is its name in words. Raises RecordingError if it is not stated."""
         found = self.text_or_none(key)
         if found is None:
             raise self.missing(key, what)

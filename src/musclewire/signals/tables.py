@@ -1,4 +1,4 @@
-"""A table as it stands in a file, before anybody has said what its headers mean."""
+"""A table as it is in a file, before its headers are matched to columns."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Table(Protocol):
 
     @property
     def metadata(self) -> Mapping[str, MetadataValue]:
-        """What the file says about itself."""
+        """The metadata in the file."""
 
     @property
     def row_count(self) -> int:

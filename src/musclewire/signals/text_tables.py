@@ -53,16 +53,16 @@ class TextTable:
         return any("," in cell for cell in numbers) and not any("." in cell for cell in numbers)
 
     def place(self, row: int) -> str:
-        """Say where row ``row`` (from 0) is found."""
+        """Return where row ``row`` (from 0) is in the file."""
         return f"line {self.line_numbers[row]}"
 
     def numbers(self, index: int) -> FloatArray:
-        """Return the column ``index``, shape (n_times,); RecordingError for a blank or no number."""
+        """Return a column, shape (n_times,). Raises RecordingError if a cell is blank or holds no number."""
         cells = [row[index] if index < len(row) else "" for row in self.rows]
         if self.has_decimal_comma:
             cells = [cell.replace(",", ".") for cell in cells]
         try:
-            # float() reads 1_000, which in a file is a mistake; _is_number knows.
+            # float() accepts 1_000, which in a file is a mistake that _is_number finds.
             if not any("_" in cell for cell in cells):
                 return np.array([float(cell) for cell in cells], dtype=np.float64)
         except ValueError:
@@ -77,8 +77,8 @@ class TextTable:
 def read_text_table(path: Path) -> TextTable:
     """Read a .csv, .tsv or .txt file with one line of headers, or none: then they are "#1", "#2", ...
 
-    The separator is found by trying; leading ``# key = value`` lines become metadata. RecordingError when the
-    file is no text, is empty, or has a row with more cells than headers.
+    The separator is found by trying; leading ``# key = value`` lines become metadata. Raises RecordingError if
+    the file is no text, is empty, or has a row with more cells than headers.
     """
     comments, lines = _comments_and_lines(_text(path), path)
     separator = _separator(lines, path)
@@ -113,7 +113,7 @@ def _text(path: Path) -> str:
         try:
             text = raw.decode("utf-8-sig")
         except UnicodeDecodeError:
-            # What Western spreadsheets still write; it has the degree sign and the micro sign.
+            # Western spreadsheets still write this encoding, which has the degree sign and the micro sign.
             text = raw.decode("cp1252", errors="replace")
     if "\0" in text:
         raise RecordingError(f"{path}: is not a text file; export it as CSV")
@@ -133,7 +133,7 @@ def _comments_and_lines(text: str, path: Path) -> tuple[list[str], list[_Line]]:
                 comments.append(line.lstrip().lstrip("#").strip())
         elif line.strip() and not (number == 1 and line.lower().startswith("sep=")):
             lines.append((number, line))
-    # Spreadsheets end with lines of separators only; in the middle such a line is a hole in the data.
+    # Spreadsheets end with lines of separators only; in the middle such a line is a gap in the data.
     while lines and not lines[-1][1].strip(" \t;,"):
         lines.pop()
     if not lines:
@@ -142,9 +142,9 @@ def _comments_and_lines(text: str, path: Path) -> tuple[list[str], list[_Line]]:
 
 
 def _separator(lines: Sequence[_Line], path: Path) -> str:
-    """Find what stands between the cells: it must split the headers and the first row alike.
+    """Return the separator of the cells, which must split the headers and the first row alike.
 
-    Tab and semicolon come before the comma, because where they separate a comma may be the decimal one.
+    Tab and semicolon are tried before the comma, because in a file that they separate a comma may be the decimal sign.
     """
     if path.suffix.lower() == ".tsv":
         return "\t"
@@ -190,7 +190,7 @@ _SPACED_HEADER = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
 
 
 def _spaced_headers(line: str, width: int, path: Path) -> list[str]:
-    """Split headers that may hold spaces themselves ("Time [s]  Wire voltage [V]") into ``width`` cells."""
+    """Return headers that may contain spaces themselves ("Time [s]  Wire voltage [V]") as ``width`` cells."""
     ways: tuple[Callable[[str], list[str]], ...] = (
         _SPACED_HEADER.findall,
         lambda text: re.split(r"\s{2,}", text.strip()),
@@ -206,7 +206,7 @@ def _spaced_headers(line: str, width: int, path: Path) -> list[str]:
 
 
 def _commented_headers(comments: Sequence[str], separator: str, cells: Sequence[str], path: Path) -> list[str]:
-    """Take the last comment as headers, as numpy.savetxt writes them; numbers where it holds none."""
+    """Return the last comment as headers, as numpy.savetxt writes them, or "#1", "#2", ... if it holds none."""
     last = comments[-1] if comments else ""
     if last and "=" not in last:
         headers = _split(last, separator) if separator != " " else _spaced_headers(last, len(cells), path)

@@ -38,7 +38,7 @@ class Conversion:
 
 
 class _UnitError(ValueError):
-    """The text is no unit, or a unit of something else. Becomes the caller's or the recording's error."""
+    """The text is no unit, or a unit of another quantity. It is reported as the caller's or the recording's error."""
 
 
 def to_si(values: ArrayLike, unit_text: str, column: str, where: str) -> FloatArray:
@@ -46,20 +46,29 @@ def to_si(values: ArrayLike, unit_text: str, column: str, where: str) -> FloatAr
 
     Parameters
     ----------
-    values: any shape, in the unit that ``unit_text`` names; the result has the same shape
-    unit_text: as found in a header: "mm", "mV", "kOhm", "°C", "%", "gf", "" for a plain number
-    column: the name of one of ``COLUMNS``
-    where: how the message begins, such as "loop.csv: column 'Force [mm]'"
+    values
+        Numbers of any shape, in the unit ``unit_text``.
+    unit_text
+        As found in a header: "mm", "mV", "kOhm", "°C", "%", "gf", "" for a plain number.
+    column
+        The name of one of ``COLUMNS``.
+    where
+        Beginning of a message, such as "loop.csv: column 'Force [mm]'".
+
+    Returns
+    -------
+    The numbers in SI, of the same shape.
 
     Raises
     ------
-    RecordingError: the unit is unknown, or is a unit of something else
+    RecordingError
+        If the unit is unknown, or is a unit of another quantity.
     """
     return conversion_to_si(unit_text, column, where).apply(values)
 
 
 def conversion_to_si(unit_text: str, column: str, where: str) -> Conversion:
-    """Return how numbers in ``unit_text`` become SI for ``column``; RecordingError as in ``to_si``."""
+    """Return the conversion from ``unit_text`` to SI for ``column``. Raises RecordingError as ``to_si`` does."""
     unit_si = COLUMNS[column].unit
     try:
         return _conversion(unit_text, unit_si)
@@ -69,7 +78,7 @@ def conversion_to_si(unit_text: str, column: str, where: str) -> Conversion:
 
 
 def measures(unit_text: str, column: str) -> bool:
-    """Tell whether ``unit_text`` is a unit in which ``column`` can be given."""
+    """Return whether ``unit_text`` is a unit in which ``column`` can be given."""
     try:
         _conversion(unit_text, COLUMNS[column].unit)
     except _UnitError:
@@ -81,10 +90,10 @@ _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\
 
 
 def parse_quantity(text: str, unit_si: str) -> float:
-    """Read a number with its unit, such as "588.6 N/m" or "0.10 mm", as a number in ``unit_si``.
+    """Return a number with its unit, such as "588.6 N/m" or "0.10 mm", as a number in ``unit_si``.
 
     ``unit_si`` is a pint symbol; "" asks for a dimensionless number, where "5 %" and "0.05" are the same.
-    Raises CallerError when the text is no number, has no unit, or the unit of something else.
+    Raises CallerError if the text is no number, has no unit, or the unit of another quantity.
     """
     match = _QUANTITY.fullmatch(text)
     example = f"'0.5 {unit_si}'" if unit_si else "'0.5' or '50 %'"
@@ -100,9 +109,9 @@ def parse_quantity(text: str, unit_si: str) -> float:
 
 
 def quantity_with_suffix(text: str) -> tuple[float, str] | None:
-    """Read "1.0 ohm" as ``(1.0, "_ohm")``: the SI value and the suffix its name should end in.
+    """Return "1.0 ohm" as ``(1.0, "_ohm")``: the value in SI and the suffix its name should have.
 
-    None when the text is not a number followed by a unit for which our names have a suffix.
+    None if the text is not a number followed by a unit for which our names have a suffix.
     """
     match = _QUANTITY.fullmatch(text)
     if match is None or not match[2]:
@@ -116,7 +125,7 @@ def quantity_with_suffix(text: str) -> tuple[float, str] | None:
     return None
 
 
-# What a unit measures, in words; its SI unit; how our names end for it (None: we have no such names).
+# The quantity in words, its SI unit, and the ending of our names for it (None: there are no such names).
 _DIMENSIONS: tuple[tuple[str, str, str | None], ...] = (
     ("a dimensionless number", "", ""),
     ("a time", "s", "_s"),
@@ -139,14 +148,14 @@ _DIMENSIONS: tuple[tuple[str, str, str | None], ...] = (
     ("an area", "m**2", "_m2"),
 )
 
-# Offered as "did you mean" for a unit nobody knows.
+# Offered as "did you mean" for an unknown unit.
 _COMMON = (
     *("s", "ms", "min", "V", "mV", "A", "mA", "ohm", "mohm", "kohm", "%", "m", "mm", "um"),
     *("N", "mN", "gf", "kgf", "Pa", "kPa", "MPa", "K", "degC", "degF"),
 )
 
-# Symbol: how people spell it out, compared without case, with or without a plural s. Symbols themselves are
-# never compared without case: mV and MV differ by a thousand million. (An mPa of stress is always an MPa.)
+# Symbol: its name in words, compared without regard to case, with or without a plural s. Symbols themselves are
+# never compared so: mV and MV differ by a thousand million. (An mPa of stress is always an MPa.)
 _SPELLINGS = {
     "V": "volt",
     "mV": "millivolt",
@@ -179,7 +188,7 @@ _SPELLINGS = {
 }
 _SPELT_OUT = {word: symbol for symbol, words in _SPELLINGS.items() for word in words.split()}
 
-# Characters that look like those pint knows: Ohm sign, Kelvin sign, Greek mu, products, degree signs.
+# Characters that look like those that pint accepts: Ohm sign, Kelvin sign, Greek mu, products, degree signs.
 _LOOK_ALIKES = str.maketrans({
     "\u2126": "Ω", "\u212a": "K", "\u03bc": "\u00b5", "·": "*", "⋅": "*", "×": "*", "º": "°", "˚": "°",
     "℃": "°C", "℉": "°F", "−": "-",
@@ -188,7 +197,7 @@ _LOOK_ALIKES = str.maketrans({
 _DEGREES = re.compile(r"(?:deg(?:ree)?s?\.?|°)[\s_]*([cfk])(?:elsius|ahrenheit|elvin)?", re.IGNORECASE)
 _OHMS = re.compile(r"([kKmMuµG]?)(?:ohms?|Ω)", re.IGNORECASE)
 
-# pint evaluates what it is given; only products of short words with one-digit powers may reach it.
+# pint evaluates its input, so that only products of short words with one-digit powers may reach it.
 _FACTOR = r"[A-Za-zµ%°_Ω]{1,20}(?:(?:\^|\*\*)-?\d|⁻?[¹²³])?"
 _SHAPE = re.compile(rf"(?:1/)?{_FACTOR}(?:[*/ ]{_FACTOR}){{0,3}}")
 
@@ -205,21 +214,21 @@ def _conversion(unit_text: str, unit_si: str) -> Conversion:
     quantity = _registry().Quantity
     offset = float(quantity(0.0, unit).to(unit_si).magnitude)
     if offset and unit_si != "K":
-        # Decibels and their like: "zero of it" is something, and nothing here is measured so.
+        # Decibels and similar units have an offset, and no quantity here is measured in them.
         raise _UnitError(f"unknown unit '{unit_text}'{nearest_hint(unit_text, _COMMON)}")
-    # A degree Celsius is 1 K wide wherever the scale begins: ask for the width, do not subtract roundings.
+    # A degree Celsius is 1 K wide wherever the scale begins: the width itself has no rounding of a difference.
     step = f"delta_{unit}" if offset else unit
     return Conversion(float(quantity(1.0, step).to(unit_si).magnitude), offset)
 
 
 def _spelling(unit_text: str, unit_si: str) -> str:
-    """Rewrite a unit as people spell it into one pint knows."""
+    """Return a unit as people spell it in a spelling that pint accepts."""
     text = unit_text.strip().translate(_LOOK_ALIKES)
     if text in {"-", "1", "–"}:
         return ""
     if text in {"µε", "µstrain", "ue"}:
         return "ppm"
-    # "Temp (C)" is Celsius: nobody heats a wire to a number of coulombs.
+    # "Temp (C)" is Celsius: a temperature in coulombs makes no sense.
     if unit_si == "K" and text in {"C", "F", "c", "f"}:
         return f"deg{text.upper()}"
     if degrees := _DEGREES.fullmatch(text):
@@ -241,7 +250,7 @@ def _parsed(spelling: str, unit_text: str) -> pint.Unit:
 
 
 def _same_dimension(unit: pint.Unit, unit_si: str) -> bool:
-    # pint calls an angle dimensionless; a strain in degrees is a mistake all the same.
+    # pint calls an angle dimensionless; a strain in degrees is a mistake nevertheless.
     same = bool(unit.dimensionality == _registry().Unit(unit_si).dimensionality)
     return same and _is_angle(unit) == (unit_si == "rad")
 

@@ -13,10 +13,10 @@ __all__ = ["write_text_whole", "write_whole"]
 
 
 def write_whole(path: Path, write: Callable[[Path], None]) -> None:
-    """Let ``write`` fill a temporary file beside ``path``, then put it in place in one step.
+    """Call ``write`` on a temporary file next to ``path``, then rename it in one step.
 
-    Whoever looks at ``path`` sees the old file or the new one, never half of it. Whatever ``write`` raises is
-    raised again, with the temporary file gone. CallerError when the folder cannot be written to.
+    A reader of ``path`` finds the old file or the new one, never a part of it. An exception of ``write`` is raised
+    again after the temporary file has been removed. Raises CallerError if the folder cannot be written to.
     """
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
@@ -30,7 +30,7 @@ def write_whole(path: Path, write: Callable[[Path], None]) -> None:
 
 
 def write_text_whole(path: Path, text: str) -> None:
-    """Write a text as UTF-8, whole or not at all. CallerError when the folder cannot be written to."""
+    """Write a text as UTF-8, whole or not at all. Raises CallerError if the folder cannot be written to."""
 
     def write(temporary: Path) -> None:
         temporary.write_text(text, "utf-8")

@@ -1,4 +1,4 @@
-"""Writing columns with metadata to a file of any format we know. A format knows no recording, only what is in one."""
+"""Writing columns with metadata to a file; the format follows from its suffix, and no format depends on recordings."""
 
 from __future__ import annotations
 

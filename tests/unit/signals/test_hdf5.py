@@ -196,7 +196,7 @@ def test_a_lost_column_is_named(tmp_path):
     write_rows(tmp_path / "run.h5", 3)
     with h5py.File(tmp_path / "run.h5", "r+") as file:
         del file["shunt_voltage_v"]
-    with pytest.raises(RecordingError, match="the column 'shunt_voltage_v' is announced and missing"):
+    with pytest.raises(RecordingError, match="the column 'shunt_voltage_v' is listed but missing"):
         read_hdf5(tmp_path / "run.h5")
 
 

@@ -101,7 +101,7 @@ def test_a_disk_that_takes_nothing_is_an_error_with_the_samples(
     assert isinstance(writer, WriterProcess)
     writer._process.send_signal(signal.SIGSTOP)
     try:
-        with pytest.raises(RecordingNotWrittenError, match="the disk takes nothing") as caught, recorder:
+        with pytest.raises(RecordingNotWrittenError, match="the disk has accepted nothing") as caught, recorder:
             pass
         assert len(caught.value.recording) == 1  # type: ignore[attr-defined]
     finally:
