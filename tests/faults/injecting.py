@@ -73,6 +73,7 @@ class Outcome:
         self.exit_code: int | None = None
         self.said = ""
         self.injected = False
+        self.bench_was_late = False
 
     @property
     def ended(self) -> str:

@@ -74,8 +74,16 @@ def in_vain(outcome: Outcome, row: FaultRow) -> bool:
     """Whether a busy machine has ended the run before its fault came, or by lateness instead of it."""
     if row.inject != "from the start" and not outcome.injected:
         return True
-    by_itself = any(event in outcome.said for event in BY_A_BUSY_MACHINE)
-    return by_itself and not any(event in outcome.said for event in row.event)
+    if outcome.error is None or any(event in outcome.said for event in row.event):
+        return False
+    # A board that gets its conversions late measures what was out before: to it, an output that does not follow.
+    return outcome.bench_was_late or any(event in outcome.said for event in BY_A_BUSY_MACHINE)
+
+
+def ticks_lost(board: EmulatedBoard) -> int:
+    """Return how many ticks the bench has given up, or their conversions, because it or the emulator had to wait."""
+    figures = board.figures()
+    return int(figures["given_up"] + figures["overwritten"])
 
 
 def tried(run: Callable[[], Outcome], row: FaultRow) -> Outcome:
@@ -101,7 +109,9 @@ def test_a_fault_in_a_script_s_run(boards: Boards, row: FaultRow, tmp_path: Path
     attempts = iter(range(ATTEMPTS))
 
     def run() -> Outcome:
+        lost = ticks_lost(board)
         found = scripted_run(board, row, tmp_path / f"run{next(attempts)}.h5", patience_s)
+        found.bench_was_late = ticks_lost(board) > lost
         found.off_s = judged_s(board, found.since, row)  # type: ignore[attr-defined]
         mended(board, row)
         return found
@@ -132,7 +142,9 @@ def test_a_fault_in_a_command_s_run(boards: Boards, row: FaultRow, tmp_path: Pat
     def run() -> Outcome:
         folder = tmp_path / str(next(attempts))
         folder.mkdir()
+        lost = ticks_lost(board)
         found = command_run(board, row, folder)
+        found.bench_was_late = ticks_lost(board) > lost
         found.off_s = judged_s(board, found.since, row)  # type: ignore[attr-defined]
         mended(board, row)
         found.path = folder / "loop.h5"  # type: ignore[attr-defined]

@@ -19,6 +19,8 @@ IDENTITY, SAMPLE, EVENT, ACK = 0x81, 0x82, 0x83, 0x84
 
 # A wait ends with what is waited for; only a board that is silent on a busy machine, too, lets it end by this time.
 PATIENCE_S = 60.0
+# Commands that say the same twice, and how long after the first the second is sent.
+MAY_BE_REPEATED, AGAIN_S = {HELLO, STREAM}, 2.0
 
 
 class Sample(NamedTuple):
@@ -55,17 +57,30 @@ class Host:
                 return
 
     def command(self, kind: int, payload: bytes = b"", patience_s: float = PATIENCE_S) -> int:
-        """Send a command and return the result of its acknowledgement."""
-        self._sequence += 1
-        self._socket.sendall(encode_frame(Frame(kind, self._sequence, payload)))
-        wanted = struct.pack("<HB", self._sequence, kind)
+        """Send a command and return the result of its acknowledgement.
+
+        A question or a setting is sent again when nothing comes back, as hosts do: an emulator that waits for the
+        processor loses bytes of its line.
+        """
         end_s = time.monotonic() + patience_s
+        while time.monotonic() < end_s:
+            self._sequence += 1
+            self._socket.sendall(encode_frame(Frame(kind, self._sequence, payload)))
+            again_s = time.monotonic() + AGAIN_S if kind in MAY_BE_REPEATED else end_s
+            result = self._acknowledged(kind, min(again_s, end_s))
+            if result is not None:
+                return result
+        raise AssertionError(f"command {kind} was not acknowledged")
+
+    def _acknowledged(self, kind: int, end_s: float) -> int | None:
+        """Return the result of the last command, None where it is not acknowledged by a time."""
+        wanted = struct.pack("<HB", self._sequence, kind)
         while time.monotonic() < end_s:
             for frame in self.frames:
                 if frame.kind == ACK and frame.payload[:3] == wanted:
                     return frame.payload[3]
             self.listen(0.005)
-        raise AssertionError(f"command {kind} was not acknowledged")
+        return None
 
     def drive(self, voltage_v: float) -> int:
         return self.command(DRIVE, struct.pack("<f", voltage_v))
