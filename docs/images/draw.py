@@ -4,7 +4,7 @@ After a change of the shipped parameters or of the physics, run it once and comm
 
 - README.md's pictures, from a run of the demo (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
-- docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md and wire_row.md.
+- docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md and python.md.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import physics_numbers
 import physics_pictures
 import physics_runs
 import protection_page
+import python_page
 import rig_keys_page
 import wire_row_page
 
@@ -34,6 +35,7 @@ PROTECTION_PAGE = HERE.parent / "reference" / "protection.md"
 FAULTS_PAGE = HERE.parent / "reference" / "faults.md"
 RIG_KEYS_PAGE = HERE.parent / "reference" / "hardware_rig_files.md"
 WIRE_ROW_PAGE = HERE.parent / "reference" / "wire_row.md"
+PYTHON_PAGE = HERE.parent / "reference" / "python.md"
 BLOCK = re.compile(r"(<!-- written by docs/images/draw\.py: (\w+) -->\n).*?(<!-- end -->)", re.S)
 DPI = 110
 
@@ -72,6 +74,7 @@ def main() -> None:
     FAULTS_PAGE.write_text(faults_page.page(), encoding="utf-8")
     RIG_KEYS_PAGE.write_text(rig_keys_page.page(), encoding="utf-8")
     WIRE_ROW_PAGE.write_text(wire_row_page.page(), encoding="utf-8")
+    PYTHON_PAGE.write_text(python_page.page(), encoding="utf-8")
     page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_numbers.blocks(loops))
     PHYSICS_PAGE.write_text(page, encoding="utf-8")
 

@@ -24,7 +24,12 @@ __all__ = [
 
 
 class MusclewireError(Exception):
-    """Anything musclewire reports on purpose. ``exit_code`` is what the command line ends with."""
+    """An error that musclewire raises on purpose, in one line: what is wrong, where, and what to do.
+
+    Each belongs to an owner, by which to catch it: ``CallerError`` (the call), ``RecordingError`` (the data),
+    ``RigError`` (the rig, which has been made safe) or ``NumericsError`` (a computation); all are in
+    ``musclewire.errors``. ``exit_code`` is that of the command line.
+    """
 
     exit_code = 1
 

@@ -11,6 +11,7 @@ from types import ModuleType
 import pytest
 from doc_pages import ROOT, code_words, resolve, tables_of
 
+import musclewire
 from musclewire.parameters import load_alloy, load_bench, load_wire
 
 FOLDER = ROOT / "docs" / "images"
@@ -50,6 +51,14 @@ def test_the_page_on_rig_files_of_hardware_is_what_the_schemas_say(draw: ModuleT
     assert draw.RIG_KEYS_PAGE.read_text("utf-8") == page, AGAIN
     unexplained = [line for line in page.splitlines() if line.startswith("| `") and line.rstrip(" |").count("|") < 4]
     assert [line for line in unexplained if line.split("|")[-2].strip() == ""] == []
+
+
+def test_the_page_on_python_has_every_public_name_with_its_docstrings_first_line(draw: ModuleType) -> None:
+    page = draw.python_page.page()
+    assert draw.PYTHON_PAGE.read_text("utf-8") == page, AGAIN
+    cells = [line.split(" | ") for line in page.splitlines() if line.startswith("| `")]
+    assert {f"mw.{name}" for name in musclewire.__all__} <= {re.split(r"[`(]", name)[1] for name, _ in cells}
+    assert [name for name, meaning in cells if len(meaning) < 10] == []
 
 
 def test_every_parameter_of_the_alloy_the_wires_and_the_bench_is_on_the_page() -> None:

@@ -65,25 +65,25 @@ Positive: TypeAlias = Annotated[float, Field(gt=0.0)]
 
 
 class FuzzyPidSettings(StrictModel):
-    """The numbers of the controller; the gain ranges default to the paper's.
+    """The settings of the fuzzy-tuned PID; the gain ranges default to the paper's.
 
     Parameters
     ----------
     kp_range
-        Least and greatest K_p, no unit.
+        Smallest and largest K_p, no unit.
     ki_range
-        Least and greatest K_I [1/s].
+        Smallest and largest K_I [1/s].
     kd_range
-        Least and greatest K_D [s].
+        Smallest and largest K_D [s].
     input_scale
-        Volts per error unit at a gain of one.
+        Drive voltage per error unit at a gain of one [V].
     error_unit
-        What the controlled quantity calls one percent strain: 0.01 for strain as a fraction; for a displacement [m] or
-        a force [N] the amount that goes with 1 % strain.
+        Size of one percent strain in the controlled quantity: 0.01 for strain as a fraction; for a displacement [m] or
+        a force [N] the amount that belongs to 1 % strain.
     error_range
-        The error, in error units, that is +-1 for the fuzzy tables; two and a half of the paper's steps of 0.3 %.
+        Error, in error units, at which the fuzzy tables' input is 1; two and a half of the paper's steps of 0.3 %.
     change_range
-        The rate of the error, in error units per second, that is +-1 for the fuzzy tables; one of those steps within
+        Rate of the error, in error units per second, at which the tables' other input is 1; one of those steps within
         one sample of 0.05 s.
     derivative_filter_s
         Time constant of the rate filters [s], four samples; 0 for none.
@@ -99,6 +99,12 @@ class FuzzyPidSettings(StrictModel):
     References
     ----------
     Lan and Fan 2010, section III: the ranges of the gains.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> mw.FuzzyPidSettings(kp_range=(0.01, 0.2)).ki_range
+    (0.02, 0.06)
     """
 
     kp_range: Range = (0.01, 0.11)

@@ -281,6 +281,12 @@ def staircase(
     References
     ----------
     Lan and Fan 2010, Fig. 11 and Table 2.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> mw.staircase(start=0.015, stop=0.021).levels
+    (0.015, 0.018, 0.021, 0.018, 0.015)
     """
     if not all(math.isfinite(value) for value in (start, stop, increment)):
         raise CallerError(f"staircase from {start} to {stop} by {increment}: every number must be finite")
@@ -304,9 +310,9 @@ def sampled_reference(time_s: ArrayLike, target: ArrayLike) -> SampledReference:
     Parameters
     ----------
     time_s
-        Increasing times [s], shape (n,).
+        Increasing times [s], (n,), from 0 at the reference's start.
     target
-        The target from each on, shape (n,): strain as a fraction, displacement [m] or force [N].
+        The target from each of these times on, (n,): strain as a fraction, displacement [m] or force [N].
 
     Returns
     -------
@@ -315,7 +321,13 @@ def sampled_reference(time_s: ArrayLike, target: ArrayLike) -> SampledReference:
     Raises
     ------
     CallerError
-        For columns of different or no length, a value that is not finite, or times that do not increase.
+        For empty columns or columns of different length, a value that is not finite, or times that do not increase.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> mw.sampled_reference([0.0, 5.0], [0.015, 0.02]).target_at(6.0)
+    0.02
     """
     times = np.array(time_s, dtype=np.float64)
     targets = np.array(target, dtype=np.float64)

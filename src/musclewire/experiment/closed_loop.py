@@ -192,33 +192,36 @@ def control(
     approach_s: float = APPROACH_S,
     **run: Unpack[RunOptions],
 ) -> ControlRun:
-    """Move the wire along a reference with no sensor but its resistance.
+    """Move the wire along a target in a closed loop that senses by the wire's resistance alone.
+
+    Displacement sensor and load cell, if the rig has them, are recorded and used to judge the run, never to control it.
 
     Parameters
     ----------
     rig
-        An open rig.
+        The rig, open; it is driven.
     model
-        The fitted model of its wire.
+        The model of its wire, as ``fit`` returns it.
     reference
-        The targets, in the model's quantity; the paper's staircase without.
+        The target over time, in the model's quantity: ``staircase`` and ``sampled_reference`` make one. The paper's
+        staircase if None.
     estimator
         Name of an estimator (``musclewire.sensing.ESTIMATORS``), or a factory of one; the default is the paper's.
     controller
         Name of a controller (``musclewire.controllers.CONTROLLERS``), or a factory of one; the default is the paper's.
     settings
-        The controller's settings, ``FuzzyPidSettings`` for "fuzzy-pid"; its defaults without.
+        The controller's settings, ``FuzzyPidSettings`` for "fuzzy-pid"; its defaults if None.
     load
         A known spring: then force is controlled, and a model of strain, or of the connector's displacement, gives it by
         the spring's stiffness.
     approach_s
-        Time [s] the wire gets to reach the reference's start; by default enough to warm up from cold.
+        Time for the wire to reach the first target before the reference begins [s]; the default is enough from cold.
     run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row.
 
     Returns
     -------
-    The recording with its metrics (Eq. 7 for each step, where the rig has a reference instrument).
+    The recording, with its ``metrics``: the errors of each step (Eq. 7) if the rig has a reference instrument.
 
     Raises
     ------
@@ -226,6 +229,19 @@ def control(
         If a target is outside the model's range, a name is unknown, or the model is of another wire.
     RigError
         If the wire carries no current, or has a resistance that the model's wire never has.
+
+    References
+    ----------
+    Lan and Fan 2010, section III and Fig. 10.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     model = mw.fit(mw.characterize(rig))
+    ...     run = mw.control(rig, model, mw.staircase(stop=0.018))
+    >>> [step.target for step in run.metrics.steps]
+    [0.015, 0.018, 0.015]
     """
     if load is not None:
         model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)

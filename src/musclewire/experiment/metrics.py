@@ -118,7 +118,13 @@ def percent(value: float | None) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ControlRun(Recording):
-    """A recording of a closed loop, with how well it went."""
+    """A recording of a closed loop, with how well it went.
+
+    Parameters
+    ----------
+    metrics
+        Errors of each step and of the whole run.
+    """
 
     metrics: ControlMetrics = field(default_factory=lambda: ControlMetrics("strain"))
 

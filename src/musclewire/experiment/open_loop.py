@@ -113,24 +113,25 @@ def characterize(
 ) -> Recording:
     """Heat and cool the wire slowly and record both voltages and the reference instruments.
 
-    The first cycle settles the wire into the loop it then repeats; the analysis uses the last.
+    This is the loop that a model is fitted to. The first cycle brings the wire into the loop that it then repeats; the
+    analysis uses the last one.
 
     Parameters
     ----------
     rig
         The rig, open; it is driven.
     amplitude_v
-        Greatest drive [V]; the rig's own if None (3.2 V for the paper's 0.1 mm wire).
+        Greatest drive voltage [V]; the rig's own if None (3.2 V for the paper's 0.1 mm wire).
     period_s
-        Time of a cycle [s]; the paper's 90 s, slow enough for the wire's heat.
+        Time of a cycle [s]; the paper's 90 s, which is long compared with the thermal time constant of a thin wire.
     cycles
-        How many; 2, so that one is settled.
+        How many; 2, so that the second one repeats.
     path
         File that is written while the run lasts; none if None.
     overwrite
         Whether an existing file is replaced; refused otherwise.
     on_sample
-        Gets every recorded row; it may raise to stop the run.
+        Called with every recorded row, numbers by column name; it may raise to stop the run.
 
     Returns
     -------
@@ -146,6 +147,14 @@ def characterize(
     References
     ----------
     Lan and Fan 2010, section 2.1: a sine of 1/90 Hz and 3.2 V.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     loop = mw.characterize(rig, cycles=1)
+    >>> loop.names
+    ('time_s', 'drive_voltage_v', 'wire_voltage_v', 'shunt_voltage_v', 'displacement_m', 'force_n', 'cycle')
     """
     amplitude = allowed_amplitude_v(rig, amplitude_v)
     if cycles < 1:

@@ -35,7 +35,23 @@ COLOURS = {"strain": "#1f6f8b", "force": "#c8553d", "displacement": "#4f7d3a"}
 
 @dataclass(frozen=True)
 class PretensionRow:
-    """One setting of the linear stage and the loop it gave."""
+    """One setting of the linear stage and the loop it gave.
+
+    Parameters
+    ----------
+    pretension_n
+        Setting [N].
+    strain_gap_pct
+        Gap of strain, of its largest value [%] (Eq. 2).
+    force_gap_pct
+        Gap of force [%]; None without a load cell.
+    displacement_gap_pct
+        Gap of displacement [%] (Eq. 9); None without its instrument.
+    stroke_pct
+        Strain from cold to hot [%].
+    recording
+        The loop.
+    """
 
     pretension_n: float
     strain_gap_pct: float
@@ -56,7 +72,19 @@ class PretensionRow:
 
 @dataclass(frozen=True)
 class PretensionSweep:
-    """All settings, and the best: the one with the smallest gap of the quantity that is to be sensed."""
+    """All settings of a sweep; ``best`` is the one with the smallest gap of the quantity to be sensed.
+
+    Parameters
+    ----------
+    rows
+        The settings that gave a loop, with their gaps, in their order.
+    failures
+        A sentence for each setting that gave none.
+    quantity
+        The quantity whose gap decides: "strain", "displacement" or "force".
+    warnings
+        A sentence for each setting at which the wire pulled harder than it may.
+    """
 
     rows: tuple[PretensionRow, ...]
     failures: tuple[str, ...]
@@ -140,7 +168,7 @@ def pretension_sweep(
     on_sample: OnSample | None = None,
     **sine: Unpack[SlowSine],
 ) -> PretensionSweep:
-    """Characterise the wire at each pretension and compare the gaps; the best is the one of a quantity.
+    """Find the pretension with the smallest hysteresis gap: characterise the wire at each and compare the gaps.
 
     A setting whose loop cannot be used (slack, or no transformation left at high stress) is kept as a failure with its
     reason.
@@ -152,13 +180,13 @@ def pretension_sweep(
     pretensions_n
         Settings [N]; if None eight from 0.20 to 0.65 of the wire's allowed force, the paper's span.
     quantity
-        Whose gap decides: "strain", "displacement" or "force".
+        The quantity whose gap decides: "strain", "displacement" or "force".
     folder
-        Each setting is recorded there as it runs, replacing an earlier sweep's; nothing is written if None.
+        Folder into which each setting is recorded as it runs, replacing an earlier sweep; nothing is written if None.
     on_setting
-        Gets each pretension [N] once it is set.
+        Called with each pretension [N] once it is set.
     on_sample
-        Gets every recorded row; it may raise to stop the run.
+        Called with every recorded row, numbers by column name; it may raise to stop the run.
     **sine
         amplitude_v, period_s and cycles of :func:`characterize`.
 

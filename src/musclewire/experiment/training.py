@@ -33,7 +33,23 @@ CYCLES_COMPARED = 5
 
 @dataclass(frozen=True)
 class TrainingCycle:
-    """One cycle of a training: what the loop was, and how much it moved over five cycles (of its span)."""
+    """One cycle of a training.
+
+    Parameters
+    ----------
+    number
+        Which cycle, from 1.
+    resistance_min_ohm
+        Resistance at point C [ohm].
+    resistance_max_ohm
+        Resistance at point B [ohm].
+    strain_cold
+        Strain of the cold wire.
+    stroke
+        Strain from cold to hot.
+    change
+        Change over the last five cycles, as a fraction of resistance span and stroke; None before there are so many.
+    """
 
     number: int
     resistance_min_ohm: float
@@ -45,9 +61,16 @@ class TrainingCycle:
 
 @dataclass(frozen=True)
 class Training:
-    """A finished training. ``settled`` is False when the largest number of cycles came first.
+    """A finished training.
 
-    ``warnings`` tell of the first cycle in which the wire pulled harder than it may.
+    Parameters
+    ----------
+    cycles
+        Every cycle, in order.
+    settled
+        Whether the loop repeats; False if the largest number of cycles came first.
+    warnings
+        The first cycle in which the wire pulled harder than it may, in a sentence for each reason; empty if none did.
     """
 
     cycles: tuple[TrainingCycle, ...]
@@ -73,19 +96,19 @@ def train(
     rig
         The rig, open; it is driven.
     amplitude_v
-        Greatest drive [V]; the rig's own if None.
+        Greatest drive voltage [V]; the rig's own if None.
     period_s
         Time of a cycle [s]; 30 s are a third of the paper's slow sine.
     max_cycles
-        Where to stop if it does not settle.
+        Number of cycles after which it stops if the loop has not settled.
     settled_fraction
-        The move over five cycles, as a fraction of resistance span and stroke, below which it is settled.
+        Change over five cycles, as a fraction of resistance span and stroke, below which the loop is settled.
     folder
-        Each cycle is recorded there as it runs; nothing is written if None.
+        Folder into which each cycle is recorded as it runs; nothing is written if None.
     on_cycle
-        Gets each cycle when it is judged.
+        Called with each cycle once it is judged.
     on_sample
-        Gets every recorded row; it may raise to stop the run.
+        Called with every recorded row, numbers by column name; it may raise to stop the run.
 
     Returns
     -------
@@ -146,7 +169,17 @@ def change_between(before: TrainingCycle, after: TrainingCycle) -> float:
 
 @dataclass(frozen=True)
 class Recalibration:
-    """A model anchored anew, and how far its R_min and R_max have moved since it was fitted."""
+    """A model with the resistances of today, and how far these have moved since it was fitted.
+
+    Parameters
+    ----------
+    model
+        The model, with new R_min and R_max and the same polynomials.
+    resistance_min_moved_ohm
+        Change of R_min [ohm], positive for a larger one.
+    resistance_max_moved_ohm
+        Change of R_max [ohm].
+    """
 
     model: SensingModel
     resistance_min_moved_ohm: float
@@ -162,7 +195,7 @@ def recalibrate(
     path: str | Path | None = None,
     on_sample: OnSample | None = None,
 ) -> Recalibration:
-    """Sweep the wire once and anchor the model to the R_max and R_min of today; no sensor is read.
+    """Sweep the wire once and anchor its model to the R_min and R_max that it has now; no sensor is needed.
 
     Parameters
     ----------
@@ -171,17 +204,17 @@ def recalibrate(
     model
         The model as it was fitted.
     amplitude_v
-        Greatest drive [V]; the rig's own if None.
+        Greatest drive voltage [V]; the rig's own if None.
     period_s
         Time of the sweep, up and down [s]; the paper's 90 s.
     path
         File that is written while the run lasts; none if None.
     on_sample
-        Gets every recorded row; it may raise to stop the run.
+        Called with every recorded row, numbers by column name; it may raise to stop the run.
 
     Returns
     -------
-    The model of today, and how far its resistances have moved.
+    The model with the new resistances, and how far they have moved.
 
     Raises
     ------

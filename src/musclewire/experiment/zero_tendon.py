@@ -25,7 +25,19 @@ MIN_RISE_NOISES = 10.0
 
 @dataclass(frozen=True, eq=False)
 class TendonZero:
-    """Where the tendon begins to pull: ``slack_m`` in the stage's own reading; what was seen, both (n_positions,)."""
+    """Where the tendon of a finger begins to pull, with the readings that show it.
+
+    Parameters
+    ----------
+    slack_m
+        Setting of the finger's stage at which it begins [m], in the stage's own reading.
+    tendon_stiffness_n_per_m
+        Slope of the force beyond it [N/m].
+    positions_m
+        Settings that were tried [m], (n_positions,).
+    force_n
+        Readings of the load cell there [N], (n_positions,).
+    """
 
     slack_m: float
     tendon_stiffness_n_per_m: float
@@ -36,7 +48,7 @@ class TendonZero:
 def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
     """Draw the finger's stage from slack to taut while the wire is cold, find the kink in force, and stop there.
 
-    The load cell is all that is read. Positions go from 0.1 mm slack to 0.1 mm taut; the kink is where a level line and
+    Only the load cell is read. Positions go from 0.1 mm slack to 0.1 mm taut; the kink is where a level line and
     a rising line fit best.
 
     Parameters
@@ -44,7 +56,7 @@ def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
     rig
         The rig, open, with a stage below the finger that software can move, and a load cell.
     start_slack_m
-        Setting believed to be zero [m], about which it searches.
+        Setting of the stage that is believed to be zero [m], about which the search runs.
 
     Returns
     -------

@@ -49,18 +49,20 @@ def fit(
     quantity: str = "strain",
     cycle: int | str = "last",
 ) -> SensingModel:
-    """Fit the self-sensing model of Eqs. 3 to 5 to a slow loop, or to a printed table of both branches.
+    """Fit the self-sensing model (Eqs. 3 to 5) to a slow loop, or to a printed table of both branches.
 
     Parameters
     ----------
     recording
-        A slow loop of resistance (or both voltages and the shunt) and the quantity, or a table without clock.
+        A slow loop, as ``characterize`` records it: resistance (or both voltages and the shunt) and the quantity to be
+        sensed. Or a printed table: strain on both branches over resistance.
     order
         Order of the polynomials: a number, the paper's is 6, or "auto" for the one that cross-validation chooses.
     quantity
         What the model senses: "strain", "displacement" or "force".
     cycle
-        "last", "first" or "largest" complete cycle, or its number. The last is settled most.
+        "last", "first" or "largest" complete cycle, or its number. By default the last, which is nearest to the loop
+        that the wire repeats.
 
     Returns
     -------
@@ -76,6 +78,14 @@ def fit(
     References
     ----------
     Lan and Fan 2010, Eqs. 3 to 5.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     model = mw.fit(mw.characterize(rig))
+    >>> f"{1e2 * model.strain(16.0):.1f} % strain at 16 ohm"
+    '2.5 % strain at 16 ohm'
     """
     if recording.is_branch_table:
         return fit_table(recording, order)
@@ -192,7 +202,8 @@ def estimate(
     """Estimate strain (or the model's quantity) from a recording's resistance, sample by sample.
 
     Errors count the valid samples only: those with current, a resistance in the model's range, and the wire
-    between B and C, which shows in how power and resistance move together. Stroke is the range the model senses.
+    between B and C, which shows in how power and resistance move together. Errors are in percent of the stroke: the
+    range that the model senses.
 
     Parameters
     ----------
@@ -206,14 +217,23 @@ def estimate(
 
     Returns
     -------
-    The recording with the estimate, and the errors.
+    The recording with the estimate's columns, and the errors if the recording has the reference instrument.
 
     Raises
     ------
     CallerError
         If no estimator has this name.
     RecordingError
-        If no resistance can be had, or none lies in the model's range.
+        If no resistance follows from the columns, or none lies in the model's range.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     loop = mw.characterize(rig)
+    >>> report = mw.estimate(mw.fit(loop), loop)
+    >>> report.recording["estimated_strain"].shape == loop["time_s"].shape
+    True
     """
     factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
     whole = estimator == WHOLE_RECORDING

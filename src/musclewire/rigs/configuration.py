@@ -83,13 +83,16 @@ def open_rig(
     real_time: bool = False,
     **settings: float | str,
 ) -> GuardedRig:
-    """Open a rig: a device, with the protection around it.
+    """Open a rig: the wire with its driver and instruments, simulated or real, with the protection around it.
+
+    Use it in a ``with`` block, at whose end the drive is switched off whatever happens inside.
 
     Parameters
     ----------
     rig
-        ``"simulated"`` for the paper's bench, another name, the path of a TOML rig file, or a configuration. A rig file
-        of another kind (``kind = "nidaq"``, "serial", "replay", or one that a package has added) opens that.
+        ``"simulated"`` for the paper's bench, the name of another rig that ships with musclewire (``"finger"``,
+        ``"gripper"``), the path of a TOML rig file, or a configuration. A rig file of another kind (``kind = "nidaq"``,
+        "serial", "replay", or one that a package has added) opens hardware or a recording.
     wire
         Name or wire file (as ``musclewire calibrate`` writes it) of another wire than the simulated rig's own.
     bench
@@ -97,21 +100,29 @@ def open_rig(
     seed
         Seed of a simulated rig's noise; by default that of its file, 1 if it names none.
     real_time
-        Whether the computer's clock paces a simulated rig. Hardware has a clock of its own, and a replay none.
+        Whether the computer's clock paces a simulated rig, which otherwise runs as fast as it can. Hardware has a clock
+        of its own, and a replay none.
     settings
         Numbers of wire and bench by name, in SI or as text with a unit: ``open_rig("simulated", pretension_n=1.7)``.
 
     Returns
     -------
-    The rig, with 0 V out. Leaving its ``with`` block switches it off.
+    The rig, with 0 V at its output.
 
     Raises
     ------
     CallerError
         For unknown names, impossible numbers, settings that the rig's own load leaves without effect, and for wire,
-        bench, seed and settings of a rig that is not simulated: its numbers stand in its file.
+        bench, seed and settings of a rig that is not simulated: its numbers are in its file.
     RigError
         If hardware cannot be opened.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated", pretension_n="1.7 N") as rig:
+    ...     rig.metadata()["pretension_n"]
+    1.7
     """
     configuration, where = rig_configuration(rig)
     if isinstance(configuration, RigConfiguration):

@@ -18,11 +18,24 @@ __all__ = ["SensingModel", "load_model"]
 
 @dataclass(frozen=True, repr=False)
 class SensingModel(FittedCurve):
-    """Strain (or displacement, force) from resistance, the report of its fit, and how both are kept and shown.
+    """The model of one wire: strain (or displacement, force) from its resistance, and the report of its fit.
 
-    The numbers an estimator runs by are those of :class:`~musclewire.sensing.curve.ResistanceCurve`, what the fit says
-    of them those of :class:`~musclewire.sensing.fit_report.FittedCurve`; ``model_file`` and ``model_view`` write and
-    draw them and know nothing of this class, which only makes them methods.
+    Get one from ``fit`` or ``load_model``. ``estimate(resistance_ohm)`` returns value, standard deviation and validity,
+    ``strain(resistance_ohm)`` the strain alone, ``resistance_ohm(strain)`` the resistance that a strain requires
+    (Eqs. 3 to 5); ``valid_resistance_ohm`` is the range in which they hold. A model never changes.
+
+    The parameters are those of :class:`~musclewire.sensing.curve.ResistanceCurve`, the numbers that an estimator runs
+    by, and of :class:`~musclewire.sensing.fit_report.FittedCurve`, what the fit reports of them.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     model = mw.fit(mw.characterize(rig))
+    >>> model.quantity, model.order
+    ('strain', 6)
+    >>> round(model.resistance_ohm(0.02), 1)  # at 2 % strain
+    16.4
     """
 
     def save(self, path: str | PathLike[str]) -> None:

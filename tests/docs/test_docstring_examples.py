@@ -1,0 +1,25 @@
+"""The examples in the docstrings of `import musclewire as mw` do what they say."""
+
+from __future__ import annotations
+
+import doctest
+import inspect
+
+import pytest
+
+import musclewire
+
+EXAMPLES = [name for name in musclewire.__all__ if ">>> " in (inspect.getdoc(getattr(musclewire, name)) or "")]
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_example_of_a_public_name_runs(name: str) -> None:
+    item = getattr(musclewire, name)
+    (test,) = doctest.DocTestFinder(recurse=False).find(item, name, globs={})
+    results = doctest.DocTestRunner().run(test)
+    assert results.attempted > 0
+    assert results.failed == 0
+
+
+def test_whoever_begins_finds_an_example_of_each_step() -> None:
+    assert {"open_rig", "characterize", "fit", "control", "estimate", "staircase"} <= set(EXAMPLES)
