@@ -74,7 +74,7 @@ def in_vain(outcome: Outcome, row: FaultRow) -> bool:
     """Whether a busy machine has ended the run before its fault came, or by lateness instead of it."""
     if row.inject != "from the start" and not outcome.injected:
         return True
-    if outcome.error is None or any(event in outcome.said for event in row.event):
+    if not outcome.said or any(event in outcome.said for event in row.event):
         return False
     # A board that gets its conversions late measures what was out before: to it, an output that does not follow.
     return outcome.bench_was_late or any(event in outcome.said for event in BY_A_BUSY_MACHINE)
