@@ -1,4 +1,4 @@
-"""What some rigs can do besides: the one place in which they are asked, each answer an object or None."""
+"""Optional abilities of rigs: the one place in which they are looked up, each found as an object or None."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class ExchangeTimes(Protocol):
 
 @runtime_checkable
 class HasProtection(Protocol):
-    """A rig that is held against limits."""
+    """A rig with protection limits."""
 
     @property
     def protection_limits(self) -> ProtectionLimits:
-        """The limits that the protection table is held against."""
+        """The limits that the protection table applies."""
         ...
 
 
@@ -44,7 +44,7 @@ class GuardedStage:
     """The stage of a guarded device: after a move the protection compares no reading with one before."""
 
     def __init__(self, rig: GuardedRig, stage: HasStage) -> None:
-        """Move the stage on behalf of its rig."""
+        """Keep rig and stage; no move yet."""
         self._rig, self._stage = rig, stage
 
     def set_pretension(self, pretension_n: float) -> None:
@@ -57,17 +57,17 @@ class GuardedTendonStage:
     """The finger's stage of a guarded device, after whose moves no reading is compared with one before either."""
 
     def __init__(self, rig: GuardedRig, stage: HasTendonStage) -> None:
-        """Move the stage on behalf of its rig."""
+        """Keep rig and stage; no move yet."""
         self._rig, self._stage = rig, stage
 
     def set_tendon_slack(self, slack_m: float) -> None:
-        """Let the tendon hang through by this much [m], as ``HasTendonStage`` says."""
+        """Give the tendon this slack [m], as ``HasTendonStage`` says."""
         self._stage.set_tendon_slack(slack_m)
         self._rig.forget_readings()
 
 
 def able(rig: Rig) -> object:
-    """Return who has the abilities of a rig: the device that is guarded, or a rig of another make itself."""
+    """Return the object with the abilities of a rig: the guarded device, or a rig of another class itself."""
     return rig.device if isinstance(rig, GuardedRig) else rig
 
 
@@ -108,7 +108,7 @@ def tendon_stage_of(rig: Rig) -> HasTendonStage | None:
 
 
 def true_state_of(rig: Rig) -> HasTrueState | None:
-    """Return what a simulated rig truly is, for judging it; never for an estimator.
+    """Return the true state of a simulated rig, for judging a result; never for an estimator.
 
     Parameters
     ----------
@@ -117,14 +117,14 @@ def true_state_of(rig: Rig) -> HasTrueState | None:
 
     Returns
     -------
-    What knows the true state at any time, None for a rig that is not simulated.
+    An object with the true state at any time, None for a rig that is not simulated.
     """
     found = able(rig)
     return found if isinstance(found, HasTrueState) else None
 
 
 def required_true_state(rig: Rig) -> HasTrueState:
-    """Return what a simulated rig truly is.
+    """Return the true state of a simulated rig.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def required_true_state(rig: Rig) -> HasTrueState:
 
     Returns
     -------
-    What knows the true state at any time.
+    An object with the true state at any time.
 
     Raises
     ------
@@ -178,7 +178,7 @@ def protection_limits_of(rig: Rig) -> ProtectionLimits | None:
 
 
 def exchange_times_of(rig: Rig) -> ExchangeTimes | None:
-    """Return what notes the times of a rig's exchanges.
+    """Return the times of a rig's exchanges.
 
     Parameters
     ----------

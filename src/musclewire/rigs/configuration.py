@@ -21,7 +21,7 @@ __all__ = [
 ]
 
 SIMULATED = "simulated"
-# Rig files that come with musclewire, each called by its name.
+# Rig files that ship with musclewire, each known by its name.
 FOLDER = Path(str(files("musclewire.parameters"))) / "data" / "rigs"
 
 
@@ -39,12 +39,12 @@ def read_rig_file(path: str | Path) -> DeviceConfiguration:
 
 
 def rig_names() -> list[str]:
-    """Return the names of the rig files that come with musclewire, after the word for the paper's bench."""
+    """Return the names of the rig files that ship with musclewire, after the word for the paper's bench."""
     return [SIMULATED, *(item.stem for item in sorted(FOLDER.glob("*.toml")))]
 
 
 def simulated_configuration(rig: str | Path | RigConfiguration) -> tuple[RigConfiguration, str]:
-    """Return what a simulated rig is; ``rig_configuration`` for experiments that change what the wire pulls.
+    """Return the configuration of a simulated rig, for experiments that change the load of its wire.
 
     Raises CallerError for a rig that is not simulated.
     """
@@ -57,9 +57,9 @@ def simulated_configuration(rig: str | Path | RigConfiguration) -> tuple[RigConf
 def rig_configuration(
     rig: str | Path | DeviceConfiguration,
 ) -> tuple[DeviceConfiguration, str]:
-    """Return what a rig is and how messages call it: from a name, the path of a rig file, or as it is.
+    """Return a rig's configuration and its name in messages, from a name, the path of a rig file, or a configuration.
 
-    Raises CallerError for a name or file that is not there, and for a wrong file.
+    Raises CallerError for an unknown name, a missing file and an invalid file.
     """
     if isinstance(rig, DeviceConfiguration):
         return rig, "rig"
@@ -136,5 +136,5 @@ def open_rig(
     opened = GuardedRig(device_kinds.find(configuration.kind).open(configuration))
     if real_time and not opened.paced:
         opened.close()
-        raise CallerError(f"{where} has no clock: leave --real-time (real_time) away")
+        raise CallerError(f"{where} has no clock: leave out --real-time (real_time)")
     return opened

@@ -1,7 +1,7 @@
-"""What a kind of hardware or simulation must do, and what some can do besides; what is safe is decided elsewhere.
+"""The interface of every kind of hardware or simulation, and optional abilities; safety is decided elsewhere.
 
-A device takes one command, puts it out and hands back one sample. It judges nothing: the guard that holds it
-(``musclewire.rigs.guarded``) decides before each command what may be out, and after each sample whether to go on.
+A device takes one command, puts it out and returns one sample. It judges nothing: the guard that holds it
+(``musclewire.rigs.guarded``) decides before each command what may be out, and after each sample whether to continue.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class DeviceFacts:
-    """What is known of a device once it is open, and does not change while it is.
+    """Facts of an open device, which do not change while it is open.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class DeviceFacts:
     drive_amplitude_v
         Amplitude [V] at which the wire completes its transformation in a slow sine.
     limits
-        What the protection is held against; sense voltage, maximum voltage and shunt are among them.
+        Limits of the protection; sense voltage, maximum voltage and shunt are among them.
     reference_columns
         Names of the reference instruments, of ``musclewire.signals.exchange.REFERENCE_COLUMNS``.
     """
@@ -57,7 +57,7 @@ class DeviceFacts:
 
 
 class Missing(NamedTuple):
-    """Something has been missing for a time: the guard holds the drive, senses, or switches off.
+    """A sample or command has been missing for a time: the guard holds the drive, senses, or switches off.
 
     Parameters
     ----------
@@ -76,14 +76,14 @@ class Missing(NamedTuple):
 
 
 class Fault(NamedTuple):
-    """Something that ends the run: the guard switches off, with the table's words for the event.
+    """A fault of the device that ends the run: the guard switches off, with the table's words for the event.
 
     Parameters
     ----------
     event
-        Which row of the protection table it is.
+        The row of the protection table.
     details
-        What was seen, for the message: a few words without a period.
+        What was observed, for the message: a few words without a period.
     """
 
     event: Event
@@ -92,7 +92,7 @@ class Fault(NamedTuple):
 
 Answer = RawSample | Missing | Fault
 
-# What an exchange ends with that another thread has switched off; the guard says who asked for it.
+# The answer to an exchange that another thread has ended by switching off; the guard reports that.
 SWITCHED_OFF = Fault(Event.DEVICE_LOST, "it was switched off while a sample was awaited")
 
 
@@ -101,7 +101,7 @@ class Device(Protocol):
 
     @property
     def facts(self) -> DeviceFacts:
-        """What is known of it; the same as long as it is open."""
+        """Facts of the device; the same as long as it is open."""
         ...
 
     @property
@@ -110,11 +110,11 @@ class Device(Protocol):
         ...
 
     def metadata(self) -> Metadata:
-        """Return what a recording is to say about this device.
+        """Return the metadata of a recording that describe this device.
 
         Returns
         -------
-        Facts by metadata keys, and what it has counted so far (lost frames, late samples).
+        Facts by metadata keys, and its present counts (lost frames, late samples).
         """
         ...
 
@@ -129,14 +129,14 @@ class Device(Protocol):
 
         Returns
         -------
-        The sample; what is missing, as soon as the guard may want something else to be out; or a fault.
+        The sample; what is missing, as soon as the guard may have to change the drive; or a fault.
 
         Raises
         ------
         RigError
             For trouble that no event of the protection table names. The guard switches off, as for a fault.
         NumericsError
-            From a simulation that cannot go on. The guard switches off.
+            From a simulation that cannot continue. The guard switches off.
         """
         ...
 
@@ -150,10 +150,10 @@ class Device(Protocol):
         ...
 
     def off(self) -> bool:
-        """Put out 0 V and let go of the hardware; nothing goes out ever after.
+        """Put out 0 V and release the hardware; nothing is put out after that.
 
         May be called twice, and from another thread while ``exchange`` waits for its sample: that then ends soon, with
-        an answer or an error that nobody reads. Never raises.
+        an answer or an error that is not used. Never raises.
 
         Returns
         -------
@@ -184,7 +184,7 @@ class HasStage(Protocol):
 
 @runtime_checkable
 class HasTendonStage(Protocol):
-    """A second stage that carries the finger: it lets the tendon hang through or draws it taut."""
+    """A second stage that carries the finger: it gives the tendon slack or draws it taut."""
 
     def set_tendon_slack(self, slack_m: float) -> None:
         """Move the finger's stage.
@@ -192,18 +192,18 @@ class HasTendonStage(Protocol):
         Parameters
         ----------
         slack_m
-            How much the tendon hangs through [m]; below 0 it is drawn taut.
+            Slack of the tendon [m]; below 0 it is drawn taut.
 
         Raises
         ------
         CallerError
-            If there is no finger, or its curve ends before.
+            If there is no finger, or its curve does not extend that far.
         """
         ...
 
 
 class TrueState(Protocol):
-    """What a simulated wire truly is; a part of the simulator's own state."""
+    """The true state of a simulated wire; a part of the simulator's own state."""
 
     @property
     def time_s(self) -> float:
@@ -222,13 +222,13 @@ class TrueState(Protocol):
 
     @property
     def cycles(self) -> float:
-        """Transformation cycles so far."""
+        """Number of transformation cycles that the wire has completed."""
         ...
 
 
 @runtime_checkable
 class HasTrueState(Protocol):
-    """A simulation: it knows what no instrument shows. For judging it, never for an estimator."""
+    """A simulation, whose true state no instrument shows. For judging a result, never for an estimator."""
 
     @property
     def wire_state(self) -> TrueState:

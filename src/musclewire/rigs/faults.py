@@ -1,12 +1,12 @@
-"""What may go wrong with a simulated rig, by its rig file: of the wire, the circuit, the channels, the clock.
+"""Faults of a simulated rig, as its rig file lists them: of the wire, the circuit, the channels and the clock.
 
 [[fault]]
 kind = "wire_open"
 at = "3 s"
 
-A fault has the name of the protection's event that it leads to, if there is one. The wire behind a fault stays the
-simulated one: a fault decides what current reaches it and what the instruments say.
-Faults are there to see what the protection does; they are no model of how often anything fails.
+A fault has the name of the protection's event that it leads to, if there is one. The wire is simulated as before: a
+fault changes only the current that reaches it and the readings of the instruments.
+Faults serve to test the protection; they do not model how often anything fails.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from musclewire.rigs.quantities import measured_in
 
 __all__ = ["OLD_KINDS", "Circuit", "Fault", "Faults"]
 
-# Names that kinds had in rig files before they were those of the protection's events; they still read.
+# Earlier names of kinds in rig files, before they were those of the protection's events; they can still be read.
 OLD_KINDS = {
     "broken wire": "wire_open",
     "short circuit": "wire_short",
@@ -45,7 +45,7 @@ Channel = Literal["wire", "shunt"]
 
 
 class FaultBase(BaseModel):
-    """What all faults share: when it begins, on the rig's clock, and how long it lasts; without ``lasts`` it stays."""
+    """The times of a fault: it begins ``at`` a time of the rig's clock and stays, or ends after ``lasts``."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -53,7 +53,7 @@ class FaultBase(BaseModel):
     lasts: Duration | None = None
 
     def active(self, time_s: float) -> bool:
-        """Whether the fault is there at a time."""
+        """Whether the fault is present at a time."""
         return time_s >= self.at and (self.lasts is None or time_s < self.at + self.lasts)
 
 
@@ -64,21 +64,21 @@ class BrokenWire(FaultBase):
 
 
 class ShortCircuit(FaultBase):
-    """Something of this resistance bridges the wire's terminals and takes its current."""
+    """A conductor of this resistance bridges the wire's terminals and takes its current."""
 
     kind: Literal["wire_short"]
     resistance: Ohms = 0.2
 
 
 class BadContact(FaultBase):
-    """A clamp that lets go a little adds this resistance between the wire's terminals."""
+    """A loose clamp adds this resistance between the wire's terminals."""
 
     kind: Literal["bad_contact"]
     resistance: Ohms = 5.0
 
 
 class SlippedClamp(FaultBase):
-    """The wire slipped through its clamp: this fraction of its resistance is left between the terminals."""
+    """The wire slipped through its clamp: this fraction of its resistance remains between the terminals."""
 
     kind: Literal["clamp_slipped"]
     fraction: float = Field(default=0.6, gt=0.0, lt=1.0, allow_inf_nan=False)
@@ -120,7 +120,7 @@ class StuckOutput(FaultBase):
 
 
 class SupplyLost(FaultBase):
-    """The supply is gone: nothing comes out whatever is commanded."""
+    """The supply is missing: the output is 0 V whatever is commanded."""
 
     kind: Literal["supply_missing"]
 
@@ -139,7 +139,7 @@ class ClockJump(FaultBase):
 
 
 def by_present_names(given: Any) -> Any:
-    """Return a [[fault]] table with the names of before replaced: of its kind, and of what is left of a wire."""
+    """Return a [[fault]] table with earlier names replaced: those of kinds, and ``share`` for ``fraction``."""
     if not isinstance(given, dict):
         return given
     kind = OLD_KINDS.get(str(given.get("kind")), given.get("kind"))
@@ -173,10 +173,10 @@ class Circuit(NamedTuple):
 
 
 class Faults:
-    """The faults of one simulated rig: times in, currents and readings out; keeps what a frozen channel repeats."""
+    """The faults of one simulated rig: times in, currents and readings out; it keeps the last readings."""
 
     def __init__(self, faults: Sequence[Fault]) -> None:
-        """Take the faults of a rig file; of two that contradict each other the first counts."""
+        """Take the faults of a rig file; if two contradict each other, the first one applies."""
         self._faults = tuple(faults)
         self._last_readings_v: tuple[float, float] | None = None
 
@@ -192,7 +192,7 @@ class Faults:
         return any(isinstance(fault, DeviceLost) for fault in self._now(time_s))
 
     def output_v(self, commanded_v: float, time_s: float) -> float:
-        """Return the voltage that the output truly puts out."""
+        """Return the true voltage of the output [V]."""
         for fault in self._now(time_s):
             if isinstance(fault, StuckOutput):
                 return fault.voltage
@@ -201,7 +201,7 @@ class Faults:
         return commanded_v
 
     def circuit(self, output_v: float, wire_ohm: float, shunt_ohm: float, time_s: float) -> Circuit:
-        """Return what an output voltage does in the faulty circuit of a wire and a shunt of these resistances."""
+        """Return current and voltages at an output voltage in the faulty circuit of a wire and a shunt."""
         current_a = output_v / (wire_ohm + shunt_ohm)
         for fault in self._now(time_s):
             if isinstance(fault, BrokenWire):
@@ -220,7 +220,7 @@ class Faults:
         return Circuit(current_a, current_a * wire_ohm, current_a * shunt_ohm)
 
     def readings_v(self, wire_voltage_v: float, shunt_voltage_v: float, time_s: float) -> tuple[float, float]:
-        """Return what faulty channels make of the instruments' readings of wire and shunt."""
+        """Return the readings of wire and shunt [V] after the faults of their channels."""
         readings = [wire_voltage_v, shunt_voltage_v]
         for fault in reversed(self._now(time_s)):
             if isinstance(fault, SwappedChannels):
@@ -239,5 +239,5 @@ class Faults:
         return reading_v if self._last_readings_v is None else self._last_readings_v[place]
 
     def clock_s(self, time_s: float) -> float:
-        """Return what a clock that jumps says."""
+        """Return the time [s] that a clock with jumps shows."""
         return time_s + sum(fault.by for fault in self._now(time_s) if isinstance(fault, ClockJump))

@@ -29,7 +29,7 @@ from musclewire.signals.exchange import Command, Drive, RawSample, Target, as_co
 
 __all__ = ["GuardedRig", "ProtectionTripError"]
 
-# Of a device that does not answer nobody can say more.
+# No more is known of a device that does not answer.
 NOT_CONFIRMED = (
     "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian has tried to switch "
     "off; cut the supply to be sure"
@@ -37,20 +37,21 @@ NOT_CONFIRMED = (
 
 
 class ProtectionTripError(RigError):
-    """The protection has switched the drive off; ``event`` says why."""
+    """The protection has switched the drive off; ``event`` is the cause."""
 
     def __init__(self, message: str, event: Event) -> None:
-        """Keep the event beside the message."""
+        """Keep the event with the message."""
         super().__init__(message)
         self.event = event
 
 
 @final
 class GuardedRig:
-    """A device behind the protection table, so that no script, policy or experiment passes it by accident.
+    """A device with the protection table around it, which no script, policy or experiment can bypass by accident.
 
-    The only rig there is, simulated or real; :func:`musclewire.open_rig` makes it. The device says how one sample is
-    taken and how its output goes off; what may be out and when it must go off is decided here, for all of them alike.
+    The only implementation of a rig, simulated or real; :func:`musclewire.open_rig` makes it. The device takes one
+    sample and can switch its output off; which drive is allowed and when to switch off is decided here, for all devices
+    alike.
 
     One thread exchanges. ``close`` may be called from another one while a sample is awaited: the drive goes off, and
     the exchange ends with a RigError.
@@ -63,11 +64,11 @@ class GuardedRig:
     Attributes
     ----------
     device
-        What is guarded. Its abilities are looked up by ``musclewire.rigs.abilities``; whoever drives it directly, as
-        an emulator does that stands in for a circuit, passes the protection by on purpose.
+        The guarded device. Its abilities are looked up by ``musclewire.rigs.abilities``. A program that drives it
+        directly, such as an emulated circuit, bypasses the protection on purpose.
     drive_at_ns, sample_at_ns
-        When the last drive was handed to the output and when its sample was there (``time.perf_counter_ns``): between
-        a sample and the next drive lies all that the host computes, the protection too.
+        Times at which the last drive was handed to the output and its sample had come (``time.perf_counter_ns``): the
+        time between a sample and the next drive is the host's computing time, with the protection's.
 
     Raises
     ------
@@ -140,27 +141,27 @@ class GuardedRig:
 
     @property
     def protection(self) -> ProtectionState:
-        """What the protection knows: its state, the last event, the estimated temperature."""
+        """State of the protection, with the last event and the estimated temperature."""
         return self._guard
 
     @property
     def protection_limits(self) -> ProtectionLimits:
-        """The limits that the protection table is held against."""
+        """The limits that the protection table applies."""
         return self._limits
 
     def __repr__(self) -> str:
-        """Say what is guarded."""
+        """Name the guarded device."""
         return f"GuardedRig({self.device!r})"
 
     def metadata(self) -> Metadata:
-        """Return what a recording is to say about this rig."""
+        """Return the metadata of a recording that describe this rig."""
         return self.device.metadata()
 
     def exchange(self, command: Command | float) -> RawSample:
         """Follow a command for one sample period and return the sample at its end.
 
-        While readings are missing the protection holds the drive or lowers it; the sample's ``drive_voltage_v`` says
-        what was out. A target goes to the device's own closed loop; what that puts out is judged like any drive.
+        While readings are missing the protection holds the drive or lowers it; the sample's ``drive_voltage_v`` is
+        what was out. A target goes to the device's own closed loop, whose drive is judged like any other.
 
         Parameters
         ----------
@@ -176,10 +177,10 @@ class GuardedRig:
         ------
         RigError
             With the drive switched off, for a voltage outside 0 to the maximum, for every event of the protection table
-            that trips, and if another thread has closed the rig. Whatever else is raised leaves the rig at its sense
+            that trips, and if another thread has closed the rig. Any other exception leaves the rig at its sense
             voltage.
         NumericsError
-            With the drive switched off, from a simulation that cannot go on.
+            With the drive switched off, from a simulation that cannot continue.
         CallerError
             For a target if the device has no closed loop of its own.
         """
@@ -198,7 +199,7 @@ class GuardedRig:
         return sample
 
     def _allowed(self, command: Command) -> Command:
-        """Return what may go out of a command. Raises as ``exchange`` does for one that never may."""
+        """Return the command that is allowed now. Raises as ``exchange`` does for one that never is."""
         if self._accepts_targets and isinstance(command, Target):
             return command
         try:
@@ -219,11 +220,11 @@ class GuardedRig:
         self._guard = protect_command(self._guard, self._limits, drive_voltage_v)
 
     def _allowed_drive(self) -> Drive:
-        """Return the drive that may be out now."""
+        """Return the drive that is allowed now."""
         return Drive(allowed_drive_v(self._guard, self._limits), self._guard.state is not State.RUN)
 
     def _awaited(self, command: Command) -> RawSample:
-        """Return the sample of a command; while it is missing, the table decides what is out and how long to wait."""
+        """Return the sample of a command; while it is missing, the table decides the drive and how long to wait."""
         self.drive_at_ns = perf_counter_ns()
         waited_s = 0.0
         while True:
@@ -233,7 +234,7 @@ class GuardedRig:
                 self._end_unless_switched_off()
                 raise
             except BaseException:
-                self.make_safe()  # Ctrl-C, or a mistake in a device: nobody may be there to ask for less
+                self.make_safe()  # Ctrl-C, or an error in a device: no further command may come
                 raise
             if isinstance(answer, RawSample):
                 self.sample_at_ns = perf_counter_ns()
@@ -244,7 +245,7 @@ class GuardedRig:
                 if not isinstance(answer, Missing):
                     self._trip(answer.event, answer.details)
                 if answer.sample is None and not answer.missing_s > waited_s:
-                    self._trip(Event.DEVICE_LOST, f"the device waits and its clock stands at {answer.missing_s:.3f} s")
+                    self._trip(Event.DEVICE_LOST, f"the device waits, but its clock stays at {answer.missing_s:.3f} s")
                 waited_s = answer.missing_s
                 self._miss(answer)
                 command = self._allowed_drive()
@@ -253,7 +254,7 @@ class GuardedRig:
                 return answer.sample
 
     def _miss(self, missing: Missing) -> None:
-        """Let the protection hold, go to the sense voltage or trip, by how long something has been missing in all."""
+        """Let the protection hold, go to the sense voltage or trip, by the total time that something was missing."""
         self._guard = protect_missing(self._guard, missing.event, missing.missing_s)
         if self._guard.state is State.TRIPPED:
             self._trip(missing.event, f"missing for {missing.missing_s:.3f} s")
@@ -281,7 +282,7 @@ class GuardedRig:
         self._block_s = self._block_drive_v = self._block_wire_v = self._block_shunt_v = 0.0
 
     def _measured(self, drive_v: float, wire_v: float, shunt_v: float) -> str:
-        """Return what was measured when the protection tripped."""
+        """Describe the reading at which the protection tripped."""
         ohm = f", {wire_v / shunt_v * self.shunt_resistance_ohm:.3f} ohm" if shunt_v else ""
         warmth = f"estimated {self._guard.temperature_k - 273.15:.0f} C"
         return f"drive {drive_v:.3f} V, wire {wire_v:.4f} V, shunt {shunt_v:.4f} V{ohm}, {warmth}"
@@ -295,7 +296,7 @@ class GuardedRig:
         raise ProtectionTripError(f"{row.name}: {row.cause} ({details}); {off}; {row.remedy}", event)
 
     def _end_unless_switched_off(self) -> None:
-        """Switch off after trouble that the device reports; if another thread did, that is the reason to give."""
+        """Switch off after an error of the device; if another thread has switched off, report that instead."""
         with self._deciding:
             if self._off_for_good:
                 self._end_as_switched_off()
@@ -315,16 +316,16 @@ class GuardedRig:
             if self.device.sense():
                 self.forget_readings()
             else:
-                self.close()  # what cannot be put to the sense voltage goes off
+                self.close()  # a device that cannot go to the sense voltage is switched off
 
     def forget_readings(self) -> None:
-        """Begin anew after a pause, or after the wire was changed: the next reading is compared with none before."""
+        """Start again after a pause, or after the wire was changed: the next reading is not compared with the last."""
         with self._deciding:
             self._guard = rested(self._guard, self._limits)
             self._start_block()
 
     def close(self) -> None:
-        """Switch the drive off and let go of the hardware; may be done twice, and from another thread."""
+        """Switch the drive off and release the hardware; may be called twice, and from another thread."""
         with self._deciding:
             self._off_for_good = True
             self._guard = closed(self._guard)

@@ -1,4 +1,4 @@
-"""Kinds of devices by name: what ``kind = "..."`` in a rig file may say, our own and those of other packages."""
+"""Kinds of devices by the name that ``kind = "..."`` has in a rig file: built-in ones and those of other packages."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class DeviceConfiguration(BaseModel):
     kind: str
 
     def beside(self, folder: Path) -> Self:
-        """Return the configuration with the files it names found beside it; by default its wire file.
+        """Return the configuration with the files that it names taken from a folder; by default its wire file.
 
         Parameters
         ----------
@@ -52,7 +52,7 @@ Settings = TypeVar("Settings", bound=DeviceConfiguration)
 
 @dataclass(frozen=True)
 class DeviceKind(Generic[Settings]):
-    """How a kind of device comes from its rig file.
+    """A kind of device: the schema of its rig files, and the function that opens it.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class DeviceKind(Generic[Settings]):
             For a rig file of another kind.
         """
         if not isinstance(configuration, self.configuration):
-            raise CallerError(f"a rig file of kind '{configuration.kind}' is none of {self.configuration.__name__}")
+            raise CallerError(f"a rig file of kind '{configuration.kind}' is not a {self.configuration.__name__}")
         return self.opened(configuration)
 
 

@@ -1,4 +1,4 @@
-"""From what is known of a wire and its circuit to the limits of its protection."""
+"""Limits of the protection from a wire and its circuit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Circuit", "limits_of"]
 
 # A wire's resistance by the maker's ohm per metre is within 15 %, and falls by up to a fifth when it contracts.
 WINDOW_LOW, WINDOW_HIGH = 0.55, 1.5
-# No single wire and no draught explains a higher current or power than the maximum voltage drives through it.
+# Neither a variation between wires nor a draught explains more current or power than the maximum voltage drives.
 CURRENT_MARGIN, POWER_MARGIN = 1.1, 1.1
 # A tenth of the current that the sense voltage drives: less is no contact.
 OPEN_FRACTION = 0.1
@@ -23,12 +23,12 @@ OPEN_FRACTION = 0.1
 JUMP_FRACTION, JUMP_PERIOD_S, MAX_JUMP_FRACTION = 0.1, 0.05, 0.5
 # Annealing begins above 200 C and costs memory; the vendor's transformation ends below 130 C at its usual loads.
 MAXIMUM_TEMPERATURE_K = 473.15
-# Where the loss to the air is taken: a wire that has contracted.
+# Temperature at which the loss to the air is computed: that of a contracted wire.
 HOT_K = 373.15
 
 
 class Circuit(NamedTuple):
-    """What carries the wire: all SI. ``in_series`` and ``in_parallel`` count like wires on the same drive."""
+    """A wire's circuit and its acquisition, in SI. ``in_series`` and ``in_parallel`` count like wires on the drive."""
 
     sense_voltage_v: float
     maximum_voltage_v: float
@@ -57,13 +57,13 @@ def limits_of(
     known = {} if changed is None else dict(changed)
     low_ohm = known.get("resistance_low_ohm", low_ohm)
     high_ohm = known.get("resistance_high_ohm", high_ohm)
-    least_v = min(circuit.sense_voltage_v, circuit.maximum_voltage_v)
+    lowest_v = min(circuit.sense_voltage_v, circuit.maximum_voltage_v)
     capacity, loss = heat_of(wire, alloy, circuit)
     limits = ProtectionLimits(
         sense_voltage_v=circuit.sense_voltage_v,
         maximum_voltage_v=circuit.maximum_voltage_v,
         shunt_resistance_ohm=circuit.shunt_resistance_ohm,
-        minimum_current_a=OPEN_FRACTION * least_v / (high_ohm + circuit.shunt_resistance_ohm),
+        minimum_current_a=OPEN_FRACTION * lowest_v / (high_ohm + circuit.shunt_resistance_ohm),
         maximum_current_a=CURRENT_MARGIN * circuit.maximum_voltage_v / low_ohm,
         maximum_power_w=POWER_MARGIN * circuit.maximum_voltage_v**2 / low_ohm,
         resistance_low_ohm=low_ohm,

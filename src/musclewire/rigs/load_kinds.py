@@ -1,4 +1,4 @@
-"""Parts of a load by name: what ``part = "..."`` in a rig file may say, our own and those of other packages."""
+"""Parts of a load by the name that ``part = "..."`` has in a rig file: built-in ones and those of other packages."""
 
 from __future__ import annotations
 

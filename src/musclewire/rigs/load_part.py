@@ -1,4 +1,4 @@
-"""What a part at a wire's connector may add: the one class that every part of a load is made from."""
+"""The base class of every part of a load, with the contributions that a part at a wire's connector may make."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ Voltage = Annotated[float, measured_in("V"), Field(ge=0.0, allow_inf_nan=False)]
 
 
 class Pull(Enum):
-    """Which way a second wire pulls: along with the first, against it, or on a finger of its own."""
+    """Direction in which a second wire pulls: with the first, against it, or on a finger of its own."""
 
     ALONG = "along"
     AGAINST = "against"
@@ -61,7 +61,7 @@ class LoadPart(BaseModel):
     """A part at the connector of a simulated wire, as a table ``[[load]]`` of a rig file.
 
     A part of one's own is a subclass with ``part: Literal["its name"]``, its keys as fields, and those of the methods
-    below that are about what it adds; ``load_parts.register("its name", Class)`` or an entry point of the group
+    below that describe its contribution; ``load_parts.register("its name", Class)`` or an entry point of the group
     ``musclewire.load_parts`` makes it known to rig files.
 
     Parameters
@@ -74,7 +74,7 @@ class LoadPart(BaseModel):
     once
         Whether a rig has room for one part of the kind only.
     is_straight
-        Whether a recording's stiffness says all there is to say of the part.
+        Whether the recording's stiffness describes the part completely.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -162,15 +162,15 @@ class LoadPart(BaseModel):
 
     @property
     def second_wire(self) -> SecondWire | None:
-        """Second wire that it brings along."""
+        """Second wire that the part adds."""
         return None
 
-    def misfit(self, beside: Sequence[LoadPart]) -> str | None:  # noqa: ARG002  parts use it
+    def misfit(self, parts: Sequence[LoadPart]) -> str | None:  # noqa: ARG002  parts use it
         """Return why it does not fit together with the parts of a load; None if it does.
 
         Parameters
         ----------
-        beside
+        parts
             All parts of the load, this one included.
 
         Returns
@@ -180,5 +180,5 @@ class LoadPart(BaseModel):
         return None
 
     def facts(self) -> Metadata:
-        """Return what a recording should say of it, beside its name."""
+        """Return the metadata of a recording that describe the part, in addition to its name."""
         return {}

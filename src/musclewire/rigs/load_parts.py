@@ -1,4 +1,4 @@
-"""The parts of a load that come with musclewire: each is one class that says what it adds.
+"""The parts of a load that ship with musclewire: each is one class with its contribution to the load.
 
 [[load]]
 part = "pretensioner"
@@ -58,16 +58,16 @@ class Spring(LoadPart):
 
     @property
     def carries_pretension(self) -> bool:
-        """A spring carries the pretension unless it hangs through."""
+        """A spring carries the pretension unless it has slack."""
         return self.slack == 0.0
 
     @property
     def stiffness_n_per_m(self) -> float:
-        """Its stiffness [N/m]; one that hangs through begins later."""
+        """Its stiffness [N/m]; 0 with slack, because it then begins later (``force_n``)."""
         return self.stiffness if self.slack == 0.0 else 0.0
 
     def force_n(self, displacement_m: FloatArray) -> FloatArray | None:
-        """Return its force [N] if it hangs through first."""
+        """Return its force [N] if it has slack; None otherwise."""
         return None if self.slack == 0.0 else self.stiffness * np.maximum(displacement_m - self.slack, 0.0)
 
 
@@ -98,7 +98,7 @@ class Pretensioner(LoadPart):
 
     @property
     def carries_pretension(self) -> bool:
-        """A pretensioner is there for that."""
+        """A pretensioner carries the pretension."""
         return True
 
     @property
@@ -182,7 +182,7 @@ class Blocked(LoadPart):
 
 
 class Contact(LoadPart):
-    """An object in the way: a foam block before the finger's endpoint, or before the connector without a finger."""
+    """An object in the way: a foam block in front of the finger's endpoint, or of the connector without a finger."""
 
     once: ClassVar[bool] = True
 
@@ -199,10 +199,10 @@ class Contact(LoadPart):
         """Return a contact with another object."""
         return self.model_copy(update={"stiffness": obstacle.stiffness_n_per_m, "clearance": obstacle.clearance_m})
 
-    def misfit(self, beside: Sequence[LoadPart]) -> str | None:
-        """Two wires on one connector meet no object: that is not simulated."""
-        if any(part.second_wire is not None and part.second_wire.pull is not Pull.APART for part in beside):
-            return "a contact beside a second wire on one connector is not simulated: leave one out"
+    def misfit(self, parts: Sequence[LoadPart]) -> str | None:
+        """Return why it does not fit: two wires on one connector that meet an object are not simulated."""
+        if any(part.second_wire is not None and part.second_wire.pull is not Pull.APART for part in parts):
+            return "a contact together with a second wire on one connector is not simulated: leave one out"
         return None
 
 
@@ -235,7 +235,7 @@ class Antagonist(LoadPart):
 
 
 class ParallelWire(LoadPart):
-    """A second wire beside the first, on the same connector and the same two terminals."""
+    """A second wire parallel to the first, on the same connector and the same two terminals."""
 
     once: ClassVar[bool] = True
 
@@ -244,7 +244,7 @@ class ParallelWire(LoadPart):
 
     @property
     def second_wire(self) -> SecondWire:
-        """The wire beside the first."""
+        """The wire parallel to the first."""
         return SecondWire(self.wire, Pull.ALONG, Supply.PARALLEL)
 
 
@@ -267,19 +267,19 @@ class SecondFinger(LoadPart):
         """The wire of the other finger."""
         return SecondWire(self.wire, Pull.APART, Supply.SERIES)
 
-    def misfit(self, beside: Sequence[LoadPart]) -> str | None:
+    def misfit(self, parts: Sequence[LoadPart]) -> str | None:
         """Return why the parts are not two fingers with an object between them; None if they are.
 
         Parameters
         ----------
-        beside
+        parts
             All parts of the load.
 
         Returns
         -------
         What is missing; None if there are a finger, which this one mirrors, and a contact, which both meet.
         """
-        finger = any(part.finger_name is not None for part in beside)
-        if finger and any(part.obstacle is not None for part in beside):
+        finger = any(part.finger_name is not None for part in parts)
+        if finger and any(part.obstacle is not None for part in parts):
             return None
         return "a second finger needs a part 'finger', which it mirrors, and a 'contact' between them"

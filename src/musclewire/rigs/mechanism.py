@@ -1,4 +1,4 @@
-"""From the parts at a connector to what the simulator takes: one load, where the endpoint is, what touches it."""
+"""The mechanism at a connector from its parts: one load for the simulator, the endpoint, and what touches it."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ SOLVE_POINTS = 20001
 
 @dataclass(frozen=True)
 class Tendon:
-    """A finger at a connector, from the connector's displacement [m] to what the finger does; arrays of any shape.
+    """A finger at a connector: forces and positions over the connector's displacement [m], arrays of any shape.
 
-    ``start_m`` is the tendon travel that is taken up before the connector moves: by a pretension without pretensioner,
-    or by a stage that pulls the finger back.
+    ``start_m`` is the tendon travel before the connector moves: by a pretension without pretensioner, or by a stage
+    that pulls the finger back.
     """
 
     curve: FingerCurve
@@ -36,14 +36,14 @@ class Tendon:
     obstacle: ElasticObject | None
 
     def column(self, name: str, displacement_m: ArrayLike) -> FloatArray:
-        """Return a column of the curve at the connector's displacement; it goes on straight beyond its end."""
+        """Return a column of the curve at the connector's displacement, extrapolated linearly beyond its end."""
         travel = np.maximum(np.asarray(displacement_m, dtype=np.float64) - self.slack_m + self.start_m, 0.0)
         at, values = np.asarray(self.curve.tendon_travel_m), np.asarray(getattr(self.curve, name))
         beyond = np.maximum(travel - at[-1], 0.0) * (values[-1] - values[-2]) / (at[-1] - at[-2])
         return np.asarray(np.interp(travel, at, values) + beyond)
 
     def free_endpoint_m(self, displacement_m: ArrayLike) -> FloatArray:
-        """Return where the endpoint is while nothing touches it [m]."""
+        """Return the position of the free endpoint [m]."""
         return self.column("endpoint_displacement_m", displacement_m)
 
     def endpoint_force_n(self, displacement_m: ArrayLike, squeeze_m: float = 0.0) -> FloatArray:
@@ -55,12 +55,12 @@ class Tendon:
         return np.asarray(self.obstacle.stiffness_n_per_m * inside / (1.0 + self.obstacle.stiffness_n_per_m * soft))
 
     def endpoint_m(self, displacement_m: ArrayLike, endpoint_force_n: FloatArray | float) -> FloatArray:
-        """Return where the endpoint is [m] while a force holds it back."""
+        """Return the position of the endpoint [m] under a force that holds it back."""
         soft = self.column("endpoint_compliance_m_per_n", displacement_m)
         return np.asarray(self.free_endpoint_m(displacement_m) - soft * endpoint_force_n)
 
     def force_n(self, displacement_m: ArrayLike, endpoint_force_n: FloatArray | float) -> FloatArray:
-        """Return the tendon's force without friction [N], from where the tendon hangs through or starts."""
+        """Return the tendon's force without friction [N], with its slack or its initial travel."""
         free = self.column("tendon_force_n", displacement_m)
         lever = self.column("tendon_force_per_endpoint_force", displacement_m)
         return np.asarray(free + lever * endpoint_force_n)
@@ -68,7 +68,7 @@ class Tendon:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """A load for the simulator, what it adds to the stage's pretension, and the finger, if there is one.
+    """A load for the simulator, the force that it adds to the stage's pretension, and the finger, if there is one.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def mechanism_of(
     object_between: bool = False,
     tendon_slack_m: float | None = None,
 ) -> Mechanism:
-    """Return what the parts at a connector are together, at a setting of the stage.
+    """Return the mechanism of the parts at a connector, at a setting of the stage.
 
     If no part carries the stage's pretension the finger must, and is bent before anything is heated.
 
@@ -141,7 +141,7 @@ def mechanism_of(
 
 
 def tendon_of(part: LoadPart, obstacle: ElasticObject | None, slack_m: float | None) -> Tendon:
-    """Return the tendon of a part's finger; a slack that is given takes the place of the part's own."""
+    """Return the tendon of a part's finger; ``slack_m`` replaces the part's own slack."""
     finger = part.finger_file()
     assert finger is not None  # it has a name
     hanging_m = part.tendon_slack_m if slack_m is None else slack_m
@@ -155,7 +155,7 @@ def load_of(
     obstacle: ElasticObject | None,
     reach_m: float,
 ) -> ConnectorLoad:
-    """Return a spring for parts that are no more than that, otherwise one with tables of what they add beside it."""
+    """Return a spring if the parts are linear, otherwise a spring with tables of their other forces and friction."""
     nowhere = np.zeros(1)
     bent = any(part.force_n(nowhere) is not None or part.friction_n(nowhere) is not None for part in parts)
     if tendon is None and obstacle is None and not bent:
@@ -163,7 +163,7 @@ def load_of(
     return with_table(
         stiffness_n_per_m,
         lambda x: beyond_spring_n(x, parts, tendon, obstacle),
-        lambda x: friction_beside_n(x, parts, tendon),
+        lambda x: added_friction_n(x, parts, tendon),
         reach_m=reach_m,
         points=TABLE_POINTS,
     )
@@ -172,7 +172,7 @@ def load_of(
 def beyond_spring_n(
     displacement_m: FloatArray, parts: Sequence[LoadPart], tendon: Tendon | None, obstacle: ElasticObject | None
 ) -> FloatArray:
-    """Return the force of everything that is not a plain spring, over displacement, (n_points,); 0 at the start."""
+    """Return the force of all parts that are not linear springs, over displacement, (n_points,); 0 at the start."""
     force = np.zeros_like(displacement_m)
     for part in parts:
         own = part.force_n(displacement_m)
@@ -186,8 +186,8 @@ def beyond_spring_n(
     return force
 
 
-def friction_beside_n(displacement_m: FloatArray, parts: Sequence[LoadPart], tendon: Tendon | None) -> FloatArray:
-    """Return the largest friction of everything beside the guide, over displacement, (n_points,)."""
+def added_friction_n(displacement_m: FloatArray, parts: Sequence[LoadPart], tendon: Tendon | None) -> FloatArray:
+    """Return the largest friction of all parts in addition to the guide's, over displacement, (n_points,)."""
     friction = np.zeros_like(displacement_m) if tendon is None else tendon_friction_n(tendon, displacement_m)
     for part in parts:
         own = part.friction_n(displacement_m)

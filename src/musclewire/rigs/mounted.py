@@ -1,4 +1,4 @@
-"""What a rig file of real hardware says of the wire that is mounted on it."""
+"""The keys of a rig file of real hardware that describe the mounted wire and its circuit."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Seconds = Annotated[float, measured_in("s"), Field(gt=0.0, le=1.0)]
 # A fault shows in the next samples: with longer periods a frozen channel would not be off within half a second.
 LivePeriod = Annotated[float, measured_in("s"), Field(gt=0.0, le=0.05 + 1e-9)]
 Kelvins = Annotated[float, measured_in("K"), Field(gt=0.0, allow_inf_nan=False)]
-# Air that a bench stands in. A bare 22 is taken for kelvins, and so cold an air would let the wire grow too hot.
+# Air around a bench. A bare 22 would be read as kelvins, and air that cold would let the wire grow too hot.
 AirKelvins = Annotated[float, measured_in("K"), Field(ge=223.15, le=373.15)]
 Amperes = Annotated[float, measured_in("A"), Field(gt=0.0, allow_inf_nan=False)]
 Watts = Annotated[float, measured_in("W"), Field(gt=0.0, allow_inf_nan=False)]
@@ -33,13 +33,13 @@ class LimitsTable(BaseModel):
     """``[limits]`` of a rig file: limits of the protection that differ from what follows from wire and circuit.
 
     Attributes:
-        maximum_current: more is over-current.
-        maximum_power: more electrical power in the wire is over-power.
-        maximum_temperature: highest temperature that the power may explain.
-        minimum_current: below this a driven wire counts as open.
-        resistance_low: least resistance this wire can have.
-        resistance_high: most resistance it can have.
-        jump_share: change of resistance from one reading to the next, as a share of it, that no heating explains.
+        maximum_current: a higher current is over-current.
+        maximum_power: a higher electrical power in the wire is over-power.
+        maximum_temperature: highest allowed temperature, estimated from the power.
+        minimum_current: below this current a driven wire counts as open.
+        resistance_low: lowest resistance that this wire can have.
+        resistance_high: highest resistance that it can have.
+        jump_share: relative change of resistance from one reading to the next that heating cannot explain.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -63,7 +63,7 @@ class LimitsTable(BaseModel):
 
 
 class MountedWire(BaseModel):
-    """The wire on a real rig, its circuit, and what a user must say about both. Numbers in SI or as text with a unit.
+    """The wire on a real rig and its circuit. Numbers in SI or as text with a unit.
 
     Parameters
     ----------
@@ -76,19 +76,19 @@ class MountedWire(BaseModel):
     shunt
         R of Eq. 1.
     sense_voltage
-        Drive that heats by little and still gives a reading.
+        Drive that hardly heats the wire and still gives a reading.
     maximum_voltage
-        Highest drive that may ever be out; it goes with the length of the wire.
+        Highest drive that is ever allowed; it depends on the length of the wire.
     drive_amplitude
         Amplitude of the slow sine.
     pretension
         Force of the cold wire, as set by hand.
     ambient_temperature
-        Of the air around the wire.
+        Temperature of the air around the wire.
     sample_period
         Time between samples.
     limits
-        Limits of the protection that the user knows better.
+        Limits of the protection that replace those which follow from wire and circuit.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -135,7 +135,7 @@ class MountedWire(BaseModel):
         shunt_range_v
             End of the range [V] of the channel that reads the shunt.
         readings_noisy
-            Whether noise moves every reading, so that one that stands still is a fault by itself.
+            Whether noise changes every reading, so that a constant reading is a fault by itself.
 
         Returns
         -------
@@ -156,7 +156,7 @@ class MountedWire(BaseModel):
         return limits_of(wire, load_alloy(wire.alloy), circuit, self.limits.changed())
 
     def facts(self) -> Metadata:
-        """Return what a recording should say about wire and circuit."""
+        """Return the metadata of a recording that describe wire and circuit."""
         wire = self.known_wire()
         return {
             "wire": wire.name,

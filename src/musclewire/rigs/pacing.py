@@ -1,4 +1,4 @@
-"""The one place where a rig without a clock of its own waits for the computer's: absolute deadlines, no drift."""
+"""Pacing of a rig without a clock of its own by the computer's clock: absolute deadlines, no drift."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from musclewire.rigs.real_time import wake_on_time
 
 __all__ = ["SPIN_S", "Pacer"]
 
-# A sleeping thread is woken some 40 us late, and more on a busy machine: the last stretch is waited for awake. It costs
-# this share of every sample period in processor time: 10 % of a core at 1 kHz, 0.2 % at the paper's 20 Hz.
+# A sleeping thread is woken some 40 us late, and more on a busy machine: for the last part the thread stays awake. This
+# costs processor time in every sample period: 10 % of a core at 1 kHz, 0.2 % at the paper's 20 Hz.
 SPIN_S = 1e-4
 
 
 class Pacer:
-    """Lets samples come on one grid: the n-th is due n periods after the first, whatever happened in between.
+    """Paces samples on one grid: the n-th is due n periods after the first, whatever happened in between.
 
-    A caller who comes late finds his sample at once, and so on until the grid is caught up with: what was late does not
-    shift what follows. How late he may be is not decided here but by the protection table (event ``sample_late``).
+    A late caller gets samples at once until it has caught up with the grid: a late sample does not shift the following
+    ones. The protection table decides how late a sample may be (event ``sample_late``).
     """
 
     def __init__(
@@ -43,12 +43,12 @@ class Pacer:
         return None if self._start_s is None else self._start_s + self._samples * self._period_s
 
     def late_s(self) -> float:
-        """Return for how long the next sample has been due by now; 0 where it is not, or nothing has started."""
+        """Return for how long the next sample has been due [s]; 0 if it is not due or nothing has started."""
         due_s = self.due_s
         return 0.0 if due_s is None else max(0.0, self._clock_s() - due_s)
 
     def wait(self) -> None:
-        """Return when the next sample is due; at once for the first and where it has been due already."""
+        """Wait until the next sample is due; return at once for the first one and if it is due already."""
         due_s = self.due_s
         if due_s is None:
             self._start_s = self._clock_s()
@@ -61,5 +61,5 @@ class Pacer:
         self._samples += 1
 
     def rest(self) -> None:
-        """Forget the grid: nothing is driven, so nothing is due; the next sample starts another."""
+        """Drop the grid: nothing is driven, so nothing is due; the next sample starts another one."""
         self._start_s, self._samples = None, 0

@@ -1,4 +1,4 @@
-"""What every rig can do, simulated or real."""
+"""The interface of every rig, simulated or real."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Metadata = dict[str, str | int | float | bool | None]
 
 
 class Rig(Protocol):
-    """Anything with a clock that takes a drive voltage and hands back what its wires carry.
+    """A device with a clock that takes a drive voltage and returns readings of its wire.
 
     The rig owns the clock: ``exchange`` returns when the sample is due. Leaving the ``with`` block switches
     the drive off, whatever happened inside.
@@ -65,7 +65,7 @@ class Rig(Protocol):
         ...
 
     def metadata(self) -> Metadata:
-        """Return what a recording is to say about this rig."""
+        """Return the metadata of a recording that describe this rig."""
         ...
 
     def exchange(self, command: Command | float) -> RawSample:
@@ -84,9 +84,9 @@ class Rig(Protocol):
         Raises
         ------
         RigError
-            With the drive switched off, for a voltage outside 0 to the maximum, and for whatever ends the run.
+            With the drive switched off, for a voltage outside 0 to the maximum, and for every event that ends the run.
         CallerError
-            For a target if the device follows none.
+            For a target if the device has no closed loop of its own.
         """
         ...
 
@@ -95,7 +95,7 @@ class Rig(Protocol):
         ...
 
     def close(self) -> None:
-        """Switch the drive off and let go of the hardware."""
+        """Switch the drive off and release the hardware."""
         ...
 
     def __enter__(self) -> Self:

@@ -17,7 +17,7 @@ ABSOLUTE = ("degC", "degF", "°C", "°F", "celsius", "fahrenheit")
 def measured_in(unit: str, *, difference: bool = False) -> BeforeValidator:
     """Return a validator that takes a number in SI or text with a unit.
 
-    A ``difference`` of temperatures has no zero, so degrees Celsius and Fahrenheit are refused for it.
+    For a ``difference`` of temperatures, degrees Celsius and Fahrenheit are refused, because their zero is arbitrary.
     """
 
     def in_si(given: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What Linux lets a process do to be on time: real-time priority, a core of its own, memory in place, sharp timers."""
+"""Real-time scheduling of a process on Linux: priority, a core of its own, locked memory, precise timers."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from musclewire.errors import CallerError
 
 __all__ = ["pin_to_cpu", "scheduling", "take_priority", "wake_on_time"]
 
-# Above ordinary real-time work such as sound, below the kernel's own threads for interrupts, which stand at 50.
+# Above ordinary real-time work such as sound, below the kernel's own threads for interrupts, which have 50.
 PRIORITY = 40
 # prctl(2), mlockall(2): numbers of the kernel's interface.
 PR_SET_TIMERSLACK = 29
-# Memory in use now, each page from when it is touched. Not memory to come: beyond the limit, allocating would fail.
+# Memory in use now, each page from its first use. Not future memory: beyond the limit, allocating would fail.
 MCL_CURRENT, MCL_ONFAULT = 1, 4
 MIN_SLACK_NS = 1
 
 
 def wake_on_time() -> None:
-    """Let timers of this thread fire when they are due and not up to 50 us later; needs no permission.
+    """Make timers of this thread fire when they are due and not up to 50 us later; needs no permission.
 
-    Linux lets timers of ordinary threads slip so that it can wake for several at once (prctl(2), PR_SET_TIMERSLACK).
-    Elsewhere nothing happens.
+    Linux delays timers of ordinary threads in order to serve several at once (prctl(2), PR_SET_TIMERSLACK). On other
+    systems nothing happens.
     """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, MIN_SLACK_NS, 0, 0, 0)
 
 
 def pin_to_cpu(cpu: int) -> None:
-    """Keep this process on one processor core, so that it does not lose its caches by moving.
+    """Keep this process on one processor core, so that it does not lose its caches by migrating.
 
     Raises CallerError for a core that is not there or that this process may not use, and on systems without pinning.
     """
     if sys.platform != "linux":
-        raise CallerError(f"a core cannot be chosen on {sys.platform}: leave --cpu away")
+        raise CallerError(f"a core cannot be chosen on {sys.platform}: leave out --cpu")
     allowed = sorted(os.sched_getaffinity(0))
     if cpu not in allowed:
         cores = ", ".join(str(core) for core in allowed)
@@ -44,10 +44,10 @@ def pin_to_cpu(cpu: int) -> None:
 
 
 def take_priority() -> list[str]:
-    """Run before all ordinary processes (SCHED_FIFO) and keep its memory in place (mlockall).
+    """Run this process before all ordinary ones (SCHED_FIFO) and lock its memory (mlockall).
 
-    Returns a line for each of the two that the system does not permit, with what to do about it; the process then goes
-    on without. Raises CallerError on systems other than Linux.
+    Returns a line for each of the two that the system does not permit, with what to do about it; the process then
+    continues without it. Raises CallerError on systems other than Linux.
     """
     if sys.platform != "linux":
         raise CallerError(f"real-time priority is taken on Linux only, not on {sys.platform}")
@@ -69,7 +69,7 @@ def take_priority() -> list[str]:
 
 
 def scheduling() -> str:
-    """Return in words how the system schedules this process, for a recording's metadata."""
+    """Describe how the system schedules this process, for a recording's metadata."""
     if sys.platform != "linux":
         return "ordinary"
     real_time = os.sched_getscheduler(0) in (os.SCHED_FIFO, os.SCHED_RR)

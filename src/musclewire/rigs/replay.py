@@ -22,25 +22,25 @@ from musclewire.signals.recording import Recording
 
 __all__ = ["REPLAY", "ReplayConfiguration", "ReplayDevice"]
 
-# What a recording says of its own run and not of its rig: the run on the replay says it anew.
+# Metadata that describe a recording's own run and not its rig: the run on the replay sets its own.
 OF_THE_RUN = {"experiment", "ended", "start_time", "software_version", "pace", "scheduling", "deadline_misses"}
 OF_THE_RUN_TOO = ("limit_", "drift_", "compute_", "latency_", "jitter_", "replay_")
-# A recording that does not tell its channels' ranges cannot show that one is at its end.
+# If a recording does not state its channels' ranges, saturation cannot be detected.
 UNKNOWN_RANGE_V = 1e6
 
 
 class ReplayConfiguration(DeviceConfiguration):
-    """A rig file with ``kind = "replay"``: a recording, and what it does not say of its rig itself.
+    """A rig file with ``kind = "replay"``: a recording, and the facts of its rig that it does not contain.
 
     ``wire``, ``wire_length``, ``legs``, ``shunt``, ``sense_voltage``, ``maximum_voltage``, ``drive_amplitude`` and
-    ``pretension`` are those of any rig file of real hardware; they are needed where the recording's metadata lack them,
-    and count before these where given.
+    ``pretension`` are those of any rig file of real hardware; they are needed if the recording's metadata lack them,
+    and replace the metadata otherwise.
 
     Attributes:
-        recording: a recording file, beside the rig file.
-        on_difference: what happens when a drive is asked for that was not out in the recording: an error, or a report
-            in the metadata of the new recording.
-        drive_tolerance: how far a drive may be from the recorded one, which was rounded to the output's steps.
+        recording: a recording file, next to the rig file.
+        on_difference: response to a drive other than the recorded one: an error, or a report in the metadata of the
+            new recording.
+        drive_tolerance: allowed difference from the recorded drive, which was rounded to the output's steps.
         limits: limits of the protection that differ from those of the recorded rig.
     """
 
@@ -59,21 +59,21 @@ class ReplayConfiguration(DeviceConfiguration):
     limits: LimitsTable = LimitsTable()
 
     def beside(self, folder: Path) -> Self:
-        """Return the configuration with recording and wire file found beside the rig file."""
+        """Return the configuration with recording and wire file found next to the rig file."""
         return super().beside(folder).model_copy(update={"recording": str(folder / self.recording)})
 
 
 class ReplayDevice:
-    """Hands out the samples of a recording in their order; what is driven only decides whether they still fit.
+    """Returns the samples of a recording in their order; a drive only decides whether they still apply.
 
-    A replay heats nothing: it repeats what a wire answered to the drives of the recording. So every drive is compared
-    with the recorded one, and where they differ the samples say nothing about the new drive.
+    A replay heats nothing: it repeats a wire's response to the drives of the recording. So every drive is compared with
+    the recorded one, and if they differ the samples are not a response to the new drive.
     """
 
     def __init__(self, configuration: ReplayConfiguration) -> None:
         """Read the recording and the limits of the rig it was taken on.
 
-        Raises RecordingError where it cannot be read or does not tell enough.
+        Raises RecordingError if it cannot be read or lacks facts of its rig.
         """
         self._configuration = configuration
         self._path = Path(configuration.recording)
@@ -98,14 +98,14 @@ class ReplayDevice:
         self._first_difference_s: float | None = None
 
     def _of_rig(self, key: str, name: str) -> float | str:
-        """Return what must be known of the recorded rig; ``name`` is what the rig file calls it."""
+        """Return a fact of the recorded rig that is required; ``name`` is its key in the rig file."""
         value = self._known.get(key)
         if value is None:
             raise RecordingError(f"{self._path} does not say its {key}: give {name} in the rig file of the replay")
         return value
 
     def _limits(self, sample_period_s: float, drive_amplitude_v: float) -> ProtectionLimits:
-        """Return the limits of the recorded rig; without any those that follow from wire and circuit."""
+        """Return the limits of the recorded rig; if it recorded none, those that follow from wire and circuit."""
         given = self._configuration.limits.changed()
         names = ProtectionLimits._fields
         if all(f"limit_{name}" in self._known for name in names):
@@ -129,7 +129,7 @@ class ReplayDevice:
 
     @property
     def facts(self) -> DeviceFacts:
-        """What the recording and the rig file say of the recorded rig."""
+        """Facts of the recorded rig, from the recording and the rig file."""
         return self._facts
 
     @property
@@ -143,11 +143,11 @@ class ReplayDevice:
         return len(self._samples) - self._next
 
     def __repr__(self) -> str:
-        """Say what is played and how far it is."""
+        """Name the recording, and the samples that have been replayed."""
         return f"ReplayDevice({self._path}, {self._next} of {len(self._samples)} samples)"
 
     def metadata(self) -> Metadata:
-        """Return what the recording says of its rig, and how the replay has gone so far."""
+        """Return the recording's metadata of its rig, and the differences in drive that the replay has counted."""
         known = {
             key: value
             for key, value in self._known.items()
@@ -171,7 +171,7 @@ class ReplayDevice:
                 f"the recording {self._path} ends after {self._next} samples (it ended '{ended}'): run no longer"
             )
         sample = self._samples[self._next]
-        # While readings are missing the protection decides what is out, here as on the recorded rig.
+        # While readings are missing the protection decides the drive, here as on the recorded rig.
         if not (isinstance(command, Drive) and command.by_protection):
             self._compare(drive_voltage_of(command), sample)
         self._next += 1
@@ -210,15 +210,15 @@ class ReplayDevice:
 
 
 def as_recorded(path: Path) -> Recording:
-    """Return a recording with whatever is wrong in it: gaps and clocks that run back are for the protection to see.
+    """Return a recording with its errors: gaps and clocks that run backwards are for the protection to detect.
 
-    Raises RecordingError for what is no recording.
+    Raises RecordingError for a file that is not a recording.
     """
     return read_hdf5(path) if path.suffix.lower() in (".h5", ".hdf5") else read_recording(path)
 
 
 def known_of(recording: Recording, given: ReplayConfiguration) -> Metadata:
-    """Return what is known of the recorded rig, by the keys of metadata: the rig file's word before the recording's."""
+    """Return the facts of the recorded rig, by the keys of metadata; the rig file replaces those of the recording."""
     said = {
         "wire": given.wire,
         "wire_length_m": given.wire_length,
@@ -241,7 +241,7 @@ def known_of(recording: Recording, given: ReplayConfiguration) -> Metadata:
 def samples_of(recording: Recording, path: Path, shunt_resistance_ohm: float) -> list[RawSample]:
     """Return the rows of a recording as samples, to the bit; an instrument's NaN is no reading of it.
 
-    Raises RecordingError where time, drive or a voltage is missing.
+    Raises RecordingError if time, drive or a voltage is missing.
     """
     for name in ("time_s", "drive_voltage_v", "wire_voltage_v"):
         if name not in recording:

@@ -1,4 +1,4 @@
-"""A bench as a device that needs no hardware: wires, what they pull, circuit, acquisition, instruments, air."""
+"""A simulated bench as a device: wires, their load, circuit, acquisition, instruments and air."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.pacing import Pacer
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_building import Spool, force_limit_n, simulated_limits, wires_of
-from musclewire.rigs.surroundings import Surroundings, Weather
+from musclewire.rigs.surroundings import AirModel, Surroundings
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 from musclewire.simulate.wires import SampleMeans
 from musclewire.wire.loads import spring_load
@@ -40,7 +40,7 @@ class Instruments:
         self._voltage_step_v = 2.0 * bench["acquisition_range_v"] / 2.0 ** bench["acquisition_bits"]
 
     def voltages_v(self, *voltages_v: float) -> tuple[float, ...]:
-        """Return what a converter with noise, steps and a range makes of voltages, averaged over its readings."""
+        """Return voltages as a converter with noise, steps and a range reads them, averaged over its readings."""
         readings = int(self._bench["acquisition_readings"])
         noise: FloatArray = self._random.standard_normal((len(voltages_v), readings))
         noisy = np.asarray(voltages_v)[:, None] + self._bench["acquisition_noise_v"] * noise
@@ -68,16 +68,16 @@ class Instruments:
 class SimulatedDevice:
     """A simulated wire on a simulated bench, repeatable to the bit for one seed.
 
-    It hands out what the real instruments would: voltages in steps of the converter with its noise, a
-    displacement and a force with theirs. Temperature, phases and parameters stay inside; ``wire_state`` shows
-    them to whoever judges a simulation, never to an estimator.
+    It returns the readings that real instruments would: voltages in steps of the converter with its noise, a
+    displacement and a force with theirs. Temperature, phases and parameters are not among them; ``wire_state`` is for
+    judging a simulation, never for an estimator.
 
     Parameters
     ----------
     spool
-        The wire, its alloy, the bench it hangs on, and whether it is new.
+        The wire, its alloy, its bench, and whether it is new.
     parts
-        What the wire pulls; without any, the bench's spring.
+        Load of the wire; without any, the bench's spring.
     surroundings
         How the air moves and changes its temperature; still air of the bench's temperature if None.
     seed
@@ -88,7 +88,7 @@ class SimulatedDevice:
         Limits of the protection that differ from those that follow from wire and bench, by their names in
         ``ProtectionLimits``; none if None.
     faults
-        What goes wrong, and when; nothing by default.
+        Faults of wire, circuit, channels and clock, with their times; none by default.
 
     Raises
     ------
@@ -116,7 +116,7 @@ class SimulatedDevice:
         self._seed = seed
         self._instruments = Instruments(self._bench, seed)
         air = surroundings or Surroundings()
-        self._weather = None if air.still else Weather(air, seed)
+        self._air = None if air.still else AirModel(air, seed)
         self._check_pretension(self._bench["pretension_n"])
         self._tendon_slack_m: float | None = None
         self._leg_length_m = self._bench["wire_length_m"] / self._bench["legs"]
@@ -138,7 +138,7 @@ class SimulatedDevice:
         self._steps = self._steps_of_a_sample()
 
     def _mechanism_at(self, pretension_n: float, tendon_slack_m: float | None) -> Mechanism:
-        """Return what the wire pulls at a setting of the stages."""
+        """Return the wire's load at a setting of the stages."""
         if not self._parts:
             return Mechanism(spring_load(self._bench["spring_stiffness_n_per_m"]), 0.0, True, None)
         return mechanism_of(
@@ -160,7 +160,7 @@ class SimulatedDevice:
 
     @property
     def facts(self) -> DeviceFacts:
-        """What is known of the bench and its wire."""
+        """Facts of the bench and its wire."""
         return self._facts
 
     @property
@@ -170,17 +170,17 @@ class SimulatedDevice:
 
     @property
     def has_stage(self) -> bool:
-        """Whether a stage sets the pretension; where only a weight hangs, that is the pretension."""
+        """Whether a stage sets the pretension; if the only load is a weight, the weight is the pretension."""
         return self._mechanism.stage
 
     @property
     def wire_state(self) -> WireState:
-        """The simulated truth: temperature, phases, energy. For judging a simulation, not for estimating."""
+        """The true state of the wire: temperature, phases, energy. For judging a simulation, not for estimating."""
         return self._wires.state
 
     @property
     def partner_state(self) -> WireState | None:
-        """The same of a second wire; None where there is none."""
+        """The true state of a second wire; None if there is only one wire."""
         return self._wires.partner_state
 
     def _instruments_there(self) -> tuple[str, ...]:
@@ -192,14 +192,14 @@ class SimulatedDevice:
         return ("displacement_m", "force_n", *endpoint)
 
     def __repr__(self) -> str:
-        """Say which wire, at what pretension, and what is out."""
+        """Name the wire, its pretension and its drive."""
         return (
             f"SimulatedDevice(wire {self._wire.name}, pretension {self._pretension_n:g} N, "
             f"drive {self._drive_voltage_v:.3f} V, at {self._wires.state.time_s:.2f} s)"
         )
 
     def metadata(self) -> Metadata:
-        """Return what a recording should say about this rig."""
+        """Return the metadata of a recording that describe this rig."""
         return {
             "rig": "simulated",
             "wire": self._wire.name,
@@ -226,11 +226,11 @@ class SimulatedDevice:
 
     @property
     def _pretension_n(self) -> float:
-        """Force of the cold wire: the stage's and what hangs on it."""
+        """Force of the cold wire: that of the stage and of hanging weights."""
         return (self._bench["pretension_n"] if self._mechanism.stage else 0.0) + self._mechanism.added_n
 
     def _load_metadata(self) -> Metadata:
-        """Return what a recording should say about what the wire pulls."""
+        """Return the metadata of a recording that describe the wire's load."""
         stiffness = self._mechanism.load.stiffness_n_per_m
         if not self._parts:
             return {"spring_stiffness_n_per_m": stiffness}
@@ -245,8 +245,8 @@ class SimulatedDevice:
     def set_pretension(self, pretension_n: float) -> None:
         """Let the wire cool, then move the stage; the instruments are zeroed there.
 
-        The clock goes on and the wire keeps what it has been through in cycles. Raises CallerError for a force the
-        wire does not allow or the load cannot carry, and where only a hanging weight pulls: it is the pretension.
+        The clock continues and the wire keeps its history of cycles. Raises CallerError for a force the wire does not
+        allow or the load cannot carry, and if the only load is a hanging weight: it is the pretension.
         """
         self._check_pretension(pretension_n)
         if not self._mechanism.stage:
@@ -255,14 +255,14 @@ class SimulatedDevice:
         self._cool_at(self._around.model_copy(update={"pretension_n": changed}), self._tendon_slack_m)
 
     def set_tendon_slack(self, slack_m: float) -> None:
-        """Let the wire cool, then move the finger's stage: the tendon hangs through by this, or is taut below 0.
+        """Let the wire cool, then move the finger's stage: the tendon has this slack, or is drawn taut below 0.
 
-        Raises CallerError where there is no finger on a pretensioner, or the tendon would be drawn beyond the
-        finger's curve.
+        Raises CallerError without a finger on a pretensioner, and for a tendon that would be drawn beyond the finger's
+        curve.
         """
         tendon = self._mechanism.tendon
         if tendon is None or not self._mechanism.load.stiffness_n_per_m:
-            raise CallerError("there is no tendon to set: this rig has no finger beside a pretensioner")
+            raise CallerError("there is no tendon to set: this rig has no finger with a pretensioner")
         if not -slack_m <= tendon.curve.tendon_travel_m[-1]:
             raise CallerError(f"the tendon cannot be drawn {-1e3 * slack_m:g} mm: the finger's curve ends before")
         self._cool_at(self._around, slack_m)
@@ -271,7 +271,7 @@ class SimulatedDevice:
         """Let the wires cool at another setting of the stages."""
         self._drive_voltage_v = 0.0
         self._rest()
-        # All that may be refused comes first: a refused setting leaves the rig at the one before.
+        # Everything that can fail comes first: after a refused setting the rig keeps its previous one.
         mechanism = self._mechanism_at(around.pretension_n.value, tendon_slack_m)
         wires = wires_of(self._alloy, self._wire, around, self._parts, mechanism, new_wire=self._new_wire)
         wires.age_like(self._wires)
@@ -299,8 +299,8 @@ class SimulatedDevice:
         time_s = self._wires.state.time_s
         if self._faults is not None and self._faults.device_lost(time_s):
             return DeviceFault(Event.DEVICE_LOST, f"at {time_s:.2f} s, by the rig file's [[fault]]")
-        if self._weather is not None:
-            air = self._weather.after(time_s, self._facts.sample_period_s)
+        if self._air is not None:
+            air = self._air.after(time_s, self._facts.sample_period_s)
             self._wires.surround(self._bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
         means = self._advance(self._drive_voltage_v) if self._faults is None else self._advance_faulty(self._faults)
         if not math.isfinite(self._wires.state.temperature_k):
@@ -315,7 +315,7 @@ class SimulatedDevice:
         return self._wires.advance(drive_voltage_v, self._bench["time_step_s"], self._steps)
 
     def _advance_faulty(self, faults: Faults) -> SampleMeans:
-        """Let the wire have the current that the faulty circuit leaves it; return what is at its terminals."""
+        """Advance the wire with its current in the faulty circuit; return the voltages at the terminals."""
         time_s, shunt_ohm = self._wires.state.time_s, self._facts.limits.shunt_resistance_ohm
         output_v = faults.output_v(self._drive_voltage_v, time_s)
         current_a = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s).wire_current_a
@@ -326,7 +326,7 @@ class SimulatedDevice:
         return means._replace(wire_voltage_v=seen.wire_voltage_v, shunt_voltage_v=seen.shunt_voltage_v)
 
     def _read(self, means: SampleMeans) -> RawSample:
-        """Return what the instruments say of a sample."""
+        """Return a sample of all instruments' readings."""
         wire_voltage, shunt_voltage = self._instruments.voltages_v(means.wire_voltage_v, means.shunt_voltage_v)
         time_s = self._wires.state.time_s
         if self._faults is not None:
@@ -351,7 +351,7 @@ class SimulatedDevice:
         )
 
     def _endpoint(self, means: SampleMeans) -> tuple[float, float]:
-        """Return where the finger's endpoint truly is [m] and what pushes it back [N]."""
+        """Return the true position of the finger's endpoint [m] and the force on it [N]."""
         tendon = self._mechanism.tendon
         assert tendon is not None
         end_m = tendon.curve.tendon_travel_m[-1]
@@ -359,13 +359,13 @@ class SimulatedDevice:
         if travel_m > end_m:
             raise RigError(
                 f"the tendon has travelled {1e3 * travel_m:.3f} mm, {1e3 * (travel_m - end_m):.3f} mm more than the "
-                f"finger's file tells ({1e3 * end_m:.3f} mm); the drive is off: drive less, or compute the finger on"
+                f"finger's file covers ({1e3 * end_m:.3f} mm); the drive is off: drive less, or compute a longer curve"
             )
         force = means.grip_n if means.grip_n is not None else float(tendon.endpoint_force_n(means.displacement_m))
         return float(tendon.endpoint_m(means.displacement_m, force)), force
 
     def _rest(self) -> None:
-        """Expect no sample at any time until the next exchange."""
+        """Expect no sample until the next exchange."""
         self._late_reported = False
         if self._pacer is not None:
             self._pacer.rest()
@@ -377,7 +377,7 @@ class SimulatedDevice:
         return True
 
     def off(self) -> bool:
-        """Switch the drive off; a device that the rig file lets be lost confirms nothing."""
+        """Switch the drive off; while the fault ``device_lost`` is present nothing is confirmed."""
         self._off = True
         self._drive_voltage_v = 0.0
         return self._faults is None or not self._faults.device_lost(self._wires.state.time_s)

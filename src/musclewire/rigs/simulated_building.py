@@ -1,4 +1,4 @@
-"""From a wire, a bench and the parts at the connector to wires that can run."""
+"""Simulated wires from a wire, a bench and the parts at the connector."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from musclewire.wire.state import WireConstants
 
 __all__ = ["Spool", "force_limit_n", "simulated_limits", "wires_of"]
 
-# Noise in steps of the converter times the root of the readings in a mean: from here two means in a row are equal in
-# less than a tenth of all cases, and eight times in a row once in a hundred million.
+# Noise in steps of the converter times the root of the readings in a mean: from this value on, two means in a row are
+# equal in less than a tenth of all cases, and eight in a row once in a hundred million.
 MIN_SPREAD_STEPS = 3.0
 
-# How the kernel of two wires calls pulls and supplies.
+# Codes of pulls and supplies in the kernel of two wires.
 DIRECTIONS = {Pull.ALONG: 1.0, Pull.AGAINST: -1.0, Pull.APART: APART}
 FEEDS = {Supply.OWN: OWN_SUPPLY, Supply.PARALLEL: PARALLEL, Supply.SERIES: SERIES}
 
@@ -34,7 +34,7 @@ FEEDS = {Supply.OWN: OWN_SUPPLY, Supply.PARALLEL: PARALLEL, Supply.SERIES: SERIE
 def wires_of(
     alloy: Alloy, wire: Wire, bench: Bench, parts: Sequence[LoadPart], mechanism: Mechanism, *, new_wire: bool
 ) -> SimulatedWires:
-    """Return the wires of a rig, cold and at rest under the stage's pretension and whatever hangs on the connector.
+    """Return the wires of a rig, cold and at rest under the stage's pretension and the weights on the connector.
 
     Raises CallerError for numbers that cannot belong to a wire, for a force or voltage that one does not allow, and
     for an unknown second wire.
@@ -63,15 +63,16 @@ def wires_of(
 
 
 def second_wire_of(parts: Sequence[LoadPart]) -> SecondWire | None:
-    """Return the second wire that the parts bring along, if one does."""
+    """Return the second wire that a part adds, if one does."""
     return next((part.second_wire for part in parts if part.second_wire is not None), None)
 
 
 def force_limit_n(wire: Wire, parts: Sequence[LoadPart]) -> float:
-    """Return the largest reading of the load cell that every wire of a rig may pull with.
+    """Return the largest reading of the load cell at which no wire of a rig exceeds its allowed force [N].
 
-    Wires side by side are read together and share the force by their cross sections, as they do cold. Of others each
-    pulls about what is read: an antagonist on the same connector, or a second finger's wire against the same object.
+    The load cell reads parallel wires together, and the force is divided by their cross sections, as when cold. In
+    other arrangements each wire pulls about the reading: an antagonist on the same connector, or a second finger's wire
+    against the same object.
     """
     second = second_wire_of(parts)
     own_n = wire.maximum_force_n.value
@@ -112,7 +113,7 @@ def simulated_limits(
 
 
 class Spool(NamedTuple):
-    """A wire, its alloy, the bench it hangs on, and whether it is before its first cycles (shakedown)."""
+    """A wire, its alloy, its bench, and whether it starts before its first cycles (shakedown)."""
 
     wire: Wire
     alloy: Alloy
@@ -120,7 +121,7 @@ class Spool(NamedTuple):
     new_wire: bool = False
 
     def pulling(self, load: ConnectorLoad | None, pretension_n: float) -> WireConstants:
-        """Return the constants of this wire at a cold pull; without a load it only shares another wire's connector.
+        """Return the constants of this wire at a cold force; without a load it acts on another wire's connector only.
 
         Raises CallerError for a pull that the wire does not allow.
         """
@@ -132,7 +133,7 @@ class Spool(NamedTuple):
                 "pretension or a thicker wire"
             )
         changed = {"pretension_n": pretension_n}
-        if load is None:  # the guide rubs on the first wire's account
+        if load is None:  # the guide's friction belongs to the first wire
             changed["guide_friction_n"] = 0.0
         known = {name: getattr(self.bench, name).model_copy(update={"value": value}) for name, value in changed.items()}
         around = self.bench.model_copy(update=known)
@@ -140,7 +141,7 @@ class Spool(NamedTuple):
 
 
 def require_voltage(second: SecondWire, wire: Wire) -> None:
-    """Raise CallerError for a voltage of an own supply above what its wire allows."""
+    """Raise CallerError if the voltage of an own supply is above the wire's maximum."""
     if second.voltage_v > wire.maximum_voltage_v.value:
         raise CallerError(
             f"the antagonist's voltage of {second.voltage_v:g} V is above the {wire.maximum_voltage_v.value:g} V "
@@ -149,7 +150,7 @@ def require_voltage(second: SecondWire, wire: Wire) -> None:
 
 
 def grip_between(parts: Sequence[LoadPart], tendon: Tendon | None, constants: WireConstants) -> Grip:
-    """Return the object between two like fingers, with the tables by which both meet it."""
+    """Return the object between two like fingers, with the tables of both fingers' endpoints."""
     between: ElasticObject | None = next((part.obstacle for part in parts if part.obstacle is not None), None)
     if between is None:
         raise CallerError("a second finger needs a part 'contact' between it and the first")

@@ -1,4 +1,4 @@
-"""What a rig file of the simulated rig says."""
+"""The schema of simulated rigs' files, and settings of wire and bench."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Group = TypeVar("Group", bound=ParameterGroup)
 
 
 class RigConfiguration(WireKeys, DeviceConfiguration):
-    """A rig file: a wire, by name or wire file, a bench by name, and what differs from both.
+    """A rig file: a wire, by name or wire file, a bench by name, and changes to both.
 
     The keys of wire and circuit are those of real hardware; ``settings`` change all other numbers of wire and bench.
 
@@ -42,9 +42,9 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
     shunt
         R of Eq. 1 [ohm].
     sense_voltage
-        Drive voltage [V] that heats by little and still gives a reading.
+        Drive voltage [V] that hardly heats the wire and still gives a reading.
     maximum_voltage
-        Highest drive voltage [V] that may ever be out.
+        Highest drive voltage [V] that is ever allowed.
     drive_amplitude
         Amplitude of the slow sine [V].
     pretension
@@ -58,19 +58,19 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
     wire
         Name of a wire (``musclewire simulate --list``), or a wire file next to the rig file.
     bench
-        Name of a bench. If none is named, the paper's is taken with what the wire file knows of its own bench.
+        Name of a bench. By default the paper's, with the numbers of the bench that the wire file contains.
     new_wire
         Whether the wire starts before its first cycles (shakedown).
     seed
         Seed of the instruments' noise.
     load
-        What the wire pulls, part by part; without any, the bench's spring.
+        Load of the wire, part by part; by default the bench's spring.
     surroundings
         How the air moves; by default it does not.
     limits
-        Limits of the protection that differ from what follows from wire and circuit.
+        Limits of the protection that replace those which follow from wire and circuit.
     fault
-        What goes wrong, and when.
+        Faults of wire, circuit, channels and clock, with their times.
     """
 
     kind: Literal["simulated"] = "simulated"

@@ -1,4 +1,4 @@
-"""From the rig file of a simulated rig to the simulated device."""
+"""Opening of a simulated rig: from its rig file to the device."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def open_simulated(
     chosen, around = with_settings(named, around, given, where)
     if configuration.load and "spring_stiffness_n_per_m" in given:
         raise CallerError(
-            f"{where}: the setting 'spring_stiffness_n_per_m' is of the bench's spring, and [[load]] takes its place: "
+            f"{where}: the setting 'spring_stiffness_n_per_m' belongs to the bench's spring, and [[load]] replaces it: "
             "give a part 'spring' with a stiffness"
         )
     device = SimulatedDevice(
@@ -47,13 +47,14 @@ def open_simulated(
     )
     if "pretension_n" in given and not device.has_stage:
         raise CallerError(
-            f"{where}: the setting 'pretension_n' has no stage to set: the part 'weight' is the pretension"
+            f"{where}: the setting 'pretension_n' needs a stage, and this rig has none: the part 'weight' is the "
+            "pretension"
         )
     return device
 
 
 def opened(configuration: RigConfiguration) -> SimulatedDevice:
-    """Return the simulated device of a rig file as it stands."""
+    """Return the simulated device of a rig file without changes."""
     return open_simulated(configuration, "rig", None, None, None, False, {})
 
 

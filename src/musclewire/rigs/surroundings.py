@@ -1,4 +1,4 @@
-"""The air around a simulated wire: how its temperature swings and how draughts carry heat away."""
+"""The air around a simulated wire: swings of its temperature, and draughts that change convection."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.rigs.quantities import measured_in
 
-__all__ = ["Air", "Surroundings", "Weather"]
+__all__ = ["Air", "Surroundings", "AirModel"]
 
-# A draught stronger than this many of its standard deviations is cut off, so that convection never turns negative.
+# Draughts are limited to this many standard deviations, so that convection never becomes negative.
 STRONGEST = 3.0
 STREAM = 7919
-# The convection table stands at the bench's own air; further from it the table would no longer be of that air.
+# The convection table is computed for the bench's own air temperature; further away it would not be accurate.
 MAX_SWING_K = 20.0
 
 
@@ -24,10 +24,10 @@ Kelvins = Annotated[float, measured_in("K", difference=True), Field(ge=0.0, le=M
 
 
 class Surroundings(BaseModel):
-    """What a rig file may say about the air: all of it is still air at the bench's temperature by default.
+    """The table ``[surroundings]`` of a rig file: by default still air at the bench's temperature.
 
     The air's temperature swings by ``ambient_swing`` to both sides with ``ambient_period``, from a random phase.
-    Draughts change convection by the share ``draught`` (standard deviation) and last about ``draught_time``.
+    Draughts change convection by the fraction ``draught`` (standard deviation) and last about ``draught_time``.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -39,30 +39,30 @@ class Surroundings(BaseModel):
 
     @property
     def still(self) -> bool:
-        """Whether nothing ever changes."""
+        """Whether neither temperature nor convection changes."""
         return self.ambient_swing == 0.0 and self.draught == 0.0
 
 
 class Air(NamedTuple):
-    """The air at one time: its temperature above the bench's, and convection over that of still air."""
+    """The air at one time: its temperature above the bench's [K], and the ratio of convection to that in still air."""
 
     warmer_k: float
     convection_ratio: float
 
 
-class Weather:
+class AirModel:
     """The air through time, repeatable for one seed: a slow sine, and draughts as a first-order random process."""
 
     def __init__(self, surroundings: Surroundings, seed: int) -> None:
-        """Draw where in its swing the air's temperature begins; the first draught is drawn like any other."""
+        """Draw the initial phase of the temperature's swing and the first draught."""
         self._of = surroundings
-        # A stream of its own: weather does not change the noise of the instruments.
+        # A random stream of its own: the air does not change the noise of the instruments.
         self._random = np.random.default_rng([seed, STREAM])
         self._phase = float(self._random.uniform(0.0, 2.0 * math.pi))
         self._draught = float(self._random.standard_normal())
 
     def after(self, time_s: float, dt_s: float) -> Air:
-        """Return the air ``dt_s`` after it was last asked for, at a time on the rig's clock."""
+        """Return the air ``dt_s`` after the last call, at a time on the rig's clock."""
         # Exact for any step: an Ornstein-Uhlenbeck process sampled at the ends of steps.
         kept = math.exp(-dt_s / self._of.draught_time)
         self._draught = kept * self._draught + math.sqrt(1.0 - kept * kept) * float(self._random.standard_normal())

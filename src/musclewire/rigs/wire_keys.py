@@ -10,7 +10,7 @@ from musclewire.rigs.mounted import AirKelvins, Metres, Newtons, Ohms, Seconds, 
 
 __all__ = ["SETTINGS", "WireKeys"]
 
-# Each key, and the number of wire or bench that it sets; ``settings`` still takes that by its own name.
+# Each key, and the number of wire or bench that it sets; ``settings`` still accepts that number by its own name.
 SETTINGS = {
     "wire_length": "wire_length_m",
     "legs": "legs",
@@ -25,7 +25,7 @@ SETTINGS = {
 
 
 class WireKeys(BaseModel):
-    """What every rig file says of wire and circuit (``MountedWire``); here each may be left to wire and bench.
+    """The keys of wire and circuit as in ``MountedWire``; each is optional here, by default that of wire or bench.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class WireKeys(BaseModel):
     shunt
         Resistance of the shunt [ohm].
     sense_voltage
-        Drive that heats the wire by little and still measures it [V].
+        Drive that hardly heats the wire and still gives a reading [V].
     maximum_voltage
         Highest drive [V].
     drive_amplitude

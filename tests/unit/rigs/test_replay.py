@@ -187,5 +187,5 @@ def test_a_typo_in_the_rig_file_suggests_the_nearest_key(driven: Recording, repl
 def test_a_replay_cannot_be_paced(driven: Recording, replay: Replay) -> None:
     rig = replay(driven)
     assert isinstance(rig.device, ReplayDevice)
-    with pytest.raises(CallerError, match="has no clock: leave --real-time"):
+    with pytest.raises(CallerError, match="has no clock: leave out --real-time"):
         mw.open_rig(rig.device._configuration, real_time=True)

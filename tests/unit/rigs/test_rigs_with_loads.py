@@ -99,7 +99,7 @@ def test_without_a_pretensioner_the_finger_stands_bent_when_cold() -> None:
 
 def test_beyond_the_fingers_curve_the_rig_stops_with_the_drive_off() -> None:
     opened = rig(FINGER)
-    with pytest.raises(RigError, match=r"mm more than the finger's file tells \(1\.400 mm\)") as caught:
+    with pytest.raises(RigError, match=r"mm more than the finger's file covers \(1\.400 mm\)") as caught:
         held(opened, 1.8, 200)
     assert "\n" not in str(caught.value)
     assert opened.drive_voltage_v == 0.0

@@ -1,4 +1,4 @@
-"""Moving air: repeatable, as strong as it says, and nowhere where nobody asked for it."""
+"""Moving air: repeatable, of the stated strength, and absent unless a rig file has it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from musclewire.rigs.abilities import true_state_of
 from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.surroundings import Air, Surroundings, Weather
+from musclewire.rigs.surroundings import Air, AirModel, Surroundings
 from musclewire.signals.exchange import RawSample
 
 DT_S = 0.05
@@ -19,7 +19,7 @@ DRIVE_V = [0.3, 1.0, 3.0, 3.2, 2.0, 0.3]
 
 
 def airs(surroundings: Surroundings, seed: int, samples: int, dt_s: float = DT_S) -> list[Air]:
-    weather = Weather(surroundings, seed)
+    weather = AirModel(surroundings, seed)
     return [weather.after(index * dt_s, dt_s) for index in range(samples)]
 
 

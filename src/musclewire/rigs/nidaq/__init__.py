@@ -1,9 +1,9 @@
 """National Instruments acquisition cards, through NI's own nidaqmx package.
 
-    configuration   what a rig file of kind nidaq says
+    configuration   the schema of rig files of kind nidaq
     channels        arithmetic without a card: scales, and how a sample period is divided
     driver          the few calls of nidaqmx that a rig makes, locally or over gRPC
-    faults          what the driver's errors mean, in one line
+    faults          the driver's errors, explained in one line
     guardian        the process that owns the output: it switches off after a killed or stalled host
     output          the host's end of the guardian
     rig             all of it behind the Rig protocol

@@ -1,4 +1,4 @@
-"""Arithmetic without a card: from volts at a terminal to quantities, and how a sample period is divided."""
+"""Scales from volts at a terminal to quantities, and the division of a sample period; arithmetic without a card."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from musclewire.errors import CallerError
 
 __all__ = ["Layout", "Scale", "layout_of"]
 
-# The first reading after the output's clock edge is taken while the output still moves.
+# The first reading after the output's clock edge is taken while the output still settles.
 SETTLING_READINGS = 1
 
 
@@ -32,7 +32,7 @@ class Scale(NamedTuple):
 
 
 class Span(NamedTuple):
-    """Which readings make a sample: how many to fetch, and how many of them, the last ones, to average."""
+    """The readings of a sample: how many to fetch, and how many of the last ones to average."""
 
     fetch: int
     average: int
@@ -40,10 +40,11 @@ class Span(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """How a sample period is divided: all readings of it, those averaged, and whether the card's clock sets the drive.
+    """The division of a sample period: its readings, the averaged ones, and whether the card's clock sets the drive.
 
-    On demand, a period is the host's time to decide, then the averaged readings, so the drive changes within its first
-    part. By the card's clock it is one reading to settle, the averaged ones, then the host's time to decide.
+    On demand, a period begins with the host's time to decide, in which the drive changes, followed by the averaged
+    readings. By the card's clock it begins with one reading to settle, then the averaged ones, then the host's time to
+    decide.
     """
 
     period: int
@@ -61,7 +62,7 @@ class Layout(NamedTuple):
         return Span(fetch, self.readings, 1)
 
     def following(self, waiting: int) -> Span:
-        """Return the span of a sample whose drive was written when so many readings waited since the last one.
+        """Return the span of a sample whose drive was written when ``waiting`` readings had come since the last one.
 
         All its averaged readings are taken under that drive. A host that was late skips whole periods, so that times
         stay multiples of the period.
@@ -79,7 +80,7 @@ class Layout(NamedTuple):
 
 
 def layout_of(sample_period_s: float, reading_rate_hz: float, readings: int, *, clocked: bool) -> Layout:
-    """Return how a sample period is divided. Raises CallerError where the numbers do not fit together."""
+    """Return how a sample period is divided. Raises CallerError if the numbers do not fit together."""
     exact = sample_period_s * reading_rate_hz
     period = round(exact)
     if period < 1 or abs(exact - period) > 1e-6 * exact:

@@ -1,4 +1,4 @@
-"""What a rig file of kind nidaq says: the card, what is wired to its terminals, and the wire.
+"""The schema of rig files of kind nidaq: the card, the wiring of its terminals, and the wire.
 
 kind = "nidaq"
 device = "Dev1"
@@ -32,7 +32,7 @@ __all__ = ["DisplacementInput", "ForceInput", "Inputs", "NiDaqConfiguration", "O
 
 
 def not_zero(value: float) -> float:
-    """Refuse a scale of nothing per volt; a negative one turns a sensor round."""
+    """Refuse a scale of 0 per volt; a negative one reverses a sensor."""
     if value == 0.0:
         raise ValueError("a scale of 0 per volt would measure nothing")
     return value
@@ -75,7 +75,7 @@ class VoltageInput(Input):
     Parameters
     ----------
     gain
-        Volts on the circuit per volt at the terminal: above 1 behind a divider, below behind an amplifier.
+        Volts on the circuit per volt at the terminal: above 1 with a divider, below 1 with an amplifier.
     offset
         Volts on the circuit when the terminal reads 0 V [V]; ``musclewire doctor --write`` finds both.
     """
@@ -110,7 +110,7 @@ class DisplacementInput(Input):
 
 
 class ForceInput(Input):
-    """A load cell behind its amplifier.
+    """A load cell with its amplifier.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class ForceInput(Input):
 
 
 class Inputs(BaseModel):
-    """What is wired to the inputs; both voltages always, reference instruments where there are some."""
+    """The wiring of the inputs: always both voltages, and reference instruments if there are any."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -142,7 +142,7 @@ class Inputs(BaseModel):
     endpoint_force: ForceInput | None = None
 
     def wired(self) -> dict[str, VoltageInput | DisplacementInput | ForceInput]:
-        """Return the inputs that there are, by the names of what they measure."""
+        """Return the inputs that are wired, by the names of their quantities."""
         found = {name: getattr(self, name) for name in type(self).model_fields}
         return {name: item for name, item in found.items() if item is not None}
 
@@ -179,16 +179,16 @@ class NiDaqConfiguration(DeviceConfiguration, MountedWire):
     """A rig file of an NI card; the wire's keys are those of every real rig (``MountedWire``).
 
     Attributes:
-        sample_period: time between samples, at most 50 ms: every fault is to end off within half a second.
+        sample_period: time between samples, at most 50 ms, so that every fault ends with 0 V within half a second.
         device: the card's name in NI MAX.
-        grpc: address of an NI gRPC device server, where the card is in another machine.
+        grpc: address of an NI gRPC device server, if the card is in another machine.
         output_timing: ``hardware``: the drive changes at the card's clock edges (hardware-timed single point);
             ``on-demand``: when the host writes it.
         reading_rate: readings of each channel per second.
-        readings: so many of a sample period's readings are averaged; the rest is the host's time to decide.
-        output: ``[output]``: what drives the circuit.
-        inputs: ``[inputs.NAME]``: what is read; wire_voltage and shunt_voltage always, displacement, force,
-            endpoint_displacement and endpoint_force where there are such instruments.
+        readings: number of a sample period's readings that are averaged; the rest is the host's time to decide.
+        output: ``[output]``: the channel that drives the circuit.
+        inputs: ``[inputs.NAME]``: the channels that are read; wire_voltage and shunt_voltage always, displacement,
+            force, endpoint_displacement and endpoint_force if there are such instruments.
     """
 
     kind: Literal["nidaq"]
@@ -221,6 +221,6 @@ class NiDaqConfiguration(DeviceConfiguration, MountedWire):
         return self
 
     def layout(self) -> Layout:
-        """Return how a sample period is divided. Raises CallerError where the numbers do not fit together."""
+        """Return how a sample period is divided. Raises CallerError if the numbers do not fit together."""
         clocked = self.output_timing == "hardware"
         return layout_of(self.sample_period, self.reading_rate, self.readings, clocked=clocked)

@@ -18,12 +18,12 @@ __all__ = ["Card", "InputStream", "OutputLine", "OutputSettings", "nidaqmx_packa
 EXTRA = "nidaq"
 # Longer than any sample, shorter than a user's patience.
 TIMEOUT_S = 2.0
-# A machine that is cut off answers nothing, and gRPC by itself waits for it without end.
+# A machine that has lost its connection does not answer, and gRPC by itself waits for it without end.
 CALL_S, CALL_AGAIN_S = 2.5, 0.3
 
 
 def nidaqmx_package() -> ModuleType:
-    """Return the package nidaqmx. Raises MissingExtraError where it is not installed."""
+    """Return the package nidaqmx. Raises MissingExtraError if it is not installed."""
     try:
         import nidaqmx
         import nidaqmx.constants
@@ -41,7 +41,7 @@ class Card:
     """A card by its name, in this machine or, with an address, behind a gRPC device server."""
 
     def __init__(self, device: str, grpc_address: str | None = None) -> None:
-        """Remember where it is. Raises MissingExtraError without the package that the way there needs."""
+        """Keep name and address. Raises MissingExtraError if a package for the connection is not installed."""
         self.device = device
         self.package = nidaqmx_package()
         self._channel: Any = None
@@ -75,7 +75,7 @@ class Card:
         return self.package.system.System.remote(self._options).devices[self.device]
 
     def product(self) -> str:
-        """Return what kind of card it is. Raises DaqFaultError where it is not there."""
+        """Return what kind of card it is. Raises DaqFaultError if it is not there."""
         with self.explaining():
             return str(self.handle().product_type)
 
@@ -85,13 +85,13 @@ class Card:
             self.handle().reset_device()
 
     def close(self) -> None:
-        """Let go of the line to the server."""
+        """Close the connection to the server."""
         if self._channel is not None:
             self._channel.close()
 
 
 def deadline_for_calls() -> Any:
-    """Return an interceptor of gRPC's that ends calls without an answer, and sooner while there was none before."""
+    """Return a gRPC interceptor that ends calls without an answer, and sooner if the call before had none either."""
     import grpc
 
     class Details(NamedTuple):
@@ -103,12 +103,12 @@ def deadline_for_calls() -> Any:
         compression: Any
 
     class Deadline(grpc.UnaryUnaryClientInterceptor):  # type: ignore[misc]  # gRPC brings no types
-        longest_s = CALL_S
+        max_call_s = CALL_S
 
         def intercept_unary_unary(self, continuation: Any, details: Any, request: Any) -> Any:
             kept = (details.metadata, details.credentials, details.wait_for_ready, details.compression)
-            call = continuation(Details(details.method, self.longest_s, *kept), request)
-            self.longest_s = CALL_AGAIN_S if call.code() is grpc.StatusCode.DEADLINE_EXCEEDED else CALL_S
+            call = continuation(Details(details.method, self.max_call_s, *kept), request)
+            self.max_call_s = CALL_AGAIN_S if call.code() is grpc.StatusCode.DEADLINE_EXCEEDED else CALL_S
             return call
 
     return Deadline()
@@ -156,7 +156,7 @@ class InputStream:
             self._task.start()
 
     def stop(self) -> None:
-        """End reading; what was not fetched is lost."""
+        """End reading; readings that were not fetched are lost."""
         with self._card.explaining():
             self._task.stop()
 
@@ -173,7 +173,7 @@ class InputStream:
         return values
 
     def close(self) -> None:
-        """Let go of the inputs; may be done twice; never raises."""
+        """Release the inputs; may be called twice; never raises."""
         if self._closed:
             return
         self._closed = True
@@ -182,7 +182,7 @@ class InputStream:
 
 
 class OutputSettings(NamedTuple):
-    """What the owner of an output must know: plain values, because they travel to another process."""
+    """Settings of an output for its owner: plain values, because they are sent to another process."""
 
     device: str
     grpc_address: str | None
@@ -222,14 +222,14 @@ class OutputLine:
         return task, writer
 
     def clock_hz(self) -> float | None:
-        """Return the rate at which the card changes the output, None where the host does."""
+        """Return the rate at which the card changes the output, None if the host does."""
         if self._timed is None:
             return None
         with self._card.explaining():
             return float(self._timed.timing.samp_clk_rate)
 
     def begin(self, voltage_v: float) -> None:
-        """Put out a voltage now, and wait for the inputs to start the clock where there is one."""
+        """Put out a voltage now; if the output has a clock, the inputs' start triggers it."""
         self.put_now(voltage_v)
         if self._timed is None:
             return
@@ -239,7 +239,7 @@ class OutputLine:
         self._clocked = True
 
     def put(self, voltage_v: float) -> None:
-        """Put out a voltage: at the next clock edge where the clock runs, at once otherwise."""
+        """Put out a voltage: at the next clock edge if the clock runs, at once otherwise."""
         if not self._clocked:
             self.put_now(voltage_v)
             return
@@ -247,7 +247,7 @@ class OutputLine:
             with self._card.explaining():
                 self._timed_writer.write_one_sample(voltage_v)
         except DaqFaultError as fault:
-            # The clock was faster. The host sees by its readings how late it is, and skips what it missed.
+            # The clock was faster. The host sees by its readings how late it is, and skips the periods it missed.
             if fault.code != LATE_WRITE:
                 raise
 
@@ -264,7 +264,7 @@ class OutputLine:
         task.control(self._card.package.constants.TaskMode.TASK_UNRESERVE)
 
     def take_over(self, voltage_v: float) -> None:
-        """Put out a voltage by every means: abort what is on the card, whoever owns it, and write."""
+        """Put out a voltage by every means: abort all tasks on the card, whoever owns them, and write."""
         self._card.reset()
         with self._card.explaining():
             self._now, self._now_writer = self._output()
@@ -272,9 +272,9 @@ class OutputLine:
         self.put_now(voltage_v)
 
     def release_card(self) -> None:
-        """Abort what a dead host left on a card in another machine; never raises.
+        """Abort the tasks that a dead host left on a card in another machine; never raises.
 
-        In this machine the driver frees what a process held when it ends. A gRPC device server keeps it.
+        In this machine the driver frees a process's tasks when it ends. A gRPC device server keeps them.
         """
         if self._settings.grpc_address is None:
             return
@@ -282,7 +282,7 @@ class OutputLine:
             self._card.reset()
 
     def close(self) -> None:
-        """Let go of the output, which holds its last voltage; never raises."""
+        """Release the output, which holds its last voltage; never raises."""
         for task in (self._timed, self._now):
             if task is not None:
                 with suppress(self._card.package.errors.Error):

@@ -1,4 +1,4 @@
-"""What the driver's errors mean, in one line: what is wrong, where, what to do."""
+"""The driver's errors, explained in one line: what is wrong, where, what to do."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MEANINGS: dict[int, tuple[str, str]] = {
     -200452: ("does not support a setting of the rig file", 'output_timing = "on-demand"'),
     -200368: ("cannot start its output by its inputs' trigger", 'output_timing = "on-demand"'),
     -89136: ("cannot start its output by its inputs' trigger", 'output_timing = "on-demand"'),
-    -200284: ("gave no readings in time", "its sample clock stands still: look at the cable, and reset the device"),
+    -200284: ("gave no readings in time", "its sample clock has stopped: look at the cable, and reset the device"),
     -200279: (
         "had readings overwritten before they were fetched: the host stalled",
         "look at the host's load; the run is lost from there on",
@@ -49,7 +49,7 @@ STALLED = -200279
 
 
 class DaqFaultError(RigError):
-    """What the driver reported, explained; ``code`` is its number, 0 where it has none."""
+    """An error of the driver, explained; ``code`` is its number, 0 if it has none."""
 
     def __init__(self, message: str, code: int) -> None:
         """Keep the number."""
@@ -71,13 +71,13 @@ def explained(error: Any, device: str) -> DaqFaultError:
             0,
         )
     if kind == "RpcError":
-        # "Failed to connect to server" is all that gRPC says of a machine that does not answer.
+        # gRPC reports no more than "Failed to connect to server" if a machine does not answer.
         said = " ".join(str(error.description).split())
         return DaqFaultError(f"NI's gRPC device server does not answer for {device}: {said}: is it running there?", 0)
     code = int(getattr(error, "error_code", 0))
     if code in MEANINGS:
         meaning, remedy = MEANINGS[code]
-        # The driver names the property and the value that it did not like.
+        # The driver names the property that it refused.
         named = re.search(r"Property: *(\S+)", str(error))
         which = f", {named[1]}" if named else ""
         return DaqFaultError(f"{device} {meaning} (NI-DAQmx {code}{which}): {remedy}", code)

@@ -1,11 +1,11 @@
 """A small process of its own that owns the card's output, because a card holds its last voltage when its program dies.
 
-The host sends it every drive voltage over a socket of this machine. It switches off when the socket closes without a
-goodbye (the host was killed), goes to the sense voltage and then off when the host is silent while the wire is driven
-(the host has stalled), and off when it is told to end. It opened the output before the host heated anything, so that
+The host sends it every drive voltage over a socket of this machine. It switches off when the socket closes without an
+END command (the host was killed), goes to the sense voltage and then off when the host is silent while the wire is
+driven (the host has stalled), and off when it receives END. It opens the output before the host heats anything, so that
 switching off is one write.
 
-It is started by ``output.GuardedOutput``; nobody needs to run it by hand.
+``output.GuardedOutput`` starts it; it is not meant to be run by hand.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ from musclewire.rigs.nidaq.faults import DaqFaultError
 
 __all__ = ["BEGIN", "COMMAND", "END", "KEEP", "PUT", "REPLY", "SAFE", "GuardianOrders", "Watch", "main"]
 
-# Host to guardian: what to do, and a drive voltage [V].
+# Host to guardian: a command, and a drive voltage [V].
 COMMAND = struct.Struct("<cd")
 BEGIN, PUT, KEEP, SAFE, END = b"B", b"D", b"K", b"S", b"O"
-# Guardian to host: how it went; seconds of silence, or the clock's rate; the driver's number; a text's length.
+# Guardian to host: the result; seconds of silence, or the clock's rate; the driver's number; a text's length.
 REPLY = struct.Struct("<cdiH")
 DONE, TRIPPED, FAILED = b"A", b"T", b"E"
-# How often the guardian looks whether its parent still lives where a socket may have been inherited by others.
+# How often the guardian checks that its parent still lives, because other processes may have inherited the socket.
 LOOK_S = 0.05
-# How long it goes on trying to switch off a card that does not answer: a host that lives says so to its user, after a
-# dead one nobody else tries.
+# How long it keeps trying to switch off a card that does not answer: a host that lives warns its user, after a dead one
+# no other process tries.
 PERSIST_S, PERSIST_ALONE_S = 1.0, 60.0
 
 
 class GuardianOrders(NamedTuple):
-    """What a guardian is told before it opens the output; voltages are drive voltages [V], times in seconds."""
+    """Orders that a guardian receives before it opens the output; voltages are drive voltages [V], times in seconds."""
 
     output: OutputSettings
     gain: float
@@ -63,22 +63,22 @@ class GuardianOrders(NamedTuple):
 
 
 class Watch:
-    """How long a host may be silent: state in, voltage out, no clock of its own.
+    """The rule for a silent host: times in, voltage out, without a clock of its own.
 
-    It watches only while the wire is driven above the sense voltage: below, silence harms nothing.
+    It applies only while the wire is driven above the sense voltage: below, silence does no harm.
     """
 
     def __init__(self, orders: GuardianOrders) -> None:
         """Start with nothing out."""
         self._orders = orders
         self.drive_v = 0.0
-        self.heard_s = 0.0
+        self.last_command_s = 0.0
         self.tripped_after_s: float | None = None
         self._degraded = False
 
-    def hear(self, now_s: float, drive_v: float | None = None) -> None:
-        """Take note of a sign of life, and of a new drive voltage where there is one."""
-        self.heard_s = now_s
+    def note(self, now_s: float, drive_v: float | None = None) -> None:
+        """Note a command of the host, with its drive voltage if it has one."""
+        self.last_command_s = now_s
         if drive_v is not None:
             self.drive_v = drive_v
             self._degraded = False
@@ -89,15 +89,15 @@ class Watch:
         return self.tripped_after_s is None and (self._degraded or self.drive_v > self._orders.sense_voltage_v + 1e-9)
 
     def left_s(self, now_s: float) -> float:
-        """Return how long it is until something must happen."""
+        """Return the time until the next action is due [s]."""
         if not self.watching:
             return LOOK_S
         next_s = self._orders.trip_after_s if self._degraded else self._orders.sense_after_s
-        return min(LOOK_S, max(0.0, self.heard_s + next_s - now_s))
+        return min(LOOK_S, max(0.0, self.last_command_s + next_s - now_s))
 
     def due(self, now_s: float) -> float | None:
-        """Return the drive voltage that silence now calls for, None while it calls for none."""
-        silent_s = now_s - self.heard_s
+        """Return the drive voltage that the silence requires now, None if it requires no change."""
+        silent_s = now_s - self.last_command_s
         if not self.watching or silent_s < self._orders.sense_after_s:
             return None
         if silent_s >= self._orders.trip_after_s:
@@ -113,7 +113,7 @@ class Guardian:
     """The output, the socket and the watch together."""
 
     def __init__(self, orders: GuardianOrders, line: socket.socket) -> None:
-        """Open the output and put it to 0 V. Raises DaqFaultError where that cannot be."""
+        """Open the output and put it to 0 V. Raises DaqFaultError if that fails."""
         self._line = line
         self._scale = Scale(orders.gain, orders.offset_v)
         self._watch = Watch(orders)
@@ -128,13 +128,13 @@ class Guardian:
             raise
 
     def run(self) -> bool:
-        """Serve the host until it says goodbye or is gone; return whether the card then took 0 V."""
+        """Serve the host until it sends END or is gone; return whether the card then took 0 V."""
         goodbye = off = False
         try:
             with suppress(OSError, SystemExit):  # a host that dies in the middle of a message is gone; SIGTERM
                 goodbye = self._serve()
         finally:
-            # Whatever brought this process here, nothing may keep it from switching off.
+            # Nothing may keep this process from switching off, whatever has ended it.
             signal.signal(signal.SIGTERM, signal.SIG_IGN)
             off = self._off(PERSIST_S if goodbye else PERSIST_ALONE_S)
             if not goodbye:
@@ -146,7 +146,7 @@ class Guardian:
         return off
 
     def _serve(self) -> bool:
-        """Follow the host; return whether it said goodbye, False where it is gone."""
+        """Follow the host; return whether it sent END, False if it is gone."""
         while os.getppid() == self._parent:
             silent_at_s = self._silent_at_s()
             if silent_at_s is not None:
@@ -160,10 +160,10 @@ class Guardian:
         return False
 
     def _silent_at_s(self) -> float | None:
-        """Wait for a command; return None when there is one, otherwise a time up to which there certainly was none.
+        """Wait for a command; return None when there is one, otherwise a time until which there certainly was none.
 
-        The machine may keep this process waiting too. What has come meanwhile is no silence of the host's, so the
-        socket is looked at once more after the clock.
+        The machine may delay this process too. A command that has come meanwhile ends the host's silence, so the socket
+        is checked once more after the clock.
         """
         if select.select([self._line], [], [], self._watch.left_s(time.monotonic()))[0]:
             return None
@@ -171,7 +171,7 @@ class Guardian:
         return None if select.select([self._line], [], [], 0.0)[0] else now_s
 
     def _receive(self) -> tuple[bytes, float] | None:
-        """Return the next command, None where the host is gone."""
+        """Return the next command, None if the host is gone."""
         data = b""
         while len(data) < COMMAND.size:
             more = self._line.recv(COMMAND.size - len(data))
@@ -182,9 +182,9 @@ class Guardian:
         return what, drive_v
 
     def _obey(self, what: bytes, drive_v: float) -> bool:
-        """Do what the host asks; return whether it was its goodbye."""
+        """Carry out a command of the host; return whether it was END."""
         if what == KEEP:
-            self._watch.hear(time.monotonic())
+            self._watch.note(time.monotonic())
             return False
         if what == END:
             return True
@@ -202,12 +202,12 @@ class Guardian:
         except DaqFaultError as fault:
             self._reply(FAILED, 0.0, fault)
             return False
-        self._watch.hear(time.monotonic(), drive_v)
+        self._watch.note(time.monotonic(), drive_v)
         self._reply(DONE)
         return False
 
     def _look(self, silent_at_s: float) -> None:
-        """Do what silence up to a time calls for."""
+        """Put out the voltage that silence until a time requires."""
         due_v = self._watch.due(silent_at_s)
         if due_v is None:
             return
@@ -217,7 +217,7 @@ class Guardian:
             self._off(PERSIST_S)
 
     def _off(self, persist_s: float) -> bool:
-        """Put out 0 V, by a reset of the card where a write fails; give up after a while. Return whether it is out."""
+        """Put out 0 V, by a reset of the card if a write fails; give up after a while. Return whether it is out."""
         until = time.monotonic() + persist_s
         while True:
             try:
@@ -238,13 +238,13 @@ class Guardian:
 
 
 def reply(line: socket.socket, what: bytes, number: float = 0.0, fault: MusclewireError | None = None) -> None:
-    """Send a reply, with what went wrong where something did."""
+    """Send a reply, with the fault if there is one."""
     text = str(fault).encode() if fault else b""
     line.sendall(REPLY.pack(what, number, getattr(fault, "code", 0), len(text)) + text)
 
 
 def go_first() -> None:
-    """Run before every ordinary process where that is permitted: this one sleeps unless something must happen."""
+    """Run before every ordinary process if that is permitted; this process sleeps most of the time."""
     # Linux only, and before gRPC starts its threads, which inherit it. Windows: by its parent (output.py).
     if hasattr(os, "sched_setscheduler"):
         with suppress(OSError):
@@ -253,7 +253,7 @@ def go_first() -> None:
 
 def main() -> int:
     """Read the port, a word that only the parent knows and the orders from standard input, then serve."""
-    # Ctrl-C goes to every process of a terminal; ending is the host's to decide.
+    # Ctrl-C reaches every process of a terminal; the host decides when to end.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     go_first()
@@ -269,7 +269,7 @@ def main() -> int:
         except MusclewireError as fault:
             reply(line, FAILED, 0.0, fault)
             return fault.exit_code
-        # By this the host knows whether the card took 0 V.
+        # The exit code shows the host whether the card took 0 V.
         return 0 if guardian.run() else RigError.exit_code
 
 

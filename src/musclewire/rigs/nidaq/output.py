@@ -1,4 +1,4 @@
-"""The host's end of the guardian: every drive voltage goes through it, and its silence is noticed too."""
+"""The host's connection to the guardian: every drive voltage goes through it, and a lost guardian is noticed."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ START_S = 30.0
 # Switching off may take a reset of the card; anything longer is a guardian that hangs.
 ANSWER_S = 3.0
 WORD_BYTES = 16
-# Windows: before ordinary programs, and out of reach of the console's Ctrl-C. Elsewhere these are not defined.
+# Windows: before ordinary programs, and not reached by the console's Ctrl-C. On other systems these are not defined.
 WINDOWS_FLAGS = getattr(subprocess, "HIGH_PRIORITY_CLASS", 0) | getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 
 
 class HostStalledError(RigError):
-    """The guardian has switched off because the host was silent; ``silent_s`` says for how long."""
+    """The guardian has switched off because the host was silent for ``silent_s`` seconds."""
 
     def __init__(self, silent_s: float) -> None:
         """Keep the time."""
@@ -40,7 +40,7 @@ class GuardianLostError(RigError):
 
 
 class GuardedOutput:
-    """The output of a card, owned by a guardian process. Raises DaqFaultError where the card refuses."""
+    """The output of a card, owned by a guardian process. Raises DaqFaultError if the card refuses."""
 
     def __init__(self, orders: GuardianOrders) -> None:
         """Start the guardian, and wait until it has put out 0 V."""
@@ -52,7 +52,7 @@ class GuardedOutput:
         word = secrets.token_hex(WORD_BYTES // 2)
         with socket.create_server(("127.0.0.1", 0)) as server:
             server.settimeout(START_S)
-            # A session of its own on POSIX: what kills the host's group shall not kill its guardian first.
+            # A session of its own on POSIX: a signal that kills the host's group must not kill its guardian first.
             self._process = subprocess.Popen(
                 # -P: no file in the folder where the user works takes the place of a module.
                 [sys.executable, "-P", "-m", "musclewire.rigs.nidaq.guardian"],
@@ -61,7 +61,7 @@ class GuardedOutput:
                 start_new_session=True,
                 creationflags=WINDOWS_FLAGS,
                 text=True,
-                env={"GRPC_VERBOSITY": "NONE", **os.environ},  # what gRPC logs of a lost line is said by the rig
+                env={"GRPC_VERBOSITY": "NONE", **os.environ},  # the rig reports a lost connection itself
             )
             try:
                 assert self._process.stdin is not None
@@ -81,11 +81,11 @@ class GuardedOutput:
             raise
 
     def begin(self, drive_v: float) -> None:
-        """Put out a drive voltage now; where the card has a clock for it, the next ones wait for its edges."""
+        """Put out a drive voltage now; if the card has a clock for it, the next ones wait for its edges."""
         self._ask(BEGIN, drive_v)
 
     def put(self, drive_v: float) -> None:
-        """Put out a drive voltage at the next edge, or at once where there is no clock."""
+        """Put out a drive voltage at the next edge, or at once without a clock."""
         self._ask(PUT, drive_v)
 
     def put_now(self, drive_v: float) -> None:
@@ -93,7 +93,7 @@ class GuardedOutput:
         self._ask(SAFE, drive_v)
 
     def keep(self) -> None:
-        """Say that the host is alive while it waits for readings."""
+        """Signal that the host is alive while it waits for readings."""
         try:
             self._line.sendall(COMMAND.pack(KEEP, 0.0))
         except OSError:
@@ -105,12 +105,12 @@ class GuardedOutput:
             self._line.sendall(COMMAND.pack(what, drive_v))
         except OSError:
             self._lost()
-        # Ctrl-C may have left the answer to an earlier command unread: it is not this one's.
+        # Ctrl-C may have left the answer to an earlier command unread; it does not belong to this one.
         while self._answers_due > 0:
             self._answer()
 
     def _answer(self) -> float:
-        """Return the number of the guardian's answer. Raises what it says has gone wrong."""
+        """Return the number of the guardian's answer. Raises the error that it reports."""
         try:
             what, number, code, length = REPLY.unpack(self._waiting(REPLY.size)[: REPLY.size])
             text = self._waiting(REPLY.size + length)[REPLY.size : REPLY.size + length].decode()
@@ -125,7 +125,7 @@ class GuardedOutput:
         return float(number)
 
     def _waiting(self, count: int) -> bytes:
-        """Return what has been received and not been answered for yet, when it is so many bytes or more."""
+        """Return the bytes that have been received and not been taken, waiting for ``count`` of them."""
         while len(self._received) < count:
             more = self._line.recv(count - len(self._received))
             if not more:
@@ -145,7 +145,7 @@ class GuardedOutput:
             try:
                 output.put_now(off_v)
             except DaqFaultError:
-                output.take_over(off_v)  # its task outlived it
+                output.take_over(off_v)  # the guardian's task still exists
         except DaqFaultError as fault:
             raise GuardianLostError(f"the process that owned the card's output has ended, and {fault}") from None
         finally:
@@ -162,7 +162,7 @@ class GuardedOutput:
         self._process.wait()
 
     def close(self) -> bool:
-        """Put out 0 V and end the guardian; return whether the card took it. May be done twice; never raises."""
+        """Put out 0 V and end the guardian; return whether the card took it. May be called twice; never raises."""
         if self._closed:
             return self._off_confirmed
         self._closed = True
@@ -172,7 +172,7 @@ class GuardedOutput:
             self._off_confirmed = self._process.wait(timeout=START_S) == 0
         except (OSError, subprocess.TimeoutExpired):
             pass
-        # One that has tried and failed says so by its exit code; any other end may have left the voltage out.
+        # A guardian that has tried and failed has that exit code; any other end may have left the voltage out.
         if self._process.poll() not in (0, RigError.exit_code):
             with suppress(RigError):
                 self._lost()
@@ -181,7 +181,7 @@ class GuardedOutput:
 
 
 def accepted(server: socket.socket, word: str) -> socket.socket:
-    """Return the connection of the process that knows the word; others on this machine are turned away."""
+    """Return the connection of the process that knows the word; those of other processes are closed."""
     while True:
         line, _ = server.accept()
         line.settimeout(ANSWER_S)

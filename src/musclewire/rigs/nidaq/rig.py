@@ -1,4 +1,4 @@
-"""A wire on an NI card: drive out, both voltages in, everything at the pace of the card's sample clock."""
+"""A wire on an NI card: drive out, both voltages in, all paced by the card's sample clock."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 
 __all__ = ["NIDAQ", "NiDaqDevice", "Silence"]
 
-# What the driver keeps of readings that nobody fetches: a first run may compile for so long at the sense voltage [s].
+# Length of the driver's buffer of readings [s]: a first run may compile for this long at the sense voltage.
 BUFFER_S = 30.0
-# The guardian hears of the host at least so often while the host waits for readings [s].
+# While the host waits for readings, it sends the guardian a command at least this often [s].
 BEAT_S = 0.02
-# Readings fetched at once where many wait; more would not fit into one message of gRPC.
+# Largest number of readings fetched at once; more would not fit into one message of gRPC.
 MAX_FETCH = 20_000
-# Clocks of one card are divided from one oscillator: their ratio is exact, or it is another one.
+# Clocks of one card are divided from one oscillator: a ratio that is not exact is a different ratio.
 RATIO_TOLERANCE = 1e-9
 
 COLUMNS = {
@@ -87,7 +87,7 @@ class NiDaqDevice:
         self._stopped_at: float | None = None
         self._late_samples = 0
         self._off = False
-        # Off may come from another thread: the output is then closed at once, the inputs when the exchange has ended.
+        # Another thread may call ``off``: the output is then closed at once, the inputs when the exchange has ended.
         self._writing, self._exchanging = RLock(), RLock()
         self._facts = self._known_facts()
         self._card = Card(configuration.device, configuration.grpc)
@@ -104,12 +104,12 @@ class NiDaqDevice:
             self._inputs.close()
             self._card.close()
             raise
-        # A rig that its program forgets to close is switched off all the same, at the latest when Python ends.
+        # A rig that its program does not close is switched off nevertheless, at the latest when Python ends.
         weakref.finalize(self, self._output.close)
         self._require_clocks_in_step()
 
     def _known_facts(self) -> DeviceFacts:
-        """Return what is known of the rig before the card is opened. Raises CallerError for impossible numbers."""
+        """Return the facts of the rig, before the card is opened. Raises CallerError for impossible numbers."""
         wire, shunt = self._of.inputs.wire_voltage, self._of.inputs.shunt_voltage
         return DeviceFacts(
             sample_period_s=self._of.sample_period,
@@ -125,7 +125,7 @@ class NiDaqDevice:
         )
 
     def _orders(self) -> GuardianOrders:
-        """Return what the guardian must know."""
+        """Return the orders for the guardian."""
         clock_hz = 1.0 / self._of.sample_period if self._of.output_timing == "hardware" else None
         output = OutputSettings(
             self._of.device, self._of.grpc, self._of.output.channel, self._of.output.range, clock_hz
@@ -140,7 +140,7 @@ class NiDaqDevice:
         )
 
     def _require_clocks_in_step(self) -> None:
-        """Raise RigError where the card rounds rates so that readings and drive would drift apart."""
+        """Raise RigError if the card rounds rates so that readings and drive would drift apart."""
         rates = {"reading_rate": (self._inputs.rate_hz, self._of.reading_rate)}
         if self._output.clock_hz is not None:
             rates["sample_period"] = (self._output.clock_hz, 1.0 / self._of.sample_period)
@@ -154,7 +154,7 @@ class NiDaqDevice:
 
     @property
     def facts(self) -> DeviceFacts:
-        """What is known of the card and its wire."""
+        """Facts of the card and its wire."""
         return self._facts
 
     @property
@@ -163,13 +163,13 @@ class NiDaqDevice:
         return self._drive_voltage_v
 
     def __repr__(self) -> str:
-        """Say which card, which wire, and what is out."""
+        """Name the card, its wire and its drive."""
         return (
             f"NiDaqDevice({self._product} {self._of.device}, wire {self._of.wire}, drive {self._drive_voltage_v:.3f} V)"
         )
 
     def metadata(self) -> Metadata:
-        """Return what a recording should say about this rig."""
+        """Return the metadata of a recording that describe this rig."""
         return {
             "rig": "nidaq",
             "device": self._of.device,
@@ -218,7 +218,7 @@ class NiDaqDevice:
             return self._layout.following(self._inputs.waiting())
         now = time.monotonic()
         if self._stopped_at is not None:
-            # A pause between runs is counted by the host's clock: the card's stood still.
+            # A pause between runs is counted by the host's clock, because the card's has stopped.
             pause_s = now - self._stopped_at
             self._periods += round(pause_s / self._of.sample_period)
         self._inputs.start()
@@ -231,7 +231,7 @@ class NiDaqDevice:
         sums = [0.0] * len(self._wired)
         done = 0
         while done < span.fetch:
-            # In pieces: the guardian must hear that the host waits for the card and has not stalled.
+            # In pieces, so that the guardian knows that the host waits for the card and has not stalled.
             piece = min(span.fetch - done, self._piece())
             values = self._inputs.fetch(piece)
             kept = values[:, max(0, skipped - done) :]
@@ -274,7 +274,7 @@ class NiDaqDevice:
         return True
 
     def off(self) -> bool:
-        """End the guardian, which puts out 0 V, and let go of the card."""
+        """End the guardian, which puts out 0 V, and release the card."""
         self._off = True
         with self._writing:
             confirmed = self._output.close()

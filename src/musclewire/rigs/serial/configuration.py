@@ -1,4 +1,4 @@
-"""What a rig file says of a board on a serial line."""
+"""The schema of rig files of boards on a serial line."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ class SerialConfiguration(MountedWire, DeviceConfiguration):
     """A rig file with ``kind = "serial"``: the wire that is mounted, and the board that drives it.
 
     Attributes:
-        sample_period: time between samples, at most 50 ms: every fault is to end off within half a second.
+        sample_period: time between samples, at most 50 ms, so that every fault ends with 0 V within half a second.
         port: ``/dev/ttyACM0``, ``COM3``, or a URL of pyserial's such as ``socket://127.0.0.1:4000``.
         baud: speed of the line in bits per second; a board on USB takes any.
-        patience: how long a sample may be overdue before the board counts as lost.
+        patience: time for which a sample may be overdue before the board counts as lost.
         wire_range: end of the range of the channel that reads the wire.
         shunt_range: end of the range of the channel that reads the shunt.
-        readings_noisy: whether noise moves every reading, so that one that stands still is a fault by itself.
+        readings_noisy: whether noise changes every reading, so that a constant reading is a fault by itself.
     """
 
     kind: Literal["serial"]

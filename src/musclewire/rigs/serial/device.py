@@ -1,4 +1,4 @@
-"""A board at the other end of a line: commands that are acknowledged, messages that come, and what was lost."""
+"""The connection to a board: acknowledged commands, received messages, and counts of lost frames."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from musclewire.rigs.serial.messages import Acknowledgement, Identity, Message, 
 
 __all__ = ["Board", "LinkStormError"]
 
-# The protocol's checksum storm: so many broken frames within this time are no accident.
+# The protocol's checksum storm: this many broken frames within this time.
 STORM_FRAMES, STORM_S = 16, 0.2
 # A board that has just been plugged in runs its boot loader first.
 BOOT_S = 3.0
@@ -26,14 +26,14 @@ class LinkStormError(RigError):
 
 
 class Board:
-    """Commands out, messages in. It counts what was lost and keeps no state of the run.
+    """Commands out, messages in. It counts lost frames and keeps no state of the run.
 
     ``lost_frames`` are gaps in the board's sequence numbers; ``repeated_commands`` commands that were sent again
     because no answer came.
     """
 
     def __init__(self, line: Line, clock_s: Callable[[], float] = time.monotonic) -> None:
-        """Talk over an open line; ``clock_s`` is the host's clock [s]."""
+        """Use an open line; ``clock_s`` is the host's clock [s]."""
         self._line, self._clock_s = line, clock_s
         self.parser = FrameParser()
         self.lost_frames = 0
@@ -52,12 +52,12 @@ class Board:
         if sequence is not None:
             self.repeated_commands += 1
         number = self.new_sequence() if sequence is None else sequence
-        # The zero before it ends whatever a disturbance has put on the line, so that it spoils no command.
+        # The zero before it ends the bytes of any disturbance on the line, so that they spoil no command.
         self._line.write(b"\0" + encode_frame(Frame(kind, number, payload)))
         return number
 
     def send_drive(self, drive_voltage_v: float, sequence: int | None = None) -> int:
-        """Command a drive voltage [V]; open loop from here."""
+        """Command a drive voltage [V]; the board's loop is then open."""
         return self.send(MessageKind.DRIVE, payload_of(MessageKind.DRIVE, drive_voltage_v), sequence)
 
     def send_target(self, target: float, sequence: int | None = None) -> int:
@@ -67,7 +67,7 @@ class Board:
     def receive(self, timeout_s: float) -> list[Message]:
         """Return the messages that have come, waiting up to ``timeout_s`` for the first byte.
 
-        Raises LineLostError where the line is gone and LinkStormError where most of it is broken.
+        Raises LineLostError if the line is gone and LinkStormError if most frames are broken.
         """
         broken = self.parser.errors.total
         frames = self.parser.feed(self._line.read(timeout_s))
@@ -81,7 +81,7 @@ class Board:
         return messages
 
     def _count(self, sequence: int) -> None:
-        """Count the frames that are missing before this one; one that went back belongs to a board that restarted."""
+        """Count the frames that are missing before this one; a number that went back shows that the board restarted."""
         if self._seen_sequence is not None:
             missing = (sequence - self._seen_sequence - 1) % SEQUENCES
             if missing < SEQUENCES // 2:
@@ -95,7 +95,7 @@ class Board:
             raise LinkStormError(f"{STORM_FRAMES} broken frames within {STORM_S:g} s on {self._line.name}")
 
     def command(self, kind: MessageKind, payload: bytes, patience_s: float, attempts: int) -> Acknowledgement | None:
-        """Send a command until it is acknowledged; None where it never was. Other messages are dropped."""
+        """Send a command until it is acknowledged; None if it never was. Other messages are dropped."""
         sequence = None
         for _ in range(attempts):
             sequence = self.send(kind, payload, sequence)
@@ -106,9 +106,9 @@ class Board:
                         return message
         return None
 
-    def hello(self, longest_s: float = BOOT_S) -> Identity:
-        """Return what the board is. Raises RigError where none answers or it speaks another version."""
-        ends_s = self._clock_s() + longest_s
+    def hello(self, max_wait_s: float = BOOT_S) -> Identity:
+        """Return the board's identity. Raises RigError if no board answers or it has another protocol version."""
+        ends_s = self._clock_s() + max_wait_s
         while self._clock_s() < ends_s:
             self.send(MessageKind.HELLO)
             again_s = self._clock_s() + HELLO_EVERY_S
@@ -116,15 +116,15 @@ class Board:
                 for message in self.receive(left_s):
                     if isinstance(message, Identity):
                         return self._checked(message)
-                self._refuse_foreign_version()
+                self._refuse_other_version()
         raise RigError(
-            f"no answer from a musclewire board on {self._line.name} within {longest_s:g} s: check port, baud rate and "
-            "that the board runs the firmware"
+            f"no answer from a musclewire board on {self._line.name} within {max_wait_s:g} s: check port, baud rate "
+            "and that the board runs the firmware"
         )
 
-    def _refuse_foreign_version(self) -> None:
-        if self.parser.foreign_version is not None:
-            self._wrong_version(self.parser.foreign_version)
+    def _refuse_other_version(self) -> None:
+        if self.parser.other_version is not None:
+            self._wrong_version(self.parser.other_version)
 
     def _checked(self, identity: Identity) -> Identity:
         if identity.protocol_version != PROTOCOL_VERSION:
@@ -139,5 +139,5 @@ class Board:
         )
 
     def close(self) -> None:
-        """Let go of the line."""
+        """Close the line."""
         self._line.close()

@@ -36,7 +36,7 @@ class Frame(NamedTuple):
 
 @dataclass
 class LinkErrors:
-    """What was dropped on a line, by why: counts of frames."""
+    """Counts of the frames that were dropped on a line, by reason."""
 
     too_long: int = 0
     stuffing: int = 0
@@ -63,7 +63,7 @@ def stuff(body: bytes) -> bytes:
 
 
 def unstuff(stuffed: bytes) -> bytes | None:
-    """Return the body that was stuffed, None where the bytes are not a stuffed body."""
+    """Return the body that was stuffed, None if the bytes are not a stuffed body."""
     body = bytearray()
     at = 0
     while at < len(stuffed):
@@ -91,12 +91,12 @@ def encode_frame(frame: Frame) -> bytes:
 class FrameParser:
     """Bytes in, frames out: damaged frames are dropped and counted, and a wrong version is remembered.
 
-    Between two calls it keeps what has come of the frame that is under way, never more than a frame's length.
+    Between two calls it keeps the bytes of an incomplete frame, never more than a frame's length.
     """
 
     accepted: int = 0
     errors: LinkErrors = field(default_factory=LinkErrors)
-    foreign_version: int | None = None
+    other_version: int | None = None
     _under_way: bytearray = field(default_factory=bytearray)
     _overflowed: bool = False
 
@@ -113,7 +113,7 @@ class FrameParser:
         return frames
 
     def _keep(self, piece: bytes) -> None:
-        """Keep bytes of the frame under way; noise without any zero counts once per frame's length, as on the board."""
+        """Keep bytes of an incomplete frame; noise without any zero counts once per frame's length, as on the board."""
         at = 0
         while len(piece) - at > (room := MAX_ON_THE_LINE_BYTES - len(self._under_way)):
             self.errors.too_long += 1
@@ -127,7 +127,7 @@ class FrameParser:
         stuffed, overflowed = bytes(self._under_way), self._overflowed
         self._under_way.clear()
         self._overflowed = False
-        # What was too long has been counted when it became so; zeros in a row are how a sender flushes the line.
+        # A frame that is too long was counted when it became so; a sender flushes the line with zeros in a row.
         if overflowed or not stuffed:
             return None
         body = unstuff(stuffed)
@@ -147,7 +147,7 @@ class FrameParser:
         version, kind, sequence = HEADER.unpack_from(body)
         if version != PROTOCOL_VERSION:
             self.errors.version += 1
-            self.foreign_version = version
+            self.other_version = version
             return None
         self.accepted += 1
         return Frame(kind, sequence, body[HEADER.size : -CHECKSUM.size])

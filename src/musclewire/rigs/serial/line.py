@@ -10,7 +10,7 @@ from musclewire.errors import MissingExtraError, RigError
 
 __all__ = ["Line", "LineLostError", "open_line"]
 
-# More than a second of samples at any rate: what waits longer than this has been abandoned.
+# More than a second of samples at any rate: a longer backlog has been abandoned.
 READ_BYTES = 65536
 PATIENCE_S = 0.25
 
@@ -24,7 +24,7 @@ class Line(Protocol):
 
     @property
     def name(self) -> str:
-        """What the line is called in messages."""
+        """Name of the line in messages."""
         ...
 
     def write(self, data: bytes) -> None:
@@ -43,7 +43,7 @@ class Line(Protocol):
         ...
 
     def read(self, timeout_s: float) -> bytes:
-        """Return what has come.
+        """Return the bytes that have come.
 
         Parameters
         ----------
@@ -62,12 +62,12 @@ class Line(Protocol):
         ...
 
     def close(self) -> None:
-        """Let go of the line; may be called twice; never raises."""
+        """Close the line; may be called twice; never raises."""
         ...
 
 
 class SerialLine:
-    """A line of pyserial's."""
+    """A line through pyserial."""
 
     def __init__(self, port: Any, name: str) -> None:
         """Take an open pyserial port."""
@@ -86,13 +86,13 @@ class SerialLine:
             raise self._lost(error) from None
 
     def read(self, timeout_s: float) -> bytes:
-        """Return what has come, waiting for the first byte up to ``timeout_s``. Raises LineLostError."""
+        """Return the bytes that have come, waiting for the first one up to ``timeout_s``. Raises LineLostError."""
         try:
             self._port.timeout = max(timeout_s, 0.0)
             first: bytes = self._port.read(1)
             if not first:
                 return b""
-            # A socket does not tell how much waits, so the rest is asked for without waiting.
+            # A socket does not report how many bytes wait, so the rest is read without waiting.
             self._port.timeout = 0.0
             rest: bytes = self._port.read(READ_BYTES)
             return first + rest
@@ -100,16 +100,16 @@ class SerialLine:
             raise self._lost(error) from None
 
     def _lost(self, error: Exception) -> LineLostError:
-        """Return the error of a line that is gone; pyserial shows one closed meanwhile as several kinds."""
+        """Return the error of a line that is gone; for one closed meanwhile pyserial raises several kinds."""
         reason = " ".join(str(error).split()) or type(error).__name__
         return LineLostError(f"the line to the board, {self._name}, is gone: {reason}")
 
     def close(self) -> None:
-        """Let go of the line; may be called twice; never raises."""
+        """Close the line; may be called twice; never raises."""
         inner = getattr(self._port, "_socket", None)
-        with contextlib.suppress(Exception):  # nothing is left to do about a port that cannot even be closed
+        with contextlib.suppress(Exception):  # nothing can be done about a port that cannot be closed
             self._port.close()
-        # pyserial forgets a socket whose other end has gone without closing it.
+        # pyserial does not close a socket whose other end is gone.
         with contextlib.suppress(Exception):
             if inner is not None:
                 inner.close()
@@ -119,7 +119,7 @@ def open_line(port: str, baud: int, patience_s: float = PATIENCE_S) -> SerialLin
     """Open a port: ``/dev/ttyACM0``, ``COM3``, or a URL of pyserial's such as ``socket://127.0.0.1:4000``.
 
     A line that takes no bytes for ``patience_s`` counts as lost. Raises MissingExtraError without pyserial, RigError
-    where the port is not there, busy, or may not be used.
+    if the port is missing, busy, or not permitted.
     """
     try:
         import serial
@@ -136,8 +136,8 @@ def open_line(port: str, baud: int, patience_s: float = PATIENCE_S) -> SerialLin
     return SerialLine(opened, port)
 
 
-def settle(line: Line, quiet_s: float, longest_s: float) -> None:
-    """Throw away what a line still carries of an earlier session, until it has been quiet for ``quiet_s``."""
-    ends_s = time.monotonic() + longest_s
+def settle(line: Line, quiet_s: float, max_wait_s: float) -> None:
+    """Discard the bytes of an earlier session, until the line has been quiet for ``quiet_s``."""
+    ends_s = time.monotonic() + max_wait_s
     while line.read(quiet_s) and time.monotonic() < ends_s:
         pass

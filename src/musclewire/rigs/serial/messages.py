@@ -1,4 +1,4 @@
-"""What the frames of the serial protocol say: payloads to named values and back.
+"""Messages of the serial protocol: payloads to named values and back.
 
 Numbers, fields and layouts are those of ``message_types.py``, which is written from data/protocol.toml, as the
 firmware's header is (docs/reference/firmware_protocol.md).
@@ -34,7 +34,7 @@ __all__ = [
 
 
 class Identity(IdentityFields):
-    """What a board is and what it was built with."""
+    """Identity of a board, with the model and the firmware that it was built with."""
 
     __slots__ = ()
 
@@ -50,13 +50,13 @@ class Identity(IdentityFields):
 
     @property
     def reset_by(self) -> str:
-        """Why the board started, in words."""
+        """Cause of the board's start as text."""
         known = {cause.value: cause.name.lower().replace("_", "-") for cause in ResetCause}
         return known.get(self.reset_cause, f"cause {self.reset_cause}")
 
 
 Message = Identity | BoardSample | BoardEvent | Acknowledgement
-# What the board's messages are read as.
+# The type that each of the board's messages is read as.
 READ_AS: dict[int, type[Message]] = {
     MessageKind.IDENTITY: Identity,
     MessageKind.SAMPLE: BoardSample,
@@ -71,12 +71,12 @@ def payload_of(kind: MessageKind, *values: float) -> bytes:
 
 
 def text_of(field: bytes) -> str:
-    """Return a text field that ends at its first zero; what is not ASCII is shown as such."""
+    """Return a text field that ends at its first zero; bytes that are not ASCII are escaped."""
     return field.split(b"\0")[0].decode("ascii", "backslashreplace")
 
 
 def read_message(frame: Frame) -> Message | None:
-    """Return what a board's frame says, None for a type that is not the board's or a payload of another length."""
+    """Return a board's message, None for a type that is not the board's or a payload of another length."""
     made = READ_AS.get(frame.kind)
     if made is None:
         return None

@@ -32,51 +32,51 @@ from musclewire.signals.exchange import Command, RawSample, Target
 
 __all__ = ["SERIAL", "SerialDevice"]
 
-# Samples the board sends in a sample period, as far as the period divides: one that is lost then costs a fifth.
+# Samples that the board sends in a sample period, the first number that divides it: a lost one then costs a fifth.
 FRAMES_PER_SAMPLE = (5, 4, 3, 2, 1)
-# A command is sent again after this share of the patience.
+# A command is sent again after this fraction of the patience.
 REPEAT_FRACTION = 0.1
 ATTEMPTS = 5
 TICKS = 1 << 32
-# Shunt and voltages that a rig file gives with three digits agree with the board's to this share.
+# Shunt and voltages that a rig file gives with three digits agree with the board's to this relative difference.
 AGREEMENT = 5e-3
 NO_TICK = -1
 
 
 class BoardFaultError(RigError):
-    """What ends an exchange, with the event that it is; it leaves the exchange as a :class:`Fault`."""
+    """A fault that ends an exchange, with its event; the exchange returns it as a :class:`Fault`."""
 
     def __init__(self, event: Event, details: str) -> None:
-        """Keep the event beside the details."""
+        """Keep the event with the details."""
         super().__init__(details)
         self.event = event
 
 
 class OffMeanwhileError(RigError):
-    """Another thread wants to switch off."""
+    """Another thread has requested to switch off."""
 
 
 class SerialDevice:
-    """A wire behind a microcontroller that runs musclewire's firmware.
+    """A wire on a microcontroller that runs musclewire's firmware.
 
-    Its clock is the board's: time counts its ticks, so it does not drift against the samples. The board holds the same
-    protection table and lets the heater expire when no command comes; what trips there is a fault here. It follows
-    targets with the loop of its firmware.
+    Its clock is the board's: time counts its ticks, so it does not drift against the samples. The board applies the
+    same protection table and switches its drive off if no command comes; a trip of the board is a fault here. It
+    follows targets with the loop of its firmware.
     """
 
     def __init__(
         self, configuration: SerialConfiguration, board: Board, clock_s: Callable[[], float] = time.monotonic
     ) -> None:
-        """Ask the board what it is; the output stays at 0 V until the first exchange.
+        """Read the board's identity; the output stays at 0 V until the first exchange.
 
-        Raises RigError where no board answers or it speaks another version, CallerError where the rig file and the
+        Raises RigError if no board answers or it has another protocol version, CallerError if the rig file and the
         board contradict each other.
         """
         self._configuration, self._board, self._clock_s = configuration, board, clock_s
         self._drive_voltage_v = 0.0
         self._armed = self._paused = self._let_go = False
         self._off_confirmed = False
-        # Off may come from another thread: the exchange then lets go of the line within a part of the patience.
+        # Another thread may call ``off``: the exchange then releases the line within a fraction of the patience.
         self._off_wanted = False
         self._talking = RLock()
         self._due_tick = NO_TICK
@@ -99,12 +99,12 @@ class SerialDevice:
                 readings_noisy=configuration.readings_noisy,
             ),
         )
-        # A trip that is latched from an earlier session is over: whoever opens the rig has looked.
+        # A trip that is latched from an earlier session is cleared: opening the rig acknowledges it.
         self._command(MessageKind.OFF, b"")
         self._command(MessageKind.STREAM, payload_of(MessageKind.STREAM, self._ticks // self._frames))
 
     def _check_agreement(self) -> None:
-        """Raise CallerError where the rig file asks for what this board is not."""
+        """Raise CallerError if the rig file contradicts the board."""
         wanted, board = self._configuration, self._identity
         if abs(wanted.shunt - board.shunt_resistance_ohm) > AGREEMENT * board.shunt_resistance_ohm:
             raise CallerError(
@@ -130,17 +130,17 @@ class SerialDevice:
 
     @property
     def facts(self) -> DeviceFacts:
-        """What is known of the board and its wire; a board has no instruments."""
+        """Facts of the board and its wire; a board has no reference instruments."""
         return self._facts
 
     @property
     def drive_voltage_v(self) -> float:
-        """Drive voltage that is out now, as the board's last sample says."""
+        """Drive voltage that is out now, by the board's last sample."""
         return self._drive_voltage_v
 
     @property
     def identity(self) -> Identity:
-        """What the board says it is."""
+        """Identity that the board has reported."""
         return self._identity
 
     @property
@@ -159,14 +159,14 @@ class SerialDevice:
         return None if self._last is None else self._last.resistance_ohm
 
     def __repr__(self) -> str:
-        """Say which board on which port, and what is out."""
+        """Name the board, its port, its wire and its drive."""
         return (
             f"SerialDevice({self._identity.board} on {self._configuration.port}, "
             f"wire {self._configuration.wire}, drive {self._drive_voltage_v:.3f} V)"
         )
 
     def metadata(self) -> Metadata:
-        """Return what a recording should say about this board."""
+        """Return the metadata of a recording that describe this board."""
         return {
             "rig": "serial",
             **self._configuration.facts(),
@@ -180,7 +180,7 @@ class SerialDevice:
         }
 
     def link_counts(self) -> Metadata:
-        """Return what the line has cost so far: lost frames, broken frames, repeated commands."""
+        """Return the line's counts of lost frames, broken frames and repeated commands."""
         return {
             "lost_frames": self._board.lost_frames,
             "broken_frames": self._board.parser.errors.total,
@@ -202,13 +202,13 @@ class SerialDevice:
                 return Fault(fault.event, str(fault))
 
     def _period(self, command: Command) -> RawSample:
-        """Send a command and return the mean of the samples that stand for its sample period."""
+        """Send a command and return the mean of the samples of its sample period."""
         self._require_on()
         if not self._armed:
             self._arm()
         samples = self._samples_after(command)
         self._last = samples[-1]
-        # A sample in which the converter gave nothing is no number; of several the others speak for the period.
+        # A sample without a reading of the converter is NaN; the others of the period are averaged.
         samples = [one for one in samples if isfinite(one.wire_voltage_v + one.shunt_voltage_v)] or samples
         count = len(samples)
         self._drive_voltage_v = sum(sample.drive_voltage_v for sample in samples) / count
@@ -224,7 +224,7 @@ class SerialDevice:
             raise OffMeanwhileError("the line is to be closed")
 
     def _send(self, command: Command, sequence: int | None = None) -> int:
-        """Send a command, with a number again, and return its number."""
+        """Send a command and return its sequence number; with a ``sequence`` it is the same command again."""
         if isinstance(command, Target):
             return self._board.send_target(command.value, sequence)
         return self._board.send_drive(command.voltage_v, sequence)
@@ -233,34 +233,34 @@ class SerialDevice:
         """Collect the samples that carry a command's number until the period is over."""
         sequence = self._send(command)
         repeat_s = REPEAT_FRACTION * self._configuration.patience
-        start_s = heard_s = asked_s = self._clock_s()
+        start_s = received_s = sent_s = self._clock_s()
         found: list[BoardSample] = []
         while True:
             self._require_on()
-            # What came behind the last period's end is read here, too: it may be why the board has tripped.
+            # Messages after the last period's end are read here, too: they may explain why the board has tripped.
             self._unread.extend(self._board.receive(0.0 if self._unread else repeat_s))
             while self._unread:
                 message = self._unread.popleft()
-                heard_s = self._clock_s()
+                received_s = self._clock_s()
                 self._raise_what_it_reports(message, sequence)
                 if isinstance(message, BoardSample) and message.command_sequence == sequence:
                     found.append(message)
                     if self._is_over(message.tick):
                         return found
             now_s = self._clock_s()
-            if not found and now_s - asked_s >= repeat_s:
+            if not found and now_s - sent_s >= repeat_s:
                 self._send(command, sequence)
-                asked_s = now_s
-            overdue_s = now_s - (heard_s if found else start_s)
+                sent_s = now_s
+            overdue_s = now_s - (received_s if found else start_s)
             if overdue_s > self._configuration.patience + self._configuration.sample_period:
                 self._give_up(overdue_s)
 
     def _is_over(self, tick: int) -> bool:
-        """Tell whether a sample at a tick ends the period that is due; due ticks stand on one grid: no drift."""
+        """Return whether a sample at a tick ends the period that is due; due ticks are on one grid, without drift."""
         every = self._ticks // self._frames
         if self._first_tick == NO_TICK:
             self._first_tick = self._tick = tick - every
-        # A board that counts in 32 bits comes round after weeks; here ticks go on.
+        # The board's 32-bit counter wraps after weeks; here ticks continue.
         tick = self._tick + (tick - self._tick) % TICKS
         if self._due_tick == NO_TICK:
             self._due_tick = tick - every + self._ticks
@@ -272,10 +272,10 @@ class SerialDevice:
         return True
 
     def _raise_what_it_reports(self, message: Message, sequence: int) -> None:
-        """Trip where the board has tripped, refused the command, or started anew."""
+        """Raise BoardFaultError if the board has tripped, refused the command, or restarted."""
         if isinstance(message, (BoardSample, BoardEvent)) and message.state == State.TRIPPED:
             self._trip_as_the_board(message.event)
-        if isinstance(message, Identity):  # unasked, so it has started anew
+        if isinstance(message, Identity):  # not requested, so the board has restarted
             self._trip_restarted(message)
         if isinstance(message, BoardSample) and self._went_back(message.tick):
             self._trip_restarted(None)
@@ -295,7 +295,7 @@ class SerialDevice:
         raise BoardFaultError(known.get(number, Event.DEVICE_LOST), f"seen by the board {self._identity.board}")
 
     def _trip_refused(self) -> NoReturn:
-        """Trip for a refused command: the reason is in what the board says next, or it has started anew."""
+        """Raise BoardFaultError for a refused command: the board's next message has the cause, or it has restarted."""
         ends_s = self._clock_s() + self._configuration.sample_period
         while self._clock_s() < ends_s:
             self._unread.extend(self._board.receive(0.2 * self._configuration.sample_period))
@@ -308,13 +308,13 @@ class SerialDevice:
         self._trip_restarted(None)
 
     def _trip_restarted(self, identity: Identity | None) -> NoReturn:
-        """Trip with the reason for which a board is not armed any more; without an identity it is asked for one."""
+        """Raise BoardFaultError for a board that is no longer armed; without an identity it is requested."""
         if identity is None:
             with contextlib.suppress(RigError):
                 identity = self._board.hello(self._configuration.patience)
         known = {Event.WATCHDOG.value: Event.WATCHDOG}
         event = Event.POWER_LOST if identity is None else known.get(identity.event_at_reset, Event.POWER_LOST)
-        why = "it does not say why" if identity is None else f"started by {identity.reset_by}"
+        why = "it gives no reason" if identity is None else f"started by {identity.reset_by}"
         raise BoardFaultError(event, f"the board {self._identity.board} is not armed any more: {why}")
 
     def _give_up(self, overdue_s: float) -> NoReturn:
@@ -330,7 +330,7 @@ class SerialDevice:
         self._armed = True
 
     def _refuse_other_trips(self, messages: Iterable[Message]) -> None:
-        """Trip for what the board saw during a pause, except that no command came: none was sent on purpose."""
+        """Raise BoardFaultError for a trip during a pause, except for missing commands: none were sent on purpose."""
         for message in messages:
             if (
                 isinstance(message, (BoardSample, BoardEvent))
@@ -340,7 +340,7 @@ class SerialDevice:
                 self._trip_as_the_board(message.event)
 
     def _command(self, kind: MessageKind, payload: bytes) -> None:
-        """Send a command that must be acknowledged. Raises RigError where it is not or is refused."""
+        """Send a command that must be acknowledged. Raises RigError if it is not, or is refused."""
         patience_s = max(REPEAT_FRACTION * self._configuration.patience, 0.02)
         answer = self._board.command(kind, payload, patience_s, ATTEMPTS * 2)
         if answer is None or answer.result != AcknowledgementResult.DONE:
@@ -348,7 +348,7 @@ class SerialDevice:
             raise RigError(f"the board on {self._configuration.port} {said} to {kind.name}: reset it and try again")
 
     def sense(self) -> bool:
-        """Order the sense voltage once; a board that does not hear it lets its heater expire."""
+        """Order the sense voltage once; a board that does not receive it switches off when its command expires."""
         sense_v = self._configuration.sense_voltage
         with contextlib.suppress(RigError):
             if self._armed:
@@ -359,7 +359,7 @@ class SerialDevice:
         return True
 
     def off(self) -> bool:
-        """Order 0 V and let go of the line; return whether the board has confirmed it."""
+        """Order 0 V and close the line; return whether the board has confirmed it."""
         self._off_wanted = True
         with self._talking:
             if not self._let_go:
@@ -370,7 +370,7 @@ class SerialDevice:
             return self._off_confirmed
 
     def _answers_off(self) -> bool:
-        """Order 0 V and return whether the board says that it is out."""
+        """Order 0 V and return whether the board confirms it."""
         patience_s = REPEAT_FRACTION * self._configuration.patience
         try:
             answer = self._board.command(MessageKind.OFF, b"", patience_s, ATTEMPTS)

@@ -13,7 +13,7 @@ ORDERS = GuardianOrders(OUTPUT, 1.0, 0.0, 0.3, sense_after_s=0.1, trip_after_s=0
 
 def heard(drive_v: float) -> Watch:
     watch = Watch(ORDERS)
-    watch.hear(100.0, drive_v)
+    watch.note(100.0, drive_v)
     return watch
 
 
@@ -38,16 +38,16 @@ def test_a_very_long_silence_goes_off_at_once() -> None:
 def test_a_sign_of_life_renews_the_time() -> None:
     watch = heard(2.0)
     for step in range(1, 100):
-        watch.hear(100.0 + 0.09 * step)
+        watch.note(100.0 + 0.09 * step)
         assert watch.due(100.0 + 0.09 * step + 0.05) is None
 
 
 def test_a_command_after_the_sense_voltage_drives_again_and_a_sign_of_life_does_not() -> None:
     watch = heard(2.0)
     assert watch.due(100.15) == 0.3
-    watch.hear(100.16)
+    watch.note(100.16)
     assert watch.watching
-    watch.hear(100.17, 2.0)
+    watch.note(100.17, 2.0)
     assert watch.due(100.2) is None
 
 

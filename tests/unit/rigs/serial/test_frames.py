@@ -96,7 +96,7 @@ def test_another_version_is_dropped_and_remembered() -> None:
     parser = FrameParser()
     assert parser.feed(stuff(body) + b"\0") == []
     assert parser.errors.version == 1
-    assert parser.foreign_version == 2
+    assert parser.other_version == 2
 
 
 def test_a_payload_that_no_frame_holds_is_refused() -> None:
