@@ -4,7 +4,8 @@ After a change of the shipped parameters or of the physics, run it once and comm
 
 - README.md's pictures, from a run of the demo (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
-- docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md and python.md.
+- docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md and python.md
+  (``python docs/images/draw.py pages`` writes these alone, in seconds).
 """
 
 from __future__ import annotations
@@ -64,19 +65,26 @@ def with_blocks(text: str, blocks: dict[str, str]) -> str:
 
 
 def main() -> None:
-    """Draw and write everything; with the argument ``physics`` all but the demo's pictures."""
+    """Draw and write everything; with ``physics`` all but the demo's pictures, with ``pages`` the pages alone."""
+    write_pages()
+    if sys.argv[1:] == ["pages"]:
+        return
     if sys.argv[1:] != ["physics"]:
         draw_readme_pictures()
     loops = physics_runs.loops_of_the_sweep()
     draw_physics_pictures(loops)
+    page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_numbers.blocks(loops))
+    PHYSICS_PAGE.write_text(page, encoding="utf-8")
+
+
+def write_pages() -> None:
+    """Write the pages that follow from data files, schemas and docstrings alone: a matter of seconds."""
     PARAMETER_PAGE.write_text(parameter_page.page(), encoding="utf-8")
     PROTECTION_PAGE.write_text(protection_page.page(), encoding="utf-8")
     FAULTS_PAGE.write_text(faults_page.page(), encoding="utf-8")
     RIG_KEYS_PAGE.write_text(rig_keys_page.page(), encoding="utf-8")
     WIRE_ROW_PAGE.write_text(wire_row_page.page(), encoding="utf-8")
     PYTHON_PAGE.write_text(python_page.page(), encoding="utf-8")
-    page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_numbers.blocks(loops))
-    PHYSICS_PAGE.write_text(page, encoding="utf-8")
 
 
 if __name__ == "__main__":

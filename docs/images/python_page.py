@@ -13,7 +13,7 @@ from musclewire.registry import Registry
 
 HEAD = """# Python
 
-Written by `python docs/images/draw.py physics` from the docstrings; a test holds this page to them. Do not edit it by
+Written by `python docs/images/draw.py pages` from the docstrings; a test holds this page to them. Do not edit it by
 hand. `help(mw.control)` shows all of a name: each argument with its unit, what is returned, each error, an example.
 
 Numbers are SI everywhere in Python, and the unit ends the name: `drive_voltage_v`, `period_s`. Strain is a fraction.
@@ -24,7 +24,7 @@ What a script needs. The package imports nothing until a name is used.
 """
 RESULTS = """## What they return
 
-Each of these shows itself as a summary or a table (`print(run.metrics)`), in a notebook too.
+`help(run)` lists what each holds: the metrics of a run, the gaps of a sweep, the parameters of a calibration.
 """
 # Rooms whose names a script of one's own has use for; those of the others serve musclewire itself.
 ROOMS = ("sensing", "controllers", "identify", "signals", "parameters", "errors", "registry")

@@ -20,7 +20,7 @@ Kind = TypeVar("Kind")
 
 
 class Registry(Generic[Kind]):
-    """Kinds of one thing by name.
+    """Kinds of one thing by name: our own, those registered by a call, and those of entry points.
 
     Parameters
     ----------

@@ -83,7 +83,7 @@ class Controller(Protocol):
 
 @dataclass(frozen=True)
 class ControllerSetup:
-    """What a loop knows when it makes its controller.
+    """All that a factory may make a controller from.
 
     Parameters
     ----------

@@ -153,7 +153,7 @@ class ControllerState(NamedTuple):
 
 
 class StepResult(NamedTuple):
-    """The outcome of one tick.
+    """Result of one tick of the controller: command, next state and the gains that were used.
 
     Parameters
     ----------

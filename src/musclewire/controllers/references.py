@@ -34,7 +34,7 @@ CLOCK_TOLERANCE_S = 1e-9
 
 
 class Reference(Protocol):
-    """Anything that knows its target at any time."""
+    """A target over time, as a closed loop follows it."""
 
     @property
     def duration_s(self) -> float:

@@ -132,7 +132,7 @@ class ConstantRules(StrictModel):
 
 
 class RuleBase(StrictModel):
-    """A rule base with its origin.
+    """A fuzzy rule base: its tables, how they are inferred, and where they are from.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ Voltage = TypeVar("Voltage", float, FloatArray)
 
 
 class ResistanceReading(NamedTuple):
-    """One resistance.
+    """One resistance of a wire, and whether it is valid.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class ResistanceReading(NamedTuple):
 
 
 class ArrayReading(NamedTuple):
-    """Many resistances.
+    """Many resistances of a wire, and which of them are valid.
 
     Parameters
     ----------

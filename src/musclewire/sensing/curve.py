@@ -43,7 +43,7 @@ MAX_NUMBER = 1e12
 
 
 class CurveEstimate(NamedTuple):
-    """The estimate of one resistance.
+    """The estimate from one resistance: value, standard deviation and validity.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class CurveEstimate(NamedTuple):
 
 
 class ArrayEstimate(NamedTuple):
-    """The estimates of many resistances; all three of the shape of the resistances.
+    """The estimates from many resistances, in three arrays of the shape of the resistances.
 
     Parameters
     ----------

@@ -137,7 +137,7 @@ class Estimator(Protocol):
 
 @dataclass(frozen=True)
 class EstimatorSetup:
-    """What a loop knows when it makes its estimator.
+    """All that a factory may make an estimator from.
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ MIN_POWER_CHANGE = 0.02
 
 
 class SegmentState(NamedTuple):
-    """What a tracker remembers of a wire.
+    """State of a :class:`SegmentTracker` between two samples.
 
     Parameters
     ----------

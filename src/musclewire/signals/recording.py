@@ -47,6 +47,15 @@ class Recording:
         For an unknown column name, or a metadata key or value that no file could keep.
     RecordingError
         If columns are of unequal length, or there is neither a clock nor a table that needs none.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> recording = mw.Recording({"time_s": [0.0, 0.1], "wire_voltage_v": [1.2, 1.3]}, {"pretension_n": 1.7})
+    >>> recording["wire_voltage_v"]
+    array([1.2, 1.3])
+    >>> recording.duration_s, recording.metadata["pretension_n"]
+    (0.1, 1.7)
     """
 
     columns: Mapping[str, FloatArray]
