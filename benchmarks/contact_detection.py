@@ -1,12 +1,12 @@
-"""Is contact found without a sensor before a grip is felt, whatever the weather, and how well is the force told?
+"""Is contact found without a sensor before the grip force matters, in moving air, and how accurate is the force?
 
 Two simulated fingers (rig "gripper") close in 2.5 s in a room: the air's temperature swings by 3 K to both sides in
-300 s, draughts change convection by 8 % (standard deviation) and last about 3 s. The gripper has learned in the same
-weather with another seed, by free closings and a known block of 300 N/m.
+300 s, draughts change convection by 8 % (standard deviation) and last about 3 s. The gripper was trained in the same
+moving air with another seed, by free closings and a known block of 300 N/m.
 
 Bars: no alarm in 20 free closings; every contact found before the true force at the endpoint exceeds 0.15 N, for
-blocks of 50 to 1000 N/m met after 4 to 9 mm of 13 mm. Other openings, other weather and other speeds are shown and not
-judged. Exit 1 where a bar fails.
+blocks of 50 to 1000 N/m met after 4 to 9 mm of 13 mm. Other openings, other air and other speeds are shown and not
+judged. Exit 1 if a bar fails.
 
     python benchmarks/contact_detection.py [--quick]     20 free closings and 8 grips, or 200 and more than 300
 """
@@ -19,7 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from musclewire.experiment.grip import grip
-from musclewire.experiment.gripper_training import GripperKnowledge, close_fingers, learn_gripper, with_object
+from musclewire.experiment.gripper_training import GripperKnowledge, close_fingers, train_gripper, with_object
 from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
 from musclewire.rigs.surroundings import Surroundings
 from musclewire.sensing.branch_equations import evaluate
@@ -46,12 +46,12 @@ OTHER_WEATHER = {
 
 
 def gripper(weather: Surroundings) -> RigConfiguration:
-    """Return the gripper in some weather."""
+    """Return the gripper in some moving air."""
     return rig_configuration("gripper")[0].model_copy(update={"surroundings": weather})
 
 
 def detected(recording: Recording, knowledge: GripperKnowledge) -> tuple[float, float | None]:
-    """Return the highest score of a closing, and the true force at the moment contact was found; None where never."""
+    """Return the highest score of a closing, and the true force at the moment contact was found; None if never."""
     detector = ContactDetector(knowledge.free)
     state, highest, force_n = detector.start(), 0.0, None
     for row in range(len(recording)):
@@ -142,10 +142,10 @@ def show_other_weather(knowledge: GripperKnowledge) -> None:
 
 
 def show_other_days() -> None:
-    """Print how grippers do that have learned on other days: their own seeds of weather and noise."""
+    """Print the results of grippers trained on other days: their own seeds of air and noise."""
     blocks = [ElasticObject(stiffness, 5.5e-3) for stiffness in (100.0, 500.0)]
     for seed in OTHER_DAYS:
-        knowledge = learn_gripper(gripper(WEATHER), seed=seed)
+        knowledge = train_gripper(gripper(WEATHER), seed=seed)
         scores = free_scores(knowledge, WEATHER, range(40))
         print_line(f"learned with seed {seed}", scores, forces_found(knowledge, WEATHER, blocks, range(10)))
 
@@ -196,13 +196,13 @@ def show_forces(days: Sequence[GripperKnowledge], quick: bool) -> None:
 
 def main() -> int:
     quick = "--quick" in sys.argv
-    knowledge = learn_gripper(gripper(WEATHER), seed=LEARNING_SEED)
+    knowledge = train_gripper(gripper(WEATHER), seed=LEARNING_SEED)
     show_costs(knowledge)
     held = judge_contact(knowledge, quick)
     if not quick:
         show_other_weather(knowledge)
         show_other_days()
-    others = [] if quick else [learn_gripper(gripper(WEATHER), seed=seed) for seed in OTHER_DAYS[:4]]
+    others = [] if quick else [train_gripper(gripper(WEATHER), seed=seed) for seed in OTHER_DAYS[:4]]
     show_forces([knowledge, *others], quick)
     return int(not held)
 

@@ -2,7 +2,7 @@
 
 Prints JSON. ``closed_loop``: exchanges per second of a rig whose card does not wait for the clock, so that what is
 left is what calls cost: NI's client, gRPC, the guardian, the emulated card and wire. ``by_the_clock``: rigs at their
-own pace, with the share of samples that came late and how exact their times are. ``host_killed`` and ``host_stalled``:
+own pace, with the fraction of late samples and the accuracy of their times. ``host_killed`` and ``host_stalled``:
 the time from SIGKILL or SIGSTOP of a heating host to the card at 0 V. The server is a process of its own.
 ``--quick`` measures less. From the root of a checkout: python -m benchmarks.daq_seam
 """

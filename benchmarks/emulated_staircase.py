@@ -1,4 +1,4 @@
-"""The paper's staircase through the real firmware in its emulator, beside the same run on the simulated rig.
+"""The paper's staircase through the real firmware in its emulator, compared with the same run on the simulated rig.
 
 Three closed loops on the same simulated wire with the same sensing model (firmware/models/paper-100um.json): the host's
 loop on the simulated rig; the host's loop over the serial protocol, through the firmware, its converter and its output

@@ -1,9 +1,9 @@
-"""How well does resistance tell force, with the load's stiffness known and unknown?
+"""How accurate is force from resistance, with the load's stiffness known and unknown?
 
 Models are fitted on the paper's spring of 588.6 N/m; the wire then pulls springs of half and twice that stiffness. A
 model of force is bound to its spring (Lan and Fan 2010, Fig. 8); a model of strain (Fig. 7) with the known stiffness
 and the friction measured on the first spring is not. Bar: with a known stiffness every step of the staircase within
-5 % (mean absolute error, Eq. 7, against the load cell) at the default seed. Exit 1 where it is not.
+5 % (mean absolute error, Eq. 7, against the load cell) at the default seed. Exit 1 if it is not.
 
     python benchmarks/force_self_sensing.py [--quick]     six seeds, or the default one
 """

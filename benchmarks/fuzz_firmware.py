@@ -81,7 +81,7 @@ def start_of_a_run(chance: random.Random) -> bytes:
 
 
 def random_stream(count: int, chance: random.Random) -> Iterator[bytes]:
-    """Yield random bytes, ``count`` in all, and a run to disturb between them."""
+    """Yield random bytes, ``count`` in total, and a run to disturb between them."""
     left = count
     while left > 0:
         yield start_of_a_run(chance)
@@ -147,7 +147,7 @@ def chunks(pieces: Iterator[bytes]) -> Iterator[bytes]:
 
 
 def fire(program: Path, pieces: Iterator[bytes], seed: int) -> tuple[dict[str, Any], FrameParser]:
-    """Feed both parsers with the same bytes and return what each has counted. Raises RuntimeError where C fails."""
+    """Feed both parsers with the same bytes and return what each has counted. Raises RuntimeError if C fails."""
     host, cuts = FrameParser(), random.Random(seed)
     judge = subprocess.Popen(
         [program, str(seed)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE

@@ -2,8 +2,8 @@
 
 A model file comes by mail, from an old version, or half written. A fitted model's JSON is damaged in four ways: bytes
 (flipped, cut, doubled, mixed in), values (of another type, huge, tiny, negative, not finite), keys (lost, misspelt,
-foreign, twice) and structure (nested, emptied, swapped). What is accepted must estimate finite numbers over its range,
-invert them, and come back the same after saving. Warnings count as failures. Exit 1 where any document does worse.
+unknown, twice) and structure (nested, emptied, swapped). What is accepted must estimate finite numbers over its range,
+invert them, and come back the same after saving. Warnings count as failures. Exit 1 if any document does worse.
 
     python benchmarks/fuzz_model_files.py [--quick] [--seed N]     100,000 documents, or 5,000
 """

@@ -1,4 +1,4 @@
-"""How long a user waits: `musclewire --help` beside a bare interpreter, warm, as whole processes.
+"""How long a user waits: `musclewire --help` compared with a bare interpreter, warm, as whole processes.
 
 The bar is 0.3 s. Prints a table, or one JSON document with --json; --quick takes fewer runs.
 """

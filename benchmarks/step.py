@@ -1,4 +1,4 @@
-"""One wire through time: our compiled step beside SciPy on a comparable wire, in one process.
+"""One wire through time: our compiled step compared with SciPy on a comparable wire, in one process.
 
 Ours is the whole wire: 160 grains in three phases with minor loops, heat in enthalpy form with Churchill and Chu's
 convection, spring with guide friction, voltage divider, resistance. Theirs is what one writes with SciPy today, after

@@ -1,4 +1,4 @@
-"""Fit a model to a CSV file from somebody else's logger: foreign headers, milliseconds, millivolts, millimetres."""
+"""Fit a model to a CSV file from another program's logger: its own headers, milliseconds, millivolts, millimetres."""
 
 import tempfile
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import musclewire as mw
 
 
-def write_foreign_csv(path: Path) -> None:
+def write_logger_csv(path: Path) -> None:
     """Write a loop as a logger would; take your own file instead."""
     with mw.open_rig("simulated", seed=3) as rig:
         loop = mw.characterize(rig)
@@ -23,7 +23,7 @@ def write_foreign_csv(path: Path) -> None:
 
 with tempfile.TemporaryDirectory() as folder:
     path = Path(folder) / "logger.csv"
-    write_foreign_csv(path)
+    write_logger_csv(path)
     recording = mw.read_recording(
         path,
         {"time_s": "Millis", "wire_voltage_v": "CH1", "shunt_voltage_v": "CH2", "displacement_m": "Probe"},

@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
-from finger_spool.bars import PAPER_N, PAPER_PCT, at_paper, bars, least_place_n, stands_out_pct, sweep
+from finger_spool.bars import PAPER_N, PAPER_PCT, at_paper, bars, smallest_gap_place_n, stands_out_pct, sweep
 from finger_spool.loops import OWN_WIRE, RIG, LoopRow, Trial, own_trial, read_gap_pct, slow_path
 from finger_spool.search import (
     AMPLITUDE_V,
@@ -32,8 +32,8 @@ from finger_spool.search import (
     fitted,
     judged,
     sets_of_old_numbers,
-    with_least_at_paper,
     with_one_more,
+    with_smallest_gap_at_paper,
 )
 
 from musclewire.experiment.closed_loop import control
@@ -62,9 +62,9 @@ def show(title: str, rows: Sequence[LoopRow]) -> None:
     print("  gap [%]     " + " ".join(f"{row.gap_pct:6.2f}" for row in rows))
     print("  signed [%]  " + " ".join(f"{row.signed_gap_pct:+6.2f}" for row in rows))
     print(
-        f"  least {least.gap_pct:.2f} % at {least_place_n(rows):.2f} N; at {PAPER_N} N {paper.gap_pct:.2f} %, stroke "
-        f"{paper.stroke_pct:.2f} %, endpoint {1e3 * paper.endpoint_m:.2f} mm, {100 * paper.min_martensite:.0f} % "
-        f"martensite left\n  bars: {bars(rows)}; the least stands out by {stands_out_pct(rows):.2f} points"
+        f"  least {least.gap_pct:.2f} % at {smallest_gap_place_n(rows):.2f} N, at {PAPER_N} N {paper.gap_pct:.2f} "
+        f"%, stroke {paper.stroke_pct:.2f} %, endpoint {1e3 * paper.endpoint_m:.2f} mm, "
+        f"{100 * paper.min_martensite:.0f} % martensite left\n  bars: {bars(rows)}; the least stands out by {stands_out_pct(rows):.2f} points"
     )
 
 
@@ -106,7 +106,7 @@ def show_neighbours() -> None:
         rows = sweep(trial)
         paper = at_paper(rows)
         print(
-            f"  {label:30} {paper.gap_pct:.2f} % at {PAPER_N} N, least at {least_place_n(rows):.2f} N, "
+            f"  {label:30} {paper.gap_pct:.2f} % at {PAPER_N} N, least at {smallest_gap_place_n(rows):.2f} N, "
             f"stroke {paper.stroke_pct:.2f} %, {bars(rows).met} of 5 bars"
         )
 
@@ -115,7 +115,7 @@ def show_frontier() -> None:
     """Print what gap each barrier shift gives once the R-phase shift has put the least one at 0.71 N."""
     print("\nBarrier shift, the R-phase shift that puts the least gap at 0.71 N, gap there, over slack, over too much")
     for shift in FRONTIER_K:
-        trial = with_least_at_paper(own_trial(), shift)
+        trial = with_smallest_gap_at_paper(own_trial(), shift)
         rows = sweep(trial, time_step_s=0.005, grains=160)
         path = slow_path(trial, PAPER_N, time_step_s=0.005, grains=160)
         read = np.mean([read_gap_pct(path, seed) for seed in range(1, 9)])

@@ -82,8 +82,8 @@ def at_paper(rows: Sequence[LoopRow]) -> LoopRow:
     return min(rows, key=lambda row: abs(row.pretension_n - PAPER_N))
 
 
-def least_place_n(rows: Sequence[LoopRow]) -> float:
-    """Return the pretension of the least gap [N], by the parabola through the least row and its neighbours."""
+def smallest_gap_place_n(rows: Sequence[LoopRow]) -> float:
+    """Return the pretension of the smallest gap [N], by the parabola through its row and the neighbours."""
     gaps = np.array([row.gap_pct for row in rows])
     middle = int(np.clip(np.argmin(gaps), 1, len(rows) - 2))
     around = slice(middle - 1, middle + 2)

@@ -8,15 +8,15 @@ from itertools import product
 
 import numpy as np
 
-from finger_spool.bars import PAPER_N, PAPER_PCT, distance, least_place_n, sweep
+from finger_spool.bars import PAPER_N, PAPER_PCT, distance, smallest_gap_place_n, sweep
 from finger_spool.loops import LoopRow, Trial, read_gap_pct, slow_path
 
 AMPLITUDE_V = 1.8
 BARRIER_SHIFTS_K, BARRIER_STEP_K = (2.0, 10.0), 0.1
 TriedSet = tuple[float, str, list[LoopRow]]
 
-# Amplitudes from what leaves a seventh of the wire in martensite to what leaves none; shifts within what is sold as 70
-# and 90 C wire; friction of a guide that the finger's bench does not have, beside that of the tendon.
+# Amplitudes that leave a seventh of the wire in martensite to none; shifts within those of 70 and 90 C wire; friction
+# of a guide that the finger's bench does not have, in addition to that of the tendon.
 AMPLITUDES_V = (1.65, 1.8, 1.95)
 TEMPERATURE_SHIFTS_K = (-10.0, 0.0, 10.0, 20.0)
 FRICTIONS_N = (0.0, 0.06, 0.2, 0.4)
@@ -78,8 +78,8 @@ def judged(sets: Iterable[tuple[str, Trial]]) -> list[TriedSet]:
     return sorted(found, key=lambda item: item[0])
 
 
-def with_least_at_paper(start: Trial, barrier_shift_k: float) -> Trial:
-    """Return the spool of a barrier shift with the R-phase shift that puts its least gap at 0.71 N, to 0.02 K."""
+def with_smallest_gap_at_paper(start: Trial, barrier_shift_k: float) -> Trial:
+    """Return the spool of a barrier shift with the R-phase shift that puts its smallest gap at 0.71 N, to 0.02 K."""
 
     def trial_at(shift: float) -> Trial:
         shifts = {"r_phase_shift_k": shift, "martensite_barrier_shift_k": barrier_shift_k}
@@ -89,7 +89,7 @@ def with_least_at_paper(start: Trial, barrier_shift_k: float) -> Trial:
     low, high = -barrier_shift_k - 4.0, -barrier_shift_k + 3.0
     while high - low > 0.02:
         middle = 0.5 * (low + high)
-        if least_place_n(sweep(trial_at(middle), PLACES_N)) < PAPER_N:
+        if smallest_gap_place_n(sweep(trial_at(middle), PLACES_N)) < PAPER_N:
             low = middle
         else:
             high = middle
@@ -106,7 +106,7 @@ def fitted(start: Trial, *, seeds: int) -> Trial:
     low, high = BARRIER_SHIFTS_K
     while high - low > BARRIER_STEP_K:
         middle = 0.5 * (low + high)
-        path = slow_path(with_least_at_paper(start, middle), PAPER_N, time_step_s=0.005, grains=160)
+        path = slow_path(with_smallest_gap_at_paper(start, middle), PAPER_N, time_step_s=0.005, grains=160)
         read = np.mean([read_gap_pct(path, seed) for seed in range(1, seeds + 1)])
         low, high = (middle, high) if read < PAPER_PCT else (low, middle)
-    return with_least_at_paper(start, round(0.5 * (low + high), 2))
+    return with_smallest_gap_at_paper(start, round(0.5 * (low + high), 2))

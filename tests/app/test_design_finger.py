@@ -74,7 +74,7 @@ def test_columns_that_bend_themselves_are_found_out(musclewire: Callable[..., An
 
 
 @pytest.mark.slow
-def test_the_finger_that_comes_along_grips_foam_and_is_compared(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_the_included_finger_grips_foam_and_is_compared(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     figure = tmp_path / "finger.svg"
     asked = ("--finger", "lan-fan-2010", "--object-stiffness", "50 N/m", "--clearance", "4 mm", "--compare")
     answer = musclewire(*COMMAND, *asked, "--plot", figure, "--refined", "3", "--json")
@@ -133,7 +133,7 @@ GIVEN = ("--finger", "lan-fan-2010")
         ((*SIZED, "--process", "laser"), "did you mean 'laser-cut'?"),
         ((*SIZED, "--material", "pon"), "did you mean 'pom'?"),
         ((*SIZED, "--wire", "paper-100um", "--wire-length", "5 cm"), "8.1 % short"),
-        ((*GIVEN, "--travel", "0.8 mm"), "14.4 % less than the 6 mm asked for"),
+        ((*GIVEN, "--travel", "0.8 mm"), "14.4 % less than the 6 mm requested"),
         ((*GIVEN, "--object-stiffness", "0 N/m"), "stiffness of the object is 0"),
         ((*GIVEN, "--object-stiffness", "10 N/m", "--clearance", "-1 mm"), "clearance"),
         ((*GIVEN, "--friction", "5"), "not one of 0 to 1"),

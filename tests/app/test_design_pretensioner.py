@@ -99,7 +99,7 @@ def test_a_rule_that_is_broken_ends_with_1_and_says_which(musclewire: Callable[.
     assert "NOT softer than the finger" in answer.out
 
 
-def test_without_room_for_it_the_part_is_told_not_to_fit(musclewire: Callable[..., Any]) -> None:
+def test_a_part_larger_than_its_room_is_refused_by_name(musclewire: Callable[..., Any]) -> None:
     answer = musclewire(
         *COMMAND, *SMALL, "--travel", "0.2 mm", "--process", "mill", "--envelope", "30x10x5mm", "--json"
     )
@@ -145,7 +145,7 @@ def test_a_material_of_ones_own_is_read_from_its_file(musclewire: Callable[..., 
         (("--stiffness", "386.2 N/m", "--envelope", "24.6x27.6x10"), ("three sizes and a unit",)),
         (("--stiffness", "386.2 N/m", "--depth", "12 mm"), ("2 mm more than the 10 mm",)),
         (("--stiffness", "386.2 N/m", "--finger-stiffness", "300 N/m"), ("86.2 N/m too stiff",)),
-        (("--stiffness", "1e6 N/m"), ("stiffness out of reach", "less than the 1e+06 N/m wanted")),
+        (("--stiffness", "1e6 N/m"), ("stiffness out of reach", "less than the 1e+06 N/m requested")),
         (("--stiffness", "386.2 N/m", "--travel", "40 mm"), ("too much stress", "MPa above the 32.5 MPa")),
         (("--stiffness", "386.2 N/m", "--envelope", "24.6x12x10 mm"), ("4.00 mm more than the 12.00 mm",)),
         (("--stiffness", "1 N/m", "--pretension", "1 mN"), ("too thin to make", "below the 1 mm")),

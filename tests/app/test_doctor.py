@@ -49,7 +49,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_each_fault_of_a_rig_file_is_told_by_name_and_exit_code(
+def test_each_fault_of_a_rig_file_has_a_name_and_an_exit_code(
     musclewire: Musclewire, tmp_path: Path, fault: str
 ) -> None:
     name, code = FAULTS[fault]

@@ -16,7 +16,9 @@ def learned(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("gripper") / "learned.json"
 
 
-def test_a_grip_is_found_told_recorded_and_drawn(musclewire: Callable[..., Any], learned: Path, tmp_path: Path) -> None:
+def test_a_grip_is_found_printed_recorded_and_drawn(
+    musclewire: Callable[..., Any], learned: Path, tmp_path: Path
+) -> None:
     answer = musclewire(
         "grip", "--known-stiffness", "200 N/m", "--learned", learned, "--plot", tmp_path / "grip.png",
         "-o", tmp_path / "grip.h5", "--json",
@@ -52,10 +54,10 @@ def test_target_and_error_are_said(musclewire: Callable[..., Any], learned: Path
 def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name() -> None:
     from musclewire.app.report.grip_figure import plot_grip
     from musclewire.experiment.grip import grip
-    from musclewire.experiment.gripper_training import learn_gripper
+    from musclewire.experiment.gripper_training import train_gripper
     from musclewire.rigs.configuration import open_rig
 
-    knowledge = learn_gripper("gripper", seed=1000)
+    knowledge = train_gripper("gripper", seed=1000)
     with open_rig("gripper", seed=1) as rig:
         by_time = plot_grip(grip(rig, knowledge, stiffness_n_per_m=200.0), knowledge)
     by_place = by_time.figure.axes[0]

@@ -1,4 +1,4 @@
-"""What a person typed is named in the answer: the option without its unit, the rigs that come along."""
+"""What a person typed is named in the answer: the option without its unit, the rigs that ship with musclewire."""
 
 from __future__ import annotations
 

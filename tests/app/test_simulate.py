@@ -60,7 +60,7 @@ def test_a_wire_that_gets_too_hot_is_warned_about(musclewire: Callable[..., Any]
     assert answer.code == 0
     assert "warning: overheated" in answer.err
     left_on = musclewire("simulate", "--wire", "flexinol-0.31-lt")
-    assert "left on it would settle" in left_on.err
+    assert "left on, it would settle" in left_on.err
 
 
 def test_a_molten_wire_is_no_result(musclewire: Callable[..., Any]) -> None:
@@ -137,11 +137,11 @@ def test_the_table_answers_for_every_wire_at_a_length(musclewire: Callable[..., 
         assert 0.5 < row["one_second_current_a"] / row["catalogue_current_a"] < 1.5
 
 
-def test_a_row_of_the_table_is_what_the_same_wire_is_told_alone(musclewire: Callable[..., Any]) -> None:
+def test_a_row_of_the_table_equals_the_answer_for_this_wire_alone(musclewire: Callable[..., Any]) -> None:
     rows = musclewire("simulate", "--table", "--json").json["rows"]
     row = next(row for row in rows if row["wire"] == "flexinol-0.15-lt")
     alone = musclewire("simulate", "--wire", "flexinol-0.15-lt", "--json").json["suggested"]
-    # Which shunt stands beside the wire while it is sized makes no difference to a held current.
+    # The shunt in series with the wire while it is sized makes no difference to a held current.
     assert row["one_second_current_a"] == pytest.approx(alone["one_second_current_a"], rel=1e-3)
     assert row["supply_v"] == pytest.approx(alone["supply_v"], rel=1e-2)
     assert row["shunt_resistance_ohm"] == alone["shunt_resistance_ohm"]

@@ -94,7 +94,9 @@ def test_a_sensor_that_reads_absolute_and_backwards_is_turned_and_zeroed(
     assert turned.json["strain_gap_pct"] == pytest.approx(plain["strain_gap_pct"], abs=1e-6)
 
 
-def test_a_foreign_header_is_taken_by_an_explicit_mapping(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(
+    musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
     path = write_csv(tmp_path / "bench.csv", loop_rows(), "Zeitpunkt,Kanal 1,Kanal 2,Weg2")
     mapped = [
         *("-c", "time_s=Zeitpunkt:s", "-c", "wire_voltage_v=Kanal 1:V"),
@@ -142,7 +144,9 @@ def test_wrong_usage_is_one_line_too(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_existing_recording_is_not_replaced_unless_told(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_an_existing_recording_is_not_replaced_without_overwrite(
+    musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
     path = tmp_path / "loop.h5"
     path.write_bytes(b"precious")
     command = ("characterize", "simulated", "-o", path, "--period", "30", "--cycles", "1", "--json")

@@ -29,7 +29,7 @@ def tables_of(text: str) -> list[list[dict[str, str]]]:
 
 
 def code_words(cell: str) -> list[str]:
-    """What stands between backticks in a cell."""
+    """Return the texts between backticks in a cell."""
     return re.findall(r"`([^`]+)`", cell)
 
 

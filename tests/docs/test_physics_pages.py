@@ -84,7 +84,7 @@ def test_the_parts_of_a_difference_add_up_to_it(draw: ModuleType) -> None:
     loop = runs.slow_loop(runs.constants_of_wire("paper-125um"), "paper-125um")
     parts = runs.parts_of_the_difference(loop)
     assert parts.hotter + parts.r_phase + parts.rest == pytest.approx(parts.whole, abs=1e-12)
-    # Without R-phase there is no part of it, and shape and martensite leave little beside the temperature.
+    # Without R-phase there is no part of it, and shape and martensite leave little in addition to the temperature.
     parts = runs.parts_of_the_difference(runs.without_r_phase(loop))
     assert abs(parts.r_phase).max() == 0.0
     assert abs(parts.rest).max() < 0.5 * abs(parts.hotter).max()

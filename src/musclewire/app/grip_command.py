@@ -150,7 +150,7 @@ def knowledge_of(
     configuration: RigConfiguration, file: Path | None, seed: int | None, *, quiet: bool
 ) -> GripperKnowledge:
     """Return what the gripper has learned: from a file, or learned now and, with a file named, written there."""
-    from musclewire.experiment.gripper_training import learn_gripper
+    from musclewire.experiment.gripper_training import train_gripper
 
     if file is not None and file.exists():
         return knowledge_from(file, configuration)
@@ -161,7 +161,7 @@ def knowledge_of(
     chosen = configuration.seed if seed is None else seed
     if not quiet:
         say("learning: free closings, and grips of a known block with a load cell")
-    knowledge = learn_gripper(configuration, seed=chosen + LEARNING_SEED_STEP, on_sample=stop_if_asked)
+    knowledge = train_gripper(configuration, seed=chosen + LEARNING_SEED_STEP, on_sample=stop_if_asked)
     if file is not None:
         knowledge.save(file)
     return knowledge

@@ -1,1 +1,1 @@
-"""Sizing what a wire pulls: pretensioner and finger, by closed forms and finite elements."""
+"""Sizing the parts that a wire pulls: pretensioner and finger, by closed forms and finite elements."""

@@ -1,4 +1,4 @@
-"""A number of a design beside the one it is judged by."""
+"""Checks of a design: a number compared with a reference."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ __all__ = ["DesignCheck"]
 
 
 class DesignCheck(NamedTuple):
-    """A number beside the one it is judged by.
+    """A number of a design, compared with a reference.
 
-    ``rule`` is "about" (within ``tolerance`` of it, relative), "below", "above", or "shown" where nothing is judged.
+    ``rule`` is "about" (within ``tolerance`` of it, relative), "below", "above", or "shown" if it is not judged.
     """
 
     name: str
@@ -22,7 +22,7 @@ class DesignCheck(NamedTuple):
 
     @property
     def ok(self) -> bool:
-        """Whether the rule is kept; rounding in the last digits breaks none."""
+        """Whether the rule holds, apart from rounding in the last digits."""
         if self.rule == "shown":
             return True
         slack = 1e-9 * abs(self.reference)

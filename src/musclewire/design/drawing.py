@@ -1,7 +1,7 @@
 """Drawings that a cutter or a slicer reads: closed outlines of lines and arcs, one to one in millimetres.
 
-An outline is a ring of vertices; the way from each to the next is straight, or an arc that is told by its bulge, the
-tangent of a quarter of the angle it turns by, left positive: DXF's own way to say it, exact at any scale.
+An outline is a ring of vertices; the way from each to the next is straight, or an arc given by its bulge, the tangent
+of a quarter of the angle it turns by, left positive: DXF's definition, exact at any scale.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Circle(NamedTuple):
 
 @dataclass(frozen=True)
 class Drawing:
-    """A part: its outline counter-clockwise, its holes, its name, and what else is to be known of it."""
+    """A part: its outline counter-clockwise, its holes, its title and a note."""
 
     outline: tuple[Vertex, ...]
     holes: tuple[Circle, ...]
@@ -117,7 +117,7 @@ def polyline_m(ring: Sequence[Vertex], turn_rad: float = 0.1) -> FloatArray:
 
 
 def bounds_m(ring: Sequence[Vertex]) -> tuple[float, float, float, float]:
-    """Return the box around a ring's vertices [m]: least x and y, largest x and y."""
+    """Return the bounding box of a ring's vertices [m]: minimum x and y, maximum x and y."""
     xs, ys = [vertex.x_m for vertex in ring], [vertex.y_m for vertex in ring]
     return min(xs), min(ys), max(xs), max(ys)
 
@@ -164,9 +164,9 @@ def svg_text(drawing: Drawing) -> str:
 
 
 def write_drawing(drawing: Drawing, path: Path) -> None:
-    """Write a drawing as what its name says: .svg or .dxf.
+    """Write a drawing in the format of its suffix: .svg or .dxf.
 
-    Raises CallerError for another kind of file, or where it cannot be written.
+    Raises CallerError for another kind of file, or one that cannot be written.
     """
     writers = {".svg": write_svg, ".dxf": write_dxf}
     if path.suffix not in writers:
@@ -175,14 +175,14 @@ def write_drawing(drawing: Drawing, path: Path) -> None:
 
 
 def write_svg(drawing: Drawing, path: Path) -> None:
-    """Write the drawing as SVG, whole or not at all. Raises CallerError where the file cannot be written."""
+    """Write the drawing as SVG, whole or not at all. Raises CallerError if the file cannot be written."""
     write_whole(path, lambda part: svg_file(drawing, part))
 
 
 def write_dxf(drawing: Drawing, path: Path) -> None:
     """Write the drawing as DXF (R2010, mm): one closed polyline with arcs, and circles, on the layer CUT.
 
-    Raises CallerError where the file cannot be written.
+    Raises CallerError if the file cannot be written.
     """
     write_whole(path, lambda part: dxf_file(drawing, part))
 

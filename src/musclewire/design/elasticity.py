@@ -1,8 +1,8 @@
-"""Statics of flat elastic bodies, small and large displacements: what moves where, with which force and stress.
+"""Statics of flat elastic bodies at small and large displacements: displacements, forces, stresses.
 
-Nodes are moved to where they are told to be (prescribed displacements) in as many load steps as it takes, each brought
-to balance by Newton's method. Forces may act on nodes, and anything else with a potential energy (a tendon, a contact)
-can be added as a function of the displacements.
+Nodes are moved by prescribed displacements in as many load steps as needed, each brought to balance by Newton's method.
+Forces may act on nodes, and anything else with a potential energy (a tendon, a contact) can be added as a function of
+the displacements.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ __all__ = [
     "solve_linear",
 ]
 
-# Forces are in balance when what is left is this share of the largest force in the body, or when the last correction
-# moved nothing by more than this share of the body's size: under tiny loads rounding is all that is left.
+# Forces are in balance if the residual is this fraction of the largest force in the body, or if the last correction
+# moved no node by more than this fraction of the body's size: under tiny loads only rounding remains.
 BALANCE, STILL = 1e-8, 1e-10
 MAX_ITERATIONS = 15
 MAX_HALVINGS = 10
@@ -46,15 +46,15 @@ class PotentialChange(NamedTuple):
 
 
 class ExternalPotential(Protocol):
-    """Something outside the body whose energy depends on where the nodes are."""
+    """Something outside the body whose energy depends on the positions of the nodes."""
 
     def __call__(self, displacement_m: FloatArray, load_fraction: float) -> PotentialChange:
-        """Return energy, gradient and Hessian at displacements (n_nodes, 2) and a share of the load from 0 to 1."""
+        """Return energy, gradient and Hessian at displacements (n_nodes, 2) and a fraction of the load, 0 to 1."""
 
 
 @dataclass(frozen=True)
 class BodyLoad:
-    """What is done to a body: displacements [m] told to degrees of freedom, forces (n_nodes, 2) [N], a potential."""
+    """Load of a body: prescribed displacements [m] by degree of freedom, forces (n_nodes, 2) [N], a potential."""
 
     prescribed_m: Mapping[int, float]
     forces_n: FloatArray | None = None
@@ -73,9 +73,9 @@ class BodyLoad:
 
 @dataclass(frozen=True)
 class BodyEquilibrium:
-    """A body in balance: displacements (n_nodes, 2), the share of the load, and what holds the nodes (n_nodes, 2).
+    """A body in balance: displacements (n_nodes, 2), fraction of the load, and external forces (n_nodes, 2).
 
-    ``holding_n`` is the force that something else has to put on each node: the reaction where a displacement is
+    ``holding_n`` is the external force on each node: the reaction where a displacement is
     prescribed, the given force elsewhere.
     """
 
@@ -99,12 +99,12 @@ class BodyEquilibrium:
 
 
 def solve_linear(body: PlaneBody, load: BodyLoad) -> BodyEquilibrium:
-    """Return the balance for small displacements; a potential is not allowed here (it has none that is linear).
+    """Return the balance for small displacements; a potential is not allowed here (it is nonlinear).
 
     Raises CallerError for a load that does not fit the body or leaves it free to move.
     """
     if load.potential is not None:
-        raise CallerError("a potential needs solve_large: small displacements know no potential")
+        raise CallerError("a potential needs solve_large: small displacements have no potential")
     start = np.zeros_like(body.nodes_m)
     problem = ElasticityProblem(body, load)
     tangent = body.inner_forces(start).tangent
@@ -114,27 +114,27 @@ def solve_linear(body: PlaneBody, load: BodyLoad) -> BodyEquilibrium:
 
 
 def solve_large(body: PlaneBody, load: BodyLoad, steps: int = 4) -> BodyEquilibrium:
-    """Return the balance under the whole load, whatever the displacements.
+    """Return the balance under the whole load, at displacements of any size.
 
-    Raises NumericsError where it cannot be found; the message says at which share of the load and what to do.
+    Raises NumericsError if it cannot be found; the message states the fraction of the load and what to do.
     """
     if steps < 1:
-        raise CallerError("a load is put on in one step at least")
+        raise CallerError("a load is applied in one step at least")
     return list(load_path(body, load, np.linspace(0.0, 1.0, steps + 1)[1:]))[-1]
 
 
 def load_path(
     body: PlaneBody, load: BodyLoad, load_fractions: FloatArray, stop: Callable[[BodyEquilibrium], bool] | None = None
 ) -> Iterator[BodyEquilibrium]:
-    """Yield the balance at each share of the load; a step that does not converge is halved, up to ten times.
+    """Yield the balance at each fraction of the load; a step that does not converge is halved, up to ten times.
 
-    Ends early after the first balance for which ``stop`` holds. Shares may exceed 1.
+    Ends early after the first balance for which ``stop`` holds. Fractions may exceed 1.
     """
     problem = ElasticityProblem(body, load)
     displacement, reached = np.zeros_like(body.nodes_m), 0.0
     speed = np.zeros_like(displacement)
     for load_fraction in np.asarray(load_fractions, dtype=np.float64):
-        # Where it went last time is a good guess for where it goes on to.
+        # The motion of the last step is a good guess for the next.
         guess = displacement + (load_fraction - reached) * speed
         found = problem.balance(guess, float(load_fraction)) if speed.any() else None
         if found is None:
@@ -149,7 +149,7 @@ def load_path(
 
 
 class ElasticityProblem:
-    """A body with its load: which unknowns are free, and Newton's method for them."""
+    """A body with its load: its free unknowns, and Newton's method for them."""
 
     def __init__(self, body: PlaneBody, load: BodyLoad) -> None:
         """Sort the unknowns. Raises CallerError for a load that does not fit the body."""
@@ -163,11 +163,11 @@ class ElasticityProblem:
         self.free = np.setdiff1d(np.arange(body.n_dofs), self.prescribed)
 
     def prescribed_values(self, load_fraction: float) -> FloatArray:
-        """Return the told displacements at a share of the load."""
+        """Return the prescribed displacements at a fraction of the load."""
         return load_fraction * self.values
 
     def given_forces(self, load_fraction: float) -> FloatArray:
-        """Return the given forces (n_dofs,) at a share of the load."""
+        """Return the given forces (n_dofs,) at a fraction of the load."""
         given = self.load.forces_n
         return np.zeros(self.body.n_dofs) if given is None else load_fraction * np.asarray(given, dtype=float).ravel()
 
@@ -179,7 +179,7 @@ class ElasticityProblem:
         return change.gradient_n, change.hessian
 
     def step(self, tangent: csr_array, residual: FloatArray, prescribed_m: FloatArray) -> FloatArray:
-        """Return the change of all displacements (n_dofs,) that a residual and told changes ask for."""
+        """Return the change of all displacements (n_dofs,) for a residual and prescribed changes."""
         moves = np.zeros(self.body.n_dofs)
         moves[self.prescribed] = prescribed_m
         right = residual[self.free] - (tangent @ moves)[self.free]
@@ -191,7 +191,7 @@ class ElasticityProblem:
         return moves
 
     def walk(self, displacement: FloatArray, start: float, end: float) -> FloatArray:
-        """Return the displacements at the share ``end``, from balance at ``start``; halves a step that fails."""
+        """Return the displacements at the fraction ``end``, from balance at ``start``; halves a step that fails."""
         at, stride = start, end - start
         while at != end:
             target = end if abs(end - at) <= abs(stride) * (1.0 + 1e-12) else at + stride
@@ -208,7 +208,7 @@ class ElasticityProblem:
         return displacement
 
     def balance(self, displacement: FloatArray, load_fraction: float) -> FloatArray | None:
-        """Return balanced displacements at a share of the load by Newton's method; None where it does not converge."""
+        """Return balanced displacements at a fraction of the load by Newton's method; None if it diverges."""
         given = self.given_forces(load_fraction)
         still_m = STILL * float(np.ptp(self.body.nodes_m, axis=0).max())
         moved_m = np.inf

@@ -1,4 +1,4 @@
-"""Plane frames of straight beams by the direct stiffness method: what each joint does when one of them is pulled.
+"""Plane frames of straight beams by the direct stiffness method: displacements of the joints if one of them is pulled.
 
 Two joints make a beam; each joint has displacements along x and y and a rotation. Euler and Bernoulli's beam with
 stretch; Przemieniecki 1968, Theory of Matrix Structural Analysis, chapter 5.
@@ -28,7 +28,7 @@ def chain_stiffness_n_per_m(
     """
     joints = np.asarray(joints_m, dtype=np.float64)
     if len(joints) < 2:
-        raise CallerError("a chain of beams has two joints at least")
+        raise CallerError("a chain of beams has at least two joints")
     size = 3 * len(joints)
     pulled, held = size - 2, [0, 1, 2, *([size - 3, size - 1] if guided else [])]
     free = np.setdiff1d(np.arange(size), [*held, pulled])

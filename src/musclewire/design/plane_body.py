@@ -1,4 +1,4 @@
-"""A flat elastic body cut into finite elements: where its nodes are, and the energy it stores when they move.
+"""A flat elastic body cut into finite elements: positions of its nodes, and the energy it stores when they move.
 
 Total Lagrangian, St. Venant-Kirchhoff, plane stress: with the Green-Lagrange strain E = (F'F - 1)/2 of the in-plane
 deformation gradient F, the energy density is 1/2 E:C:E with Hooke's plane-stress matrix C. Exact for any rotation, good
@@ -24,7 +24,7 @@ QUADRATURE_ORDER = 4
 
 
 class InnerForces(NamedTuple):
-    """What a deformed body answers: its energy [J], the force that holds each node (n_dofs,) [N], its tangent [N/m]."""
+    """Response of a deformed body: its energy [J], the force that holds each node (n_dofs,) [N], its tangent [N/m]."""
 
     energy_j: float
     nodal_n: FloatArray
@@ -36,8 +36,8 @@ class InnerForces(NamedTuple):
 class PlaneBody:
     """A body of constant depth in plane stress, with quadratic elements.
 
-    ``nodes_m`` (n_nodes, 2) holds all nodes, those on the middle of sides and elements too; pick some by where they
-    are. Degree of freedom ``2 * node + axis`` is the displacement of a node along x (0) or y (1).
+    ``nodes_m`` (n_nodes, 2) holds all nodes, those on the middle of sides and elements too; select some by position.
+    Degree of freedom ``2 * node + axis`` is the displacement of a node along x (0) or y (1).
 
     ``elements`` (n_elements, n_local), ``gradients_per_m`` (n_elements, n_points, n_local, 2) and ``volumes_m3``
     (n_elements, n_points) describe shape functions at Gauss points.
@@ -56,7 +56,7 @@ class PlaneBody:
     def of_mesh(cls, mesh: Any, depth_m: float, youngs_modulus_pa: float, poisson_ratio: float) -> PlaneBody:
         """Make a body from a scikit-fem mesh of quadrilaterals or triangles [m].
 
-        Raises CallerError for another kind of mesh, or a depth, modulus or Poisson's ratio that cannot be.
+        Raises CallerError for another kind of mesh, or an impossible depth, modulus or Poisson's ratio.
         """
         import skfem
 
@@ -64,7 +64,7 @@ class PlaneBody:
         kinds |= {"MeshTri1": skfem.ElementTriP2, "MeshTri2": skfem.ElementTriP2}
         kind = kinds.get(type(mesh).__name__)
         if kind is None:
-            raise CallerError(f"a plane body wants a mesh of quadrilaterals or triangles, not {type(mesh).__name__}")
+            raise CallerError(f"a plane body requires a mesh of quadrilaterals or triangles, not {type(mesh).__name__}")
         if not (depth_m > 0.0 and youngs_modulus_pa > 0.0 and 0.0 <= poisson_ratio < 0.5):
             raise CallerError("depth and Young's modulus must be above 0, Poisson's ratio from 0 to below 0.5")
         basis = skfem.Basis(mesh, kind(), intorder=QUADRATURE_ORDER)
@@ -144,7 +144,7 @@ class PlaneBody:
         return np.stack([row.reshape(n_elements, n_points, 2 * n_local) for row in rows], axis=-2)
 
     def _stress_tangent(self, stress: FloatArray) -> FloatArray:
-        """Return what stress adds to each element's tangent by turning with the body, shaped like it."""
+        """Return the geometric stiffness of each element, which stress adds to its tangent by turning with the body."""
         matrix = stress[..., [0, 2, 2, 1]].reshape(*stress.shape[:-1], 2, 2) * self.volumes_m3[..., None, None]
         pulled = np.matmul(self.gradients_per_m, matrix)
         scalar = np.einsum("eqai,eqbi->eab", pulled, self.gradients_per_m, optimize=True)
@@ -183,7 +183,7 @@ class PlaneBody:
         return von_mises(stress[..., 0], stress[..., 1], stress[..., 2])
 
     def at_nodes(self, at_points: FloatArray) -> FloatArray:
-        """Return what is known at Gauss points (n_elements, n_points) at the nodes (n_nodes,).
+        """Extrapolate values at Gauss points (n_elements, n_points) to the nodes (n_nodes,).
 
         Each element's values are fitted by a plane (which also reaches its surface, where no Gauss point is) or, with
         nine points or more, a quadratic; nodes that elements share get the average.
@@ -212,7 +212,7 @@ def von_mises(xx: FloatArray, yy: FloatArray, xy: FloatArray) -> FloatArray:
 
 
 def monomials(places: FloatArray, n_points: int) -> FloatArray:
-    """Return 1, x, y and, where there are points enough to fit them, x^2, x y, y^2 at places (..., 2)."""
+    """Return 1, x, y and, if there are enough points to fit them, x^2, x y, y^2 at places (..., 2)."""
     x, y = places[..., 0], places[..., 1]
     parts = [np.ones_like(x), x, y]
     return np.stack([*parts, x * x, x * y, y * y] if n_points >= 9 else parts, axis=-1)

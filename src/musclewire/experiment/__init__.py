@@ -1,1 +1,1 @@
-"""Recipes on a rig, what they measure, and the one loop that runs them all."""
+"""Recipes on a rig, their measures, and the one loop that runs them all."""

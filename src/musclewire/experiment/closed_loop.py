@@ -3,7 +3,7 @@
 One sample's journey: voltages -> estimator (Eq. 1, normalised resistance Eq. 3, strain Eqs. 4, 5) -> error ->
 controller (fuzzy-tuned PID, Eq. 6) -> drive voltage. This file only joins them: what is estimated and how it is
 controlled belong to ``sensing.estimator`` and ``controllers.controller``. The reference instruments of the rig are
-recorded beside it and judged afterwards; nothing here reads them.
+recorded as well and compared afterwards; nothing here reads them.
 """
 
 from __future__ import annotations
@@ -38,19 +38,19 @@ from musclewire.signals.run_facts import RunFacts
 
 __all__ = ["SelfSensingPolicy", "check_made_for", "control", "controller_for", "settings_for"]
 
-# In the first step the wire starts cold, where resistance does not tell strain; it gets this long to arrive.
+# In the first step the wire starts cold, where resistance does not determine strain; it gets this long to arrive.
 APPROACH_S = 12.0
 # Lengths that differ by less are one length, measured twice.
 SAME_LENGTH_FRACTION = 0.005
 # What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
 RANGE_AS_PERCENT_STRAIN = 3.0
-# Where friction turns round, force moves steeply with strain: so many times the friction count as range, or the loop
+# Where friction reverses, force changes steeply with strain: this multiple of the friction counts as range, or the loop
 # chatters.
 FRICTION_AS_RANGE = 8.0
 
 
 def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> float:
-    """Return how much of the model's quantity the controller takes for one percent strain.
+    """Return the amount of the model's quantity that the controller treats as one percent strain.
 
     Parameters
     ----------
@@ -103,9 +103,9 @@ class SelfSensingPolicy:
     Parameters
     ----------
     estimator
-        What makes a quantity of the wire's voltages.
+        Computes a quantity from the wire's voltages.
     controller
-        What makes a command of target and estimate.
+        Computes a command from target and estimate.
     reference
         The targets; its time zero comes after the approach.
     sample_period_s
@@ -113,9 +113,9 @@ class SelfSensingPolicy:
     approach_s
         Time [s] the wire gets to reach the first target.
     first_drive_voltage_v
-        The drive [V] that is out already.
+        The drive voltage [V] that the rig already puts out.
     slow
-        What runs the estimator's slow part; None if it has none.
+        Runs the estimator's slow part; None if it has none.
     """
 
     def __init__(
@@ -129,7 +129,7 @@ class SelfSensingPolicy:
         first_drive_voltage_v: float,
         slow: SlowCorrections | None = None,
     ) -> None:
-        """Start both from what is out already."""
+        """Start estimator and controller from the present drive voltage."""
         self._estimator, self._controller, self._reference, self._slow = estimator, controller, reference, slow
         self._sample_period_s, self._approach_s = sample_period_s, approach_s
         self._first = Drive(controller.limits.clamp(first_drive_voltage_v))
@@ -155,7 +155,7 @@ class SelfSensingPolicy:
         return self._first
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
-        """Return the controller's answer to one sample. Raises RigError where the estimator says it cannot go on."""
+        """Return the controller's answer to one sample. Raises RigError if the estimator cannot continue."""
         (estimate, self._estimator_state, sensed), status = self._estimated(wire_sample(sample))
         if estimate.failure:
             raise RigError(estimate.failure)
@@ -169,7 +169,7 @@ class SelfSensingPolicy:
         return Decision(command, dict(zip(self._columns, values, strict=True)))
 
     def _estimated(self, sample: WireSample) -> tuple[EstimatorStep, tuple[float, ...]]:
-        """Return the estimator's step, with a correction of its slow part in effect if one is due, and what is said."""
+        """Return the estimator's step, with a due correction of its slow part, and the status of that."""
         if self._slow is None:
             return self._estimator.step(self._estimator_state, sample), ()
         state, status = self._slow.before(self._estimator_state)
@@ -212,16 +212,16 @@ def control(
     settings
         The controller's settings, ``FuzzyPidSettings`` for "fuzzy-pid"; its defaults if None.
     load
-        A known spring: then force is controlled, and a model of strain, or of the connector's displacement, gives it by
-        the spring's stiffness.
+        A known spring: then force is controlled, and a model of strain, or of the connector's displacement, yields it
+        through the spring's stiffness.
     approach_s
-        Time for the wire to reach the first target before the reference begins [s]; the default is enough from cold.
+        Time [s] in which the wire reaches the reference's start; by default enough to warm up from cold.
     run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row.
 
     Returns
     -------
-    The recording, with its ``metrics``: the errors of each step (Eq. 7) if the rig has a reference instrument.
+    The recording with its metrics (Eq. 7 for each step, if the rig has a reference instrument).
 
     Raises
     ------
@@ -259,7 +259,7 @@ def control(
         first_drive_voltage_v=rig.drive_voltage_v,
         slow=slow,
     )
-    # What is known only at the end, the corrections of a slow part, comes into the policy's own.
+    # The corrections of a slow part are known only at the end and are added to the policy's metadata.
     policy.metadata |= {
         "experiment": "closed loop",
         "quantity": model.quantity,
@@ -279,21 +279,21 @@ def control(
 
 
 def name_of(kind: str | EstimatorFactory | ControllerFactory) -> str:
-    """Return what a recording calls an estimator or a controller: its registered name, or its factory's."""
+    """Return the name of an estimator or a controller in a recording: as registered, or its factory's."""
     return kind if isinstance(kind, str) else str(getattr(kind, "__name__", type(kind).__name__))
 
 
 def check_same_wire(model: SensingModel, rig: Rig) -> None:
-    """Raise CallerError when model and rig both say what their wire is, how long, or what it moves, and differ.
+    """Raise CallerError if model and rig both state their wire, its length or what it moves, and differ.
 
-    Resistance goes with length, so a model of another length would read a cold wire as a contracted one; the
+    Resistance is proportional to length, so a model of another length would read a cold wire as a contracted one; the
     displacement of a finger's endpoint belongs to that finger.
     """
     check_made_for(model, rig.metadata())
 
 
 def check_made_for(model: SensingModel, known: Metadata) -> None:
-    """Raise CallerError as ``check_same_wire`` does, for what is known of a rig that need not be open."""
+    """Raise CallerError as ``check_same_wire`` does, for the metadata of a rig that need not be open."""
     fitted, mounted = model.wire.get("wire"), known.get("wire")
     if fitted and mounted and fitted != mounted:
         raise CallerError(f"this model was fitted to wire {fitted}, the rig has {mounted}: fit one for this wire")
@@ -310,11 +310,11 @@ def check_made_for(model: SensingModel, known: Metadata) -> None:
 
 
 def check_targets(model: SensingModel, reference: Reference, sample_period_s: float) -> None:
-    """Raise CallerError when a reference leaves the range in which the model can sense."""
+    """Raise CallerError if a reference leaves the range in which the model senses."""
     if reference.duration_s < sample_period_s:
         raise CallerError(
             f"the reference lasts {reference.duration_s:g} s, less than one sample of {sample_period_s:g} s: "
-            "its last row says when it ends"
+            "its last row states when it ends"
         )
     times = [index * sample_period_s for index in range(round(reference.duration_s / sample_period_s) + 1)]
     targets = reference.targets_at(times)

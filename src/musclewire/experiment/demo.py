@@ -31,7 +31,7 @@ Progress = Callable[[str, float], AbstractContextManager[OnSample]]
 
 @dataclass(frozen=True)
 class DemoResult:
-    """All that the demo found; recordings by what they show."""
+    """Results of the demo; ``loops`` by amplitude [V], ``files`` by content."""
 
     loops: Mapping[float, Recording]
     gaps: LoopGaps
@@ -51,8 +51,8 @@ def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -
     """Do what the paper did on the simulated rig and keep every recording in ``folder``.
 
     Slow sines of 3.2, 2.9 and 2.75 V; the pretension sweep; the fit of the 3.2 V loop at F_p = 1.9 N; the
-    staircase of Fig. 11. Existing files of an earlier demo are replaced. Whatever interrupts it, the recordings so
-    far are on disk.
+    staircase of Fig. 11. Existing files of an earlier demo are replaced. If it is interrupted, the recordings made
+    until then are on disk.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A plain drive: supply or current on for a while, then off. It answers what a wire does before parts are bought.
+"""A plain drive: supply or current on for a time, then off, to see a wire's response before parts are bought.
 
 Both policies would run on a real rig: the held current is regulated by the current that is measured.
 """
@@ -45,7 +45,7 @@ class HeldVoltage:
 
 
 class HeldCurrent:
-    """A current held by what was measured: the circuit's resistance is the last drive voltage over the last current.
+    """A current regulated by measurement: the circuit's resistance is the last drive voltage over the last current.
 
     It lags by one sample, in which a wire's resistance changes by little. A sample without current keeps the drive;
     five of them raise RigError.
@@ -62,7 +62,7 @@ class HeldCurrent:
         sample_period_s: float,
         on_s: float,
     ) -> None:
-        """Hold ``current_a`` for ``on_s`` as far as ``maximum_voltage_v`` reaches; the first sample measures."""
+        """Hold ``current_a`` for ``on_s`` within ``maximum_voltage_v``; the first sample measures."""
         self._current_a = current_a
         self._sense_voltage_v = sense_voltage_v
         self._maximum_voltage_v = maximum_voltage_v
@@ -95,7 +95,7 @@ class HeldCurrent:
 
 
 class WithThermometer:
-    """Another policy, with the wire's temperature recorded beside it. Only a simulation knows it."""
+    """Another policy, with the wire's temperature recorded as well, which only a simulation knows."""
 
     def __init__(self, policy: Policy, temperature_k: Callable[[], float]) -> None:
         """Ask ``temperature_k`` after each sample; the policy does not see it."""
@@ -125,11 +125,11 @@ def drive_wire(
     overwrite: bool = False,
     on_sample: OnSample | None = None,
 ) -> Recording:
-    """Switch a supply or a held current on for ``on_s`` and record the rig for ``duration_s`` in all.
+    """Switch a supply or a held current on for ``on_s`` and record the rig for ``duration_s`` in total.
 
     With a current, ``supply_v`` only limits the voltage. The first sample is taken at the sense voltage. A simulated
-    rig's recording has the wire's true temperature beside the samples. Raises CallerError for neither or impossible
-    numbers, RigError where no current flows.
+    rig's recording also has the wire's true temperature. Raises CallerError for impossible numbers or neither supply
+    nor current, RigError if no current flows.
     """
     refuse_impossible(rig, on_s, duration_s, supply_v, current_a)
     policy = policy_for(rig, on_s, rig.maximum_voltage_v if supply_v is None else supply_v, current_a)
@@ -140,7 +140,7 @@ def drive_wire(
 
 
 def policy_for(rig: Rig, on_s: float, limit_v: float, current_a: float | None) -> Policy:
-    """Return what holds a voltage, or a current below a voltage, with the true temperature if the rig knows it."""
+    """Return a policy that holds a voltage or a limited current, with the true temperature if the rig knows it."""
     policy: Policy = HeldVoltage(limit_v, rig.sense_voltage_v, rig.sample_period_s, on_s)
     if current_a is not None:
         policy = HeldCurrent(
@@ -153,7 +153,7 @@ def policy_for(rig: Rig, on_s: float, limit_v: float, current_a: float | None) -
 def refuse_impossible(
     rig: Rig, on_s: float, duration_s: float, supply_v: float | None, current_a: float | None
 ) -> None:
-    """Raise CallerError for a drive that cannot be."""
+    """Raise CallerError for an impossible drive."""
     if supply_v is None and current_a is None:
         raise CallerError("give a supply voltage or a current to hold: without either nothing is driven")
     if current_a is not None and not current_a > 0.0:

@@ -1,4 +1,4 @@
-"""Whether a wire pulled harder than it may: what a run should say that heated it against a stiff load."""
+"""Warnings of a run in which a wire pulled harder than its allowed force, as against a stiff load."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from musclewire.signals.recording import Recording
 
 __all__ = ["force_warnings"]
 
-# A reading counts as above the limit when it is so by this many standard deviations of the load cell's noise.
+# A reading counts as above the limit if it exceeds it by this many standard deviations of the load cell's noise.
 NOISES = 4.0
 
 
@@ -20,7 +20,7 @@ def force_limit_n(recording: Recording) -> float | None:
 
 
 def force_warnings(recording: Recording) -> tuple[str, ...]:
-    """Return a warning where the measured force, ``force_n``, exceeds what the wire allows; none otherwise.
+    """Return a warning if the measured force, ``force_n``, exceeds the wire's limit; none otherwise.
 
     The limit is the recording's ``force_limit_n`` or, without it, the wire's ``maximum_force_n`` [N]. A recording
     without load cell or limit cannot be judged and gets no warning.
@@ -41,5 +41,5 @@ def force_warnings(recording: Recording) -> tuple[str, ...]:
     return (
         f"{'the wires pull' if together else 'the wire pulls'} with up to {force[worst]:.2f} N at {time[worst]:.1f} s"
         f"{drive}, {force[worst] - limit:.2f} N above the {limit:g} N allowed (maximum_force_n{whose}), and above it "
-        f"for {over_s:.1f} s in all: drive less, set less pretension, or take a softer load or a thicker wire",
+        f"for {over_s:.1f} s in total: drive less, set less pretension, or take a softer load or a thicker wire",
     )

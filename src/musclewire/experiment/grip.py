@@ -1,6 +1,6 @@
-"""Gripping without a sensor: close, find contact, hold a force; all from two voltages.
+"""Gripping without a sensor: close, detect contact, hold a force; all from two voltages.
 
-The rig's instruments are recorded beside it and judged afterwards; nothing that decides reads them.
+The rig's instruments are recorded as well and compared afterwards; no decision reads them.
 """
 
 from __future__ import annotations
@@ -29,12 +29,13 @@ __all__ = ["GripPolicy", "GripRun", "grip"]
 
 TARGET_N = 0.3
 HOLD_S = 5.0
-# A wire that cools a little does not let go, by its hysteresis. So the hold needs no controller, only a drive so far
-# below what would close further that weather seldom does: 4 % in voltage are 8 % in power, a usual draught.
+# A wire that cools a little keeps its contraction, by its hysteresis. So the hold needs no controller, only a drive
+# below that which would close further, by a margin that draughts seldom exceed: 4 % in voltage are 8 % in power, a
+# usual draught.
 HOLD_FRACTION = 0.96
-# The end of the hold is judged.
+# The end of the hold is evaluated.
 JUDGED_S = 3.0
-# Noise of one sample's motion must not take more of the power away than this leaves.
+# Noise of one sample's motion must not reduce the power below this fraction.
 MIN_HOLDING_FRACTION = 0.4
 
 
@@ -44,7 +45,7 @@ class GripPlan:
 
     ``closing`` is the drive over time while it closes; without contact it opens again at ``closes_until_s``, and if the
     target is out of reach it stays at ``closed_v``, which closes fully. With ``stiffness_n_per_m`` None the object's
-    stiffness is taken from the power that contact costs, as it is when the target is reached.
+    stiffness is estimated from the power that contact costs, at the moment the target is reached.
     """
 
     closing: Waveform
@@ -90,7 +91,7 @@ class GripPolicy:
         return Drive(self._plan.closing(0.0))
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
-        """Return the next drive voltage and what the grip looks like from the wire's voltages."""
+        """Return the next drive voltage and the state of the grip as estimated from the wire's voltages."""
         reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
         drive = sample.drive_voltage_v
         if reading.valid:
@@ -113,7 +114,7 @@ class GripPolicy:
         """Return the drive after a sample with current, by the phase of the grip."""
         place = self._free.normalised(resistance_ohm)
         if self._held_v is None and elapsed_s > self._plan.closes_until_s:
-            # Open again where nothing was met; where the target is out of reach, stay at what closes fully.
+            # Open again without contact; if the target is out of reach, stay at the drive that closes fully.
             return self._plan.closed_v if self.state.touched else self._limits.sense_voltage_v
         if self._held_v is None:
             moved, self._place_before = self._place_before - place, place
@@ -123,7 +124,7 @@ class GripPolicy:
                 return self._plan.closing(elapsed_s)
             stiffness = self._follow_contact()
             self._force_n = self._curve.force_n(place, self.contact, stiffness)
-            # The wire goes on for a sample: the hold begins where the next one would reach the target.
+            # The wire moves on for a sample: the hold begins if the next sample would reach the target.
             if self._force_n <= 0.0 or 2.0 * self._force_n - before_n < self._plan.target_n:
                 return self._plan.closing(elapsed_s)
             self.stiffness_n_per_m = stiffness
@@ -135,7 +136,7 @@ class GripPolicy:
         return self._held_v
 
     def _follow_contact(self) -> float:
-        """Say anew where contact began, and return the object's stiffness: the known one, or what power tells."""
+        """Update the point of contact and return the object's stiffness: known, or estimated from power."""
         if self._plan.stiffness_n_per_m is not None:
             self.contact = self._curve.contact_place(self.state, self._plan.stiffness_n_per_m)
             return self._plan.stiffness_n_per_m
@@ -143,7 +144,7 @@ class GripPolicy:
         return stiffness
 
     def _holding_voltage_v(self, drive_voltage_v: float, power_w: float, place: float, moved: float) -> float:
-        """Return the drive that holds: without the power that the motion of the last sample took, and a little less."""
+        """Return the holding drive: that without the power of the last sample's motion, less a margin."""
         per_place_j = float(evaluate(self._free.closing_energy_j, place))
         per_place_j += self.state.slope_w * self._free.thermal_time_s
         moving_w = per_place_j * max(moved, 0.0) / self._sample_period_s
@@ -151,7 +152,7 @@ class GripPolicy:
         return self._limits.clamp(HOLD_FRACTION * still_v)
 
     def _bridge(self, sample: RawSample) -> None:
-        """Hold the drive over a sample without current. Raises RigError where too many follow each other."""
+        """Hold the drive over a sample without current. Raises RigError after too many in a row."""
         self._dropouts += 1
         failure = dropout_failure(self._dropouts, sample, pulls="wires")
         if failure:
@@ -160,11 +161,11 @@ class GripPolicy:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GripRun(Recording):
-    """A recording of a grip, and what it found; forces in newtons between endpoint and object.
+    """A recording of a grip with its results; forces in newtons between endpoint and object.
 
     ``contact_s`` counts from the start of closing, None without contact; ``true_`` values are the instrument's, None
-    without one. ``stiffness_n_per_m`` is what the force was computed with. Held forces are means over the end of the
-    hold; ``most_force_n`` is what a rigid object would have, at this resistance.
+    without one. ``stiffness_n_per_m`` is the stiffness used to compute the force. Held forces are means over the end of
+    the hold; ``most_force_n`` is the force on a rigid object at this resistance.
     """
 
     contact_s: float | None = None
@@ -189,30 +190,30 @@ def grip(
     hold_s: float = HOLD_S,
     **run: Unpack[RunOptions],
 ) -> GripRun:
-    """Close the fingers, find contact, go on to a force and hold it, by the wires' resistance alone.
+    """Close the fingers, detect contact, close further to a force and hold it, by the wires' resistance alone.
 
     Parameters
     ----------
     rig
         An open rig of a gripper.
     knowledge
-        What free closings and known grips of this gripper have taught.
+        Result of training this gripper (``train_gripper``).
     target_n
         Force [N] to hold.
     stiffness_n_per_m
-        Stiffness of the object [N/m]; None takes it from the power that contact costs.
+        Stiffness of the object [N/m]; None estimates it from the power that contact costs.
     air
-        How the air is expected to move; the gripper's own noise without.
+        Expected motion of the air; without it that of the training.
     closing_s
         Time [s] in which it closes.
     hold_s
-        Time [s] of the hold; its last 3 s are judged.
+        Time [s] of the hold; its last 3 s are evaluated.
     run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row.
 
     Returns
     -------
-    The recording with what was found.
+    The recording with its results.
 
     Raises
     ------
@@ -224,7 +225,7 @@ def grip(
     if not target_n > 0.0 or (stiffness_n_per_m is not None and not stiffness_n_per_m > 0.0):
         raise CallerError(f"target force {target_n:g} N and stiffness {stiffness_n_per_m} N/m must be above 0")
     if not hold_s > JUDGED_S:
-        raise CallerError(f"a hold of {hold_s:g} s is too short: its last {JUDGED_S:g} s are judged")
+        raise CallerError(f"a hold of {hold_s:g} s is too short: its last {JUDGED_S:g} s are evaluated")
     knowledge.gripper.require_same(gripper_of(rig))
     plan = GripPlan(
         closing_waveform(rig, closing_s), REST_S + closing_s, rig.drive_amplitude_v, target_n, stiffness_n_per_m
@@ -245,7 +246,7 @@ def grip(
 
 
 def judged(recording: Recording, policy: GripPolicy, knowledge: GripperKnowledge, target_n: float) -> GripRun:
-    """Return a grip with what it found, beside the instrument where there is one."""
+    """Return a grip with its results, and the instrument's if there is one."""
     run = GripRun(recording.columns, recording.metadata, target_n=target_n)
     if not policy.state.touched:
         return run

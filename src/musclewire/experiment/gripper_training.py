@@ -1,4 +1,4 @@
-"""Closings of fingers, with and without something between, and what a gripper learns from them."""
+"""Training a gripper: closings of its fingers with and without an object, and what is learned from them."""
 
 from __future__ import annotations
 
@@ -32,31 +32,32 @@ __all__ = [
     "closing_waveform",
     "fingers_of",
     "gripper_of",
-    "learn_gripper",
+    "train_gripper",
     "load_knowledge",
     "object_of",
     "with_object",
 ]
 
-# How long a closing lasts. Fast enough that a draught of some seconds hardly changes on the way, slow enough that a
+# How long a closing lasts. Fast enough that a draught of some seconds hardly changes meanwhile, slow enough that a
 # sample of 50 ms is a small part of it (docs/explanation/force_self_sensing.md compares).
 CLOSING_S = 2.5
-# The wire cools before a closing, so that each begins alike.
+# The wire cools before a closing, so that all closings begin in the same state.
 REST_S = 10.0
-# Power rises straight to that of the slow sine's amplitude times (1 + LAG_S / duration): in a fast closing heat still
+# Power rises linearly to that of the slow sine's amplitude times (1 + LAG_S / duration): in a fast closing heat still
 # flows into the wire when convection alone would have been served.
 LAG_S = 1.75
-# What the gripper learns from: speeds that tell holding power from the energy of motion, each several times against
-# weather, and grips of one block of known stiffness, at different openings for the lever to change.
-LEARNING_CLOSINGS_S = (2.5, 4.0, 7.0) * 6
+# The gripper learns from closings at speeds that separate holding power from the energy of motion, each repeated to
+# average over draughts, and from grips of one block of known stiffness at different openings, over which the lever
+# changes.
+TRAINING_CLOSINGS_S = (2.5, 4.0, 7.0) * 6
 KNOWN_STIFFNESS_N_PER_M = 300.0
 KNOWN_CLEARANCES_M = (4e-3, 5.5e-3, 7e-3, 8.5e-3) * 3
-# Each known grip has weather of its own: alike, a draught would be learned as what a newton costs.
+# Each known grip has draughts of its own: a draught common to all would be learned as the power of a newton.
 SEED_STEP = 100
 # An object that is taken away is this far away.
 AWAY_M = 1.0
 FORMAT, VERSION = "musclewire-gripper", 2
-# A gripper is the one that was learned while its measured numbers are within this share.
+# A gripper is the trained one if its measured numbers agree within this fraction.
 ALIKE = 0.01
 SHOWN = {
     "wire": ("wire", 1.0, ""),
@@ -70,7 +71,7 @@ SHOWN = {
 
 @dataclass(frozen=True)
 class Gripper:
-    """Which gripper something was learned on; what a rig does not say of itself is None."""
+    """Identity of the gripper that was trained; None for what a rig does not state."""
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
 
@@ -82,26 +83,26 @@ class Gripper:
     pretension_n: float | None
 
     def require_same(self, other: Gripper) -> None:
-        """Raise CallerError where the other gripper is known to be another one; measured numbers may differ by 1 %."""
+        """Raise CallerError if the other gripper is known to differ; measured numbers may differ by 1 %."""
         for item in fields(self):
             learned, mounted = getattr(self, item.name), getattr(other, item.name)
             if learned is None or mounted is None or same(learned, mounted):
                 continue
             raise CallerError(
                 f"learned on another gripper: {in_words(item.name, learned)} there, "
-                f"{in_words(item.name, mounted)} here: learn this one anew, into another file"
+                f"{in_words(item.name, mounted)} here: train this one, into another file"
             )
 
 
 def same(one: str | float, other: str | float) -> bool:
-    """Return whether two values stand for the same gripper."""
+    """Return whether two values belong to the same gripper."""
     if isinstance(one, str) or isinstance(other, str):
         return one == other
     return math.isclose(one, other, rel_tol=ALIKE)
 
 
 def in_words(name: str, value: str | float) -> str:
-    """Return one property of a gripper as a reader would write it."""
+    """Return one property of a gripper as text with its unit."""
     label, factor, unit = SHOWN[name]
     return f"{label} {value}" if isinstance(value, str) else f"{label} {factor * value:.4g}{unit}"
 
@@ -113,11 +114,11 @@ class GripperKnowledge:
     Parameters
     ----------
     free
-        What closing without an object takes: the reference for contact.
+        Power and resistance of closing without an object: the reference for contact.
     curve
-        How force follows from resistance.
+        Force as a function of resistance.
     gripper
-        Which gripper it was.
+        Identity of the gripper.
     """
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
@@ -144,7 +145,7 @@ class GripperKnowledge:
 
 
 def load_knowledge(path: Path) -> GripperKnowledge:
-    """Read what a gripper has learned; CallerError for a file that is missing, foreign or damaged."""
+    """Read what a gripper has learned; CallerError for a file that is missing, damaged or of another program."""
     try:
         document = TypeAdapter(dict[str, Any]).validate_json(path.read_bytes())
     except OSError as error:
@@ -154,7 +155,7 @@ def load_knowledge(path: Path) -> GripperKnowledge:
     if document.pop("format", None) != FORMAT:
         raise CallerError(f"{path} is not what a gripper has learned: 'musclewire grip --learned' writes one")
     if (version := document.pop("version", None)) != VERSION:
-        raise CallerError(f"{path} is of version {version} and {VERSION} is read: learn the gripper anew")
+        raise CallerError(f"{path} is of version {version} and {VERSION} is read: train the gripper again")
     try:
         return TypeAdapter(GripperKnowledge).validate_python(document)
     except ValidationError as error:
@@ -163,7 +164,7 @@ def load_knowledge(path: Path) -> GripperKnowledge:
 
 
 def closing_waveform(rig: Rig, closing_s: float, rest_s: float = REST_S) -> Waveform:
-    """Return drive voltage over time: a rest at the sense voltage, then power that rises straight.
+    """Return drive voltage over time: a rest at the sense voltage, then power that rises linearly.
 
     Raises CallerError for a duration not above 0, or a closing so fast that the rig does not allow its voltage.
     """
@@ -188,16 +189,16 @@ def closing_waveform(rig: Rig, closing_s: float, rest_s: float = REST_S) -> Wave
 def close_fingers(
     rig: Rig, *, closing_s: float = CLOSING_S, rest_s: float = REST_S, on_sample: OnSample | None = None
 ) -> Recording:
-    """Let the wires cool, close the fingers once, whatever is between them, and return the recording.
+    """Let the wires cool, close the fingers once, and return the recording.
 
     Parameters
     ----------
     rig
         The gripper, open; it is driven.
     closing_s
-        Time in which power rises [s]; 2.5 s are short beside a draught and long beside a sample.
+        Time in which power rises [s]; 2.5 s are short compared with a draught and long compared with a sample.
     rest_s
-        Time to cool before [s], so that each closing begins alike.
+        Time to cool before [s], so that all closings begin in the same state.
     on_sample
         Gets every recorded row; it may raise to stop the run.
 
@@ -259,7 +260,7 @@ def fingers_of(configuration: RigConfiguration) -> int:
 
 
 def gripper_of(rig: Rig) -> Gripper:
-    """Return which gripper a rig is, by what its metadata say.
+    """Return the identity of a gripper from its rig's metadata.
 
     Parameters
     ----------
@@ -281,11 +282,11 @@ def gripper_of(rig: Rig) -> Gripper:
     )
 
 
-def learn_gripper(
+def train_gripper(
     rig: str | Path | RigConfiguration,
     *,
     seed: int | None = None,
-    closings_s: Sequence[float] = LEARNING_CLOSINGS_S,
+    closings_s: Sequence[float] = TRAINING_CLOSINGS_S,
     known_clearances_m: Sequence[float] | None = None,
     on_closing: Callable[[str], None] | None = None,
     on_sample: OnSample | None = None,
@@ -293,8 +294,8 @@ def learn_gripper(
     """Learn a simulated gripper: free closings at several speeds, and grips of a block of known stiffness.
 
     The block has 300 N/m. For this, and only for this, the instruments are read: connector and endpoint, and the load
-    cell on the known block. The weather of the rig file blows meanwhile. On real fingers the same recordings go to
-    ``fit_free_closing`` and ``fit_grip_curve``.
+    cell on the known block. The air moves meanwhile as the rig file states. For real fingers pass the same recordings
+    to ``fit_free_closing`` and ``fit_grip_curve``.
     """
     say = on_closing or (lambda _: None)
     configuration, _ = simulated_configuration(rig)

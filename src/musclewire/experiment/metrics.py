@@ -112,13 +112,13 @@ class ControlMetrics:
 
 
 def percent(value: float | None) -> str:
-    """Return a percentage for a table; a dash where there is none."""
+    """Return a percentage for a table; a dash for None."""
     return "-" if value is None else f"{value:.3f}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ControlRun(Recording):
-    """A recording of a closed loop, with how well it went.
+    """A recording of a closed loop with its metrics.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class ControlRun(Recording):
 
 
 def determined(error_pct: float | None, what: str) -> float:
-    """Return an error that a run shows. Raises RecordingError if instrument or samples are missing for it."""
+    """Return an error of a run. Raises RecordingError if instrument or samples are missing for it."""
     if error_pct is None:
         raise RecordingError(
             f"{what} cannot be determined: the run has no reference instrument for it, or a step no sample after its "
@@ -181,7 +181,7 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
 
     Returns
     -------
-    Errors of the steps and of the whole run; None where the recording lacks the reference instrument.
+    Errors of the steps and of the whole run; None if the recording lacks the reference instrument.
 
     References
     ----------
@@ -237,7 +237,7 @@ def step_metrics(
 
     Returns
     -------
-    The errors in percent; None where they cannot be determined.
+    The errors in percent; None if they cannot be determined.
 
     References
     ----------

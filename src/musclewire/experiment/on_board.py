@@ -1,7 +1,7 @@
 """The closed loop on the board: the host sends targets, the firmware senses, controls and protects, the host records.
 
-The loop is the same as on the host, in C, by the numbers the firmware was built with. So it is refused where the board
-was built for another model: its checksum says which.
+The loop is the same as on the host, in C, with the numbers the firmware was built with. A board that was built for
+another model is refused by its checksum.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ __all__ = ["control_on_board"]
 
 
 class TargetPolicy:
-    """Hands out the reference's targets and records what the board estimates; it controls nothing."""
+    """Sends the reference's targets and records the board's estimates; it controls nothing."""
 
     def __init__(
         self,
@@ -53,7 +53,7 @@ class TargetPolicy:
         return self._target_at(0.0)
 
     def after(self, _sample: RawSample, elapsed_s: float) -> Decision:
-        """Return the next target, with what the board made of the sample that has just ended."""
+        """Return the next target, with the board's estimate of the sample that has just ended."""
         since_s = elapsed_s - self._approach_s
         judged = self._reference.target_at(max(since_s - self._sample_period_s, 0.0))
         resistance_ohm = self._loop.board_resistance_ohm or 0.0
@@ -94,9 +94,9 @@ def control_on_board(
     model
         The model that the firmware was built with.
     reference
-        Targets in the model's quantity; the paper's staircase, as far as the model senses, if None.
+        Targets in the model's quantity; if None the paper's staircase within the model's range.
     checksum
-        That of the model and its controller as they are exported (``musclewire.export.c.loop_checksum``).
+        Checksum of the model and its controller as they are exported (``musclewire.export.c.loop_checksum``).
     approach_s
         Time to reach the reference's start [s].
     path

@@ -20,7 +20,7 @@ PAPER_PERIOD_S = 90.0
 
 
 class SlowSine(TypedDict, total=False):
-    """What may be chosen of the slow sine, as :func:`characterize` takes it; recipes around it pass it on."""
+    """Keywords of the slow sine, as :func:`characterize` takes them; recipes built on it pass them on."""
 
     amplitude_v: float | None
     period_s: float
@@ -31,8 +31,9 @@ def slow_sine(amplitude_v: float, sense_voltage_v: float, period_s: float = PAPE
     """Return drive voltage over time: a raised cosine from the sense voltage to the amplitude and back.
 
     The paper drives "a sine wave voltage input with 1/90 Hz and amplitude 3.2 V" and does not say whether it
-    is offset. Heat goes with the square, so a sine about zero would heat twice a period; ours goes once from
-    cold to hot and back, and never below the sense voltage, where Eq. 1 has no current to divide by.
+    is offset. Heating power is proportional to the square of voltage, so a sine about zero would heat twice a period;
+    ours goes once from cold to hot and back, and never below the sense voltage, where Eq. 1 has no current to divide
+    by.
 
     Parameters
     ----------
@@ -70,7 +71,7 @@ def slow_sine(amplitude_v: float, sense_voltage_v: float, period_s: float = PAPE
 
 
 class WaveformPolicy:
-    """Plays a waveform and looks at nothing."""
+    """Plays a waveform without feedback."""
 
     columns = ("cycle",)
 
@@ -95,7 +96,7 @@ def allowed_amplitude_v(rig: Rig, amplitude_v: float | None) -> float:
     if amplitude > rig.maximum_voltage_v:
         raise CallerError(
             f"amplitude {amplitude:g} V is {amplitude - rig.maximum_voltage_v:.3g} V above the rig's maximum of "
-            f"{rig.maximum_voltage_v:g} V: drive less or, where the wire stands it, raise the rig file's setting "
+            f"{rig.maximum_voltage_v:g} V: drive less or, if the wire bears it, raise the rig file's setting "
             "maximum_voltage_v"
         )
     return amplitude
@@ -113,8 +114,8 @@ def characterize(
 ) -> Recording:
     """Heat and cool the wire slowly and record both voltages and the reference instruments.
 
-    This is the loop that a model is fitted to. The first cycle brings the wire into the loop that it then repeats; the
-    analysis uses the last one.
+    This is the loop that a model is fitted to. After the first cycle the wire repeats its loop; the analysis uses the
+    last.
 
     Parameters
     ----------

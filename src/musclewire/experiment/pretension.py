@@ -61,7 +61,7 @@ class PretensionRow:
     recording: Recording
 
     def gap_pct(self, quantity: str) -> float | None:
-        """Return the gap of strain, force or displacement; None where the recording lacks the instrument."""
+        """Return the gap of strain, force or displacement; None if the recording lacks the instrument."""
         gaps = {
             "strain": self.strain_gap_pct,
             "force": self.force_gap_pct,
@@ -89,7 +89,7 @@ class PretensionSweep:
     rows: tuple[PretensionRow, ...]
     failures: tuple[str, ...]
     quantity: str = "strain"
-    # Settings at which a wire pulled harder than it may.
+    # Warnings of settings at which a wire exceeded its allowed force.
     warnings: tuple[str, ...] = ()
 
     @property
@@ -151,7 +151,7 @@ def default_pretensions_n(rig: Rig) -> list[float]:
     """
     allowed, setting = (rig.metadata().get(name) for name in ("maximum_force_n", "pretension_n"))
     if not isinstance(allowed, float):
-        raise CallerError("this rig does not state maximum_force_n: say which pretensions to try")
+        raise CallerError("this rig does not state maximum_force_n: give the pretensions to try")
     low, high = (ratio * allowed for ratio in FORCE_RATIOS)
     if isinstance(setting, float) and 0.0 < setting < low:
         low, high = (ratio * setting for ratio in SETTING_RATIOS)
@@ -178,9 +178,9 @@ def pretension_sweep(
     rig
         The rig, open, with a stage that software can move.
     pretensions_n
-        Settings [N]; if None eight from 0.20 to 0.65 of the wire's allowed force, the paper's span.
+        Settings [N]; if None, eight from 0.20 to 0.65 of the wire's allowed force, the paper's span.
     quantity
-        The quantity whose gap decides: "strain", "displacement" or "force".
+        Quantity whose gap decides: "strain", "displacement" or "force".
     folder
         Folder into which each setting is recorded as it runs, replacing an earlier sweep; nothing is written if None.
     on_setting

@@ -1,7 +1,7 @@
-"""The one loop in which a rig and a policy meet, and what it keeps: the rows of the run, and how punctual it was.
+"""The one loop in which a rig and a policy meet, and their recorder: the rows of the run, and its timing.
 
-The rig owns the clock, the policy is pure, and the rig ends at its sense voltage whatever a policy, a callback
-or the user's Ctrl-C raises: the first thing that happens on the way out, before anything is written.
+The rig owns the clock, the policy is pure, and the rig ends at its sense voltage whatever a policy, a callback or the
+user's Ctrl-C raises: this happens first, before anything is written.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ __all__ = [
 
 OnSample = Callable[[Mapping[str, float]], None]
 Exchange = Callable[[Command], RawSample]
-# Rows that may be lost to a power cut: about a second of a paced rig, a fraction of one where no clock paces.
+# Rows that may be lost to a power cut: about a second of a paced rig, less without a clock that paces.
 PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
 # A block takes some milliseconds to write, on a busy machine over ten: in shorter periods another process writes it.
 MIN_PERIOD_FOR_DISK_S = 0.02
@@ -71,7 +71,7 @@ class RunOptions(TypedDict, total=False):
 
 
 class Decision(NamedTuple):
-    """What a policy says after a sample: the next command, and what to record beside the sample."""
+    """A policy's answer to a sample: the next command, and values to record with the sample."""
 
     command: Command
     columns: Mapping[str, float]
@@ -100,7 +100,7 @@ class Policy(Protocol):
         Parameters
         ----------
         sample
-            What the rig has just handed back.
+            The sample that the rig has just returned.
         elapsed_s
             End of the sample, counted from the beginning of the run [s].
 
@@ -117,7 +117,7 @@ class Policy(Protocol):
 
 
 def file_in(folder: str | Path, name: str) -> Path:
-    """Return a file in a folder that is made if need be. Raises CallerError where that cannot be."""
+    """Return a file in a folder, which is created if missing. Raises CallerError if that fails."""
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -126,7 +126,7 @@ def file_in(folder: str | Path, name: str) -> Path:
 
 
 def refuse_unusable(path: str | Path | None, overwrite: bool) -> None:
-    """Raise CallerError where a recording could not be put, before anything is heated for it."""
+    """Raise CallerError if a recording cannot be written, before anything is heated for it."""
     if path is None:
         return
     if Path(path).exists() and not overwrite:
@@ -147,19 +147,19 @@ def run_on_rig(
 ) -> Recording:
     """Drive a rig by a policy for a time and return the recording.
 
-    Any exception leaves the rig at its sense voltage and carries the partial recording as ``.recording``. How punctual
-    the run was is in the metadata.
+    Any exception leaves the rig at its sense voltage and carries the partial recording as ``.recording``. The metadata
+    have the run's timing.
 
     Parameters
     ----------
     rig
         The rig, open.
     policy
-        Chooses each command; it may raise to stop the run.
+        Chooses each command; it may raise an exception to stop the run.
     duration_s
         Length of the run [s], rounded to whole samples.
     metadata
-        What the recording is to say besides what the rig says.
+        Metadata of the recording in addition to the rig's.
     path
         File that is written while the run goes on; by default the recording is only returned.
     overwrite
@@ -176,7 +176,7 @@ def run_on_rig(
     CallerError
         For a duration under one sample, and a file that cannot be written, before anything is heated.
     RigError
-        For whatever ends the run on the rig's side.
+        If the rig failed or was tripped.
     """
     samples = round(duration_s / rig.sample_period_s)
     if samples < 1:
@@ -235,7 +235,7 @@ def follow(
 
 
 def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
-    """Return the rig's exchange, with its times noted: the rig's own where it tells them, as it judges each sample."""
+    """Return the rig's exchange, with its times recorded: the rig's own if it reports them."""
     times = exchange_times_of(rig)
     if times is not None:
 
@@ -285,7 +285,7 @@ def few_collections() -> Iterator[None]:
 
 
 def cause_of(error: BaseException | None) -> str:
-    """Return the one line that a recording says about how its run ended."""
+    """Return how a run ended, in one line for its recording."""
     if error is None:
         return "done"
     if isinstance(error, (KeyboardInterrupt, SystemExit)):
@@ -294,12 +294,12 @@ def cause_of(error: BaseException | None) -> str:
 
 
 def first_line(problem: BaseException) -> str:
-    """Return the first line of what an error says."""
+    """Return the first line of an error's message."""
     return (str(problem).splitlines() or [type(problem).__name__])[0]
 
 
 def rescued(recording: Recording, name: str) -> Path | None:
-    """Save a recording whose own file failed into the temporary folder; None where that does not work either."""
+    """Save a recording whose own file failed into the temporary folder; None if that fails too."""
     place = Path(tempfile.gettempdir()) / f"{name}-rescued-{datetime.now(UTC):%Y%m%dT%H%M%S}.csv"
     try:
         recording.save(place)
@@ -309,7 +309,7 @@ def rescued(recording: Recording, name: str) -> Path | None:
 
 
 class Recorder:
-    """Collects rows; with a path every block also goes to disk, where it survives whatever happens next."""
+    """Collects rows; with a path every block also goes to disk, where it survives a crash."""
 
     def __init__(
         self,
@@ -324,7 +324,7 @@ class Recorder:
         """Start an empty recording; ``block_rows`` rows go to disk together.
 
         With ``apart_period_s``, the sample period of a loop too fast to wait for a disk, another process writes.
-        Raises CallerError where ``path`` exists and may not be replaced.
+        Raises CallerError if ``path`` exists and may not be replaced.
         """
         self._columns = tuple(columns)
         start_time = datetime.now(UTC).isoformat(timespec="seconds")
@@ -340,7 +340,7 @@ class Recorder:
         self._lost: Path | None = None
 
     def append(self, row: Mapping[str, float | None]) -> None:
-        """Keep one row; it gives every column, None where an instrument gave nothing."""
+        """Keep one row; it gives every column, None for an instrument without a reading."""
         kept = [nan if (value := row[name]) is None else value for name in self._columns]
         self._values.fromlist(kept)
         if self._writer is None:
@@ -351,15 +351,15 @@ class Recorder:
             raise self._lose_file(problem) from None
 
     def describe(self, metadata: Mapping[str, MetadataValue]) -> None:
-        """Add what is known only at the end; it stands in the file once that is closed."""
+        """Add metadata that is known only at the end; the file has it once it is closed."""
         self._metadata.update(metadata)
 
     def __len__(self) -> int:
-        """Return the number of rows so far."""
+        """Return the number of rows recorded."""
         return len(self._values) // len(self._columns)
 
     def recording(self) -> Recording:
-        """Return what has been recorded so far."""
+        """Return the rows recorded until now."""
         table = np.array(self._values, dtype=np.float64).reshape(len(self), len(self._columns))
         columns = {name: table[:, place] for place, name in enumerate(self._columns)}
         return Recording(columns, {**self._metadata, "ended": self._ended})
@@ -371,7 +371,7 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Write what is left and say why the run ended; an exception takes the partial recording along."""
+        """Write the remaining rows and how the run ended; an exception carries the partial recording."""
         self._ended = cause_of(error)
         problem = self._close_file()
         if error is None and problem is not None:
@@ -391,7 +391,7 @@ class Recorder:
         return None
 
     def _take_along(self, error: BaseException) -> None:
-        """Put the recording on an exception, with a note that says where it is."""
+        """Attach the recording to an exception, with a note of its path."""
         recording = self.recording()
         error.recording = recording  # type: ignore[attr-defined]
         where = f" and in {self._writer.path}" if self._writer else ""
@@ -401,7 +401,7 @@ class Recorder:
         error.add_note(f"{len(self)} samples were recorded; they are in error.recording{where}")
 
     def _lose_file(self, problem: Exception) -> RecordingNotWrittenError:
-        """Give up a file that cannot be written any more and return the error that says so."""
+        """Give up a file that can no longer be written and return the error for it."""
         path = self._writer.path if self._writer else Path("recording.h5")
         _NEVER_LET_GO.append(self._writer)
         self._writer, self._lost = None, path
@@ -409,13 +409,13 @@ class Recorder:
 
 
 class LoopTiming:
-    """Notes of every sample when it was there and when the next drive was handed over; it reads no clock itself.
+    """Records when each sample arrived and when the next drive was handed over; it reads no clock itself.
 
-    All times in nanoseconds of one clock that never runs back.
+    All times are in nanoseconds of one monotonic clock.
     """
 
     def __init__(self, sample_period_s: float, paced: bool) -> None:
-        """Watch a run of this sample period; ``paced`` where a real clock sets its pace."""
+        """Watch a run of this sample period; ``paced`` if a real clock sets its pace."""
         self._period_us = sample_period_s * 1e6
         self._paced = paced
         self._samples_ns = array("q")
@@ -424,7 +424,7 @@ class LoopTiming:
         self._callback_ns = 0
 
     def sampled(self, drive_at_ns: int, sample_at_ns: int) -> None:
-        """Note one exchange: when its drive was handed to the output and when its sample was there."""
+        """Record one exchange: when its drive was handed to the output and when its sample arrived."""
         if self._samples_ns:
             self._latencies_ns.append(drive_at_ns - self._samples_ns[-1])
             self._callbacks_ns.append(self._callback_ns)
@@ -432,16 +432,16 @@ class LoopTiming:
         self._callback_ns = 0
 
     def called_back(self, callback_ns: int) -> None:
-        """Note how long whoever watches the run kept the loop waiting after the last sample."""
+        """Record how long a callback kept the loop waiting after the last sample."""
         self._callback_ns = callback_ns
 
     def metadata(self) -> dict[str, MetadataValue]:
-        """Return what a recording says of its timing; only compute times where no clock paced the run.
+        """Return the timing for a recording's metadata; only compute times if no clock paced the run.
 
-        ``jitter`` is how far the time between two samples was from the sample period, ``latency`` from a sample to the
-        next drive at the output, ``compute`` the part of it that is not a callback's: policy, protection, recorder.
-        ``deadline_misses`` counts the sample periods in which no sample came, ``drift_us`` is how much longer the whole
-        run took than its periods.
+        ``jitter`` is the deviation of the time between two samples from the sample period, ``latency`` from a sample to
+        the next drive at the output, ``compute`` the part of it that is not a callback's: policy, protection, recorder.
+        ``deadline_misses`` counts the sample periods in which no sample came, ``drift_us`` is the excess of the whole
+        run's duration over its periods.
         """
         latencies = np.array(self._latencies_ns, dtype=np.float64) / 1e3
         compute = latencies - np.array(self._callbacks_ns, dtype=np.float64) / 1e3
@@ -459,7 +459,7 @@ class LoopTiming:
 
 
 def percentiles(name: str, values_us: FloatArray) -> dict[str, MetadataValue]:
-    """Return the percentiles of some times [us] under the names of metadata; none of no times."""
+    """Return the percentiles of times [us] under the names of metadata; none without times."""
     if not values_us.size:
         return {}
     found = np.percentile(values_us, list(PERCENTILES.values()))
@@ -467,7 +467,7 @@ def percentiles(name: str, values_us: FloatArray) -> dict[str, MetadataValue]:
 
 
 def timing_json(metadata: Mapping[str, MetadataValue]) -> dict[str, Any]:
-    """Return what a recording's metadata say of its timing, as programs read it; None for what was not measured."""
+    """Return the timing in a recording's metadata as JSON keys; None for what was not measured."""
     found: dict[str, Any] = {"deadline_misses": metadata.get("deadline_misses", 0)}
     for name in ("jitter", "latency", "compute"):
         parts = {key: metadata.get(f"{name}_{key}_us") for key in PERCENTILES}

@@ -1,4 +1,4 @@
-"""The staircase for a model of any quantity: the paper's shape within what the model senses."""
+"""The staircase for a model of any quantity: the paper's shape within the model's range."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ DIGITS = 2
 def staircase_within(model: SensingModel) -> Staircase:
     """Return the paper's staircase for strain; for displacement and force, from half of a round top in five steps.
 
-    The top is 84 % of the largest the model senses, rounded down to two digits. Raises CallerError where half of it
-    is below the least the model senses.
+    The top is 84 % of the model's maximum, rounded down to two digits. Raises CallerError if half of it is below the
+    model's minimum.
     """
     if model.quantity == "strain":
         return staircase()

@@ -91,7 +91,7 @@ def mark_level(axes: Axes, end_s: float, level: float, text: str) -> None:
 
 
 def mark_cooling(axes: Axes, sizing: SupplySizing, level_pct: float) -> None:
-    """Mark the end of the cooling time, where there is one."""
+    """Mark the end of the cooling time, if there is one."""
     cooling = sizing.numbers.cooling_s
     if cooling is None:
         return
@@ -102,7 +102,7 @@ def mark_cooling(axes: Axes, sizing: SupplySizing, level_pct: float) -> None:
 
 
 def title_of(sizing: SupplySizing) -> str:
-    """Return one line that says which wire, under what, driven how."""
+    """Return one line with wire, load and drive."""
     plan = sizing.plan
     driven = f"{1e3 * plan.current_a:.0f} mA" if plan.current_a is not None else f"{plan.supply_v:g} V"
     spring = f" on {plan.request.spring_n_per_m:g} N/m" if plan.request.spring_n_per_m else ""

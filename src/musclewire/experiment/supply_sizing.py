@@ -1,4 +1,4 @@
-"""Sizing a wire's supply before anything is wired: what this supply does to the wire, and which one it would need.
+"""Sizing a wire's supply before anything is wired: the effect of a supply on the wire, and the supply it needs.
 
 A simulated drive under a dead weight or on a spring, its numbers, and the parts with which the same wire would
 contract in one second.
@@ -41,25 +41,25 @@ __all__ = ["BENCH", "SupplySizing", "DriveNumbers", "SupplyRequest", "size_suppl
 
 BENCH = "dead-weight"
 DEFAULT_LENGTH_M = 0.14
-# What would become of the wire is to be shown: a protection that switches off before would hide it.
+# The fate of the wire is to be shown: a protection that switches off before would hide it.
 SIZING_LIMITS = LimitsTable(maximum_temperature=1e9, resistance_low=1e-6, resistance_high=1e6, jump_share=1.0)
 # Dynalloy, Technical Characteristics of Flexinol Actuator Wires (F1140): melting point 1300 C.
 MELTING_K = 1573.15
 AMBIENT_K = 295.15
-# After switching off this much current goes on, to measure by: a fraction of the drive's, whose heat is 1/10000 of the
-# drive's, but never less than what resistance can be told from.
+# After switching off this much current remains for measuring: a fraction of the drive's, whose heat is 1/10000 of the
+# drive's, but not less than resistance needs to be measured.
 SENSE_FRACTION, MIN_SENSE_A = 0.01, 1.5e-3
-# A current source finds this much more voltage than the cold wire asks for at first.
+# Voltage limit of a current source over the voltage of the cold wire.
 SOURCE_HEADROOM = 1.5
 # Input ranges a card or a divider in front of it may have.
 RANGES_V = (10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 10000.0)
-# A run goes on for this multiple of the time the wire takes to relax, within limits.
+# A run lasts for this multiple of the time the wire takes to relax, within limits.
 RELAXING_MULTIPLE, MIN_COOLING_S, MAX_COOLING_S = 1.25, 1.0, 120.0
 
 
 @dataclass(frozen=True)
 class SupplyRequest:
-    """A wire, what pulls it and what drives it; what is None is chosen.
+    """A wire, its load and its drive; None is chosen.
 
     Without supply and current, a wire of the catalogue gets the catalogue's one-second current. ``load_n`` is the
     weight, or the pretension of the spring; without it ``stress_pa`` sets it.
@@ -96,7 +96,7 @@ class SupplyPlan:
 
 @dataclass(frozen=True)
 class DriveNumbers:
-    """What a recorded drive shows, from the instruments; only the temperature is the simulation's own knowledge."""
+    """Results of a recorded drive, from the instruments; only the temperature is known from the simulation alone."""
 
     contraction: float
     max_contraction: float
@@ -112,13 +112,13 @@ class DriveNumbers:
 
     @property
     def melted(self) -> bool:
-        """Whether the wire got so hot that the simulation means nothing."""
+        """Whether the wire exceeded its melting point, so that the simulation is meaningless."""
         return self.temperature_peak_k > MELTING_K
 
 
 @dataclass(frozen=True)
 class SupplySizing:
-    """The drive as it went, and what the same wire wants for a contraction in one second."""
+    """The simulated drive, and the parts with which the same wire contracts in one second."""
 
     plan: SupplyPlan
     recording: Recording
@@ -135,7 +135,7 @@ class SupplySizing:
 
 
 def plan_supply(request: SupplyRequest) -> SupplyPlan:
-    """Return the request with everything chosen. Raises CallerError where it makes no sense."""
+    """Return the request with everything chosen. Raises CallerError if it is inconsistent."""
     wire = load_wire(request.wire)
     row = catalogue_row(request.wire) if request.wire in catalogue_names() else None
     require_plausible(request)
@@ -160,7 +160,7 @@ def plan_supply(request: SupplyRequest) -> SupplyPlan:
 
 
 def current_of(request: SupplyRequest, row: CatalogueRow | None) -> float | None:
-    """Return the current to hold [A]: given, or the catalogue's; None for a supply. CallerError if nothing says it."""
+    """Return the current to hold [A]: given, or the catalogue's; None for a supply. CallerError without any."""
     if request.current_a is not None or request.supply_v is not None:
         return request.current_a
     if row is None:
@@ -169,12 +169,13 @@ def current_of(request: SupplyRequest, row: CatalogueRow | None) -> float | None
 
 
 def load_of(request: SupplyRequest, wire: Wire) -> float:
-    """Return the load [N]: given, or by the stress. Raises CallerError for one near what breaks the wire."""
+    """Return the load [N]: given, or from the stress. Raises CallerError near the breaking force."""
     stress = PULL_STRESS_PA if request.stress_pa is None else request.stress_pa
     load = stress * section_m2(wire) if request.load_n is None else request.load_n
     if load > wire.maximum_force_n.value:
         raise CallerError(
-            f"a load of {load:.3g} N is above {wire.maximum_force_n.value:.3g} N, near what breaks {wire.name}"
+            f"a load of {load:.3g} N is above {wire.maximum_force_n.value:.3g} N, near the breaking force of "
+            f"{wire.name}"
         )
     return load
 
@@ -184,7 +185,7 @@ def drive_settings(supply_v: float | None, expected_a: float, circuit_ohm: float
     highest = supply_v or SOURCE_HEADROOM * expected_a * circuit_ohm
     sense = max(SENSE_FRACTION * expected_a, MIN_SENSE_A) * circuit_ohm
     if sense >= highest:
-        raise CallerError(f"{highest:g} V is not above the {sense:.2g} V it takes to measure this wire: give more")
+        raise CallerError(f"{highest:g} V is not above the {sense:.2g} V needed to measure this wire: give more")
     return {
         "maximum_voltage_v": highest,
         "sense_voltage_v": sense,
@@ -198,7 +199,7 @@ def section_m2(wire: Wire) -> float:
 
 
 def require_plausible(request: SupplyRequest) -> None:
-    """Raise CallerError for numbers that cannot be."""
+    """Raise CallerError for impossible numbers."""
     if request.load_n is not None and request.stress_pa is not None:
         raise CallerError("give the load or the stress, not both: one follows from the other")
     positive = {"length": request.length_m, "shunt": request.shunt_ohm, "supply": request.supply_v,
@@ -211,7 +212,7 @@ def require_plausible(request: SupplyRequest) -> None:
 
 
 def chosen_duration_s(request: SupplyRequest, configuration: RigConfiguration, current_a: float | None) -> float:
-    """Return how long to run where nobody said: until the wire has relaxed and somewhat longer."""
+    """Return the duration of a run if none was given: until the wire has relaxed, and somewhat longer."""
     wire, bench = with_settings(load_wire(request.wire), load_bench(BENCH), configuration.settings, "simulate")
     drive = current_a if current_a is not None else request.supply_v or 0.0
     relaxing = relaxation_time_s(
@@ -233,9 +234,9 @@ def size_supply(
     overwrite: bool = False,
     on_sample: OnSample | None = None,
 ) -> SupplySizing:
-    """Run the drive on the simulated rig and return what it shows, with the parts the wire would want.
+    """Run the drive on the simulated rig and return its results, with the parts the wire needs.
 
-    Raises CallerError where the request makes no sense.
+    Raises CallerError if the request is inconsistent.
     """
     plan = plan_supply(request)
     wire, bench = with_settings(plan.wire, load_bench(BENCH), plan.configuration.settings, "simulate")
@@ -266,12 +267,12 @@ def simulated_drive(
 
 
 def usable_one_second_current(wire: Wire, bench: Bench, ambient_k: float) -> OneSecondDrive:
-    """Return the one-second current. Raises CallerError for a wire that its surroundings have contracted already."""
+    """Return the one-second current. Raises CallerError for a wire already contracted at ambient temperature."""
     best = one_second_current(load_alloy(wire.alloy), wire, bench)
     if best.stroke <= UNCOUNTED_STRAIN:
         raise CallerError(
             f"{wire.name} at {ambient_k - 273.15:g} C under this load has only {100 * best.stroke:.2g} % of "
-            "contraction left: it is as good as contracted; a cooler place or a larger load stretches it"
+            "contraction left: it is practically contracted; a cooler place or a larger load stretches it"
         )
     return best
 
@@ -302,13 +303,13 @@ def drive_numbers(recording: Recording, on_s: float, stroke: float) -> DriveNumb
 
 
 def first_time(time_s: FloatArray, reached: NDArray[np.bool_]) -> float | None:
-    """Return when something was first so, None where it never was."""
+    """Return the first time at which a condition holds, None if it never does."""
     where = np.flatnonzero(reached)
     return float(time_s[where[0]]) if where.size else None
 
 
 def cooling_time(since_off_s: FloatArray, contraction: FloatArray) -> float | None:
-    """Return the time until at most 0.5 % of strain is left to go; None if it was never more, or still is."""
+    """Return the time until at most 0.5 % of strain is left; None if there never was more, or there still is."""
     if contraction[0] <= UNCOUNTED_STRAIN:
         return None
     return first_time(since_off_s, contraction <= UNCOUNTED_STRAIN)
@@ -325,9 +326,9 @@ def warnings_for(plan: SupplyPlan, numbers: DriveNumbers, settled_k: float) -> l
             f"overheated: {numbers.temperature_peak_k - 273.15:.0f} C, above a working limit of {limit:.0f} C (assumed)"
         )
     elif settled_k > OVERHEATED_K:
-        found.append(f"left on it would settle at {settled_k - 273.15:.0f} C, above {limit:.0f} C: switch it off")
+        found.append(f"left on, it would settle at {settled_k - 273.15:.0f} C, above {limit:.0f} C: switch it off")
     if plan.current_a is not None and numbers.current_peak_a < 0.98 * plan.current_a:
-        found.append(f"the supply does not reach the current asked for: {1e3 * numbers.current_peak_a:.0f} mA at most")
+        found.append(f"the supply does not reach the requested current: {1e3 * numbers.current_peak_a:.0f} mA at most")
     stress = plan.load_n / section_m2(plan.wire)
     if stress > 1.02 * PULL_STRESS_PA:
         found.append(f"{stress / 1e6:.0f} MPa is more than the vendor's 172 MPa for many cycles")
@@ -335,7 +336,7 @@ def warnings_for(plan: SupplyPlan, numbers: DriveNumbers, settled_k: float) -> l
 
 
 def catalogue_side(plan: SupplyPlan) -> dict[str, Any] | None:
-    """Return what the catalogue prints for this wire, each number with its standing; None for other wires."""
+    """Return what the catalogue prints for this wire, each number with its status; None for other wires."""
     if plan.row is None:
         return None
     cooling = plan.row.cooling_cell(class_of(plan.request.wire))

@@ -1,9 +1,9 @@
-"""What a wire needs before it is used: the first cycles of its life, and a fresh anchor at every start.
+"""Preparing a wire: its first cycles (training), and a new anchor of its model at every start.
 
 A new wire changes in its first cycles: it keeps some strain, its resistance drifts, its hysteresis narrows
-(Churchill and Shaw, SMASIS2009-48968; Hartwich et al. 2021, doi 10.3390/s21206804). A model fitted before that is
-over does not last. And a settled wire still reads a little differently from day to day, so R_max and R_min are
-found anew at each start, from the resistance alone.
+(Churchill and Shaw, SMASIS2009-48968; Hartwich et al. 2021, doi 10.3390/s21206804). A model fitted before that is over
+does not stay valid. A settled wire, too, reads a little differently from day to day, so R_max and R_min are measured
+again at each start, from the resistance alone.
 """
 
 from __future__ import annotations
@@ -100,9 +100,9 @@ def train(
     period_s
         Time of a cycle [s]; 30 s are a third of the paper's slow sine.
     max_cycles
-        Number of cycles after which it stops if the loop has not settled.
+        Number of cycles after which it stops if it does not settle.
     settled_fraction
-        Change over five cycles, as a fraction of resistance span and stroke, below which the loop is settled.
+        Change over five cycles, as a fraction of resistance span and stroke, below which it is settled.
     folder
         Folder into which each cycle is recorded as it runs; nothing is written if None.
     on_cycle
@@ -140,7 +140,7 @@ def train(
 
 
 def cycle_of(recording: Recording, number: int, before: Sequence[TrainingCycle]) -> TrainingCycle:
-    """Return what the loop of one cycle was, beside those before. Raises RecordingError if it is none."""
+    """Return the loop of one cycle with its change since earlier ones. Raises RecordingError if it is no loop."""
     reading = resistance_reading(recording)
     segments = find_segments(reading.resistance_ohm, required_quantity(recording), reading.valid)
     cycle = TrainingCycle(
@@ -157,7 +157,7 @@ def cycle_of(recording: Recording, number: int, before: Sequence[TrainingCycle])
 
 
 def change_between(before: TrainingCycle, after: TrainingCycle) -> float:
-    """Return the largest move of R_min, R_max, cold strain or stroke, over the span of each."""
+    """Return the largest change of R_min, R_max, cold strain or stroke, over the span of each."""
     span = before.resistance_max_ohm - before.resistance_min_ohm
     return max(
         abs(after.resistance_min_ohm - before.resistance_min_ohm) / span,
@@ -214,7 +214,7 @@ def recalibrate(
 
     Returns
     -------
-    The model with the new resistances, and how far they have moved.
+    The anchored model, and the change of its resistances.
 
     Raises
     ------

@@ -19,7 +19,7 @@ __all__ = ["TendonZero", "zero_tendon"]
 FARTHEST_SLACK_M, FARTHEST_PULL_M = 100e-6, 100e-6
 POSITIONS = 21
 SAMPLES_EACH = 10
-# The rise over the whole pull must stand out of the load cell's noise by this much, or the tendon was never taut.
+# The rise over the whole pull must exceed the load cell's noise by this factor, or the tendon was never taut.
 MIN_RISE_NOISES = 10.0
 
 
@@ -60,7 +60,7 @@ def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
 
     Returns
     -------
-    Where the tendon begins to pull, with what was read.
+    The point at which the tendon begins to pull, with the measurements.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
 
 
 def hinge(place: FloatArray, value: FloatArray, tries: int = 401) -> tuple[float, float]:
-    """Return where a level line bends into a rising one, and the rise, by least squares; both arrays (n,), rising."""
+    """Return the kink between a level and a rising line, and the slope, by least squares; both arrays (n,), rising."""
     kinks = np.linspace(place[1], place[-2], tries)
     ramps = np.maximum(place[None, :] - kinks[:, None], 0.0)
     centred = ramps - ramps.mean(axis=1, keepdims=True)

@@ -129,7 +129,7 @@ def test_reactions_balance_what_is_put_on(force: float) -> None:
     assert found.reaction_n(body.nodes_near(x_m=0.0)) == pytest.approx([0.0, -force], rel=1e-6, abs=1e-6 * force)
 
 
-def test_a_spring_outside_the_body_shares_the_load_with_it() -> None:
+def test_a_spring_outside_the_body_takes_a_part_of_the_load() -> None:
     """Potential of a spring at the tip: two springs in parallel, the body's own stiffness being 3EI/L^3."""
     body = cantilever(0.001, 40, 1)
     tip = 2 * int(body.nodes_near(x_m=LENGTH, y_m=0.0)[0]) + 1
@@ -150,7 +150,7 @@ def test_a_spring_outside_the_body_shares_the_load_with_it() -> None:
     assert shared == pytest.approx(alone / 2.0, rel=2e-3)
 
 
-def test_a_path_ends_where_it_is_told_to() -> None:
+def test_a_path_ends_where_its_stop_holds() -> None:
     body = cantilever(0.001, 20, 1)
     prescribed_m = BodyLoad.held(body.nodes_near(x_m=0.0)) | BodyLoad.moved(
         body.nodes_near(x_m=LENGTH, y_m=0.0), {1: 0.02}
@@ -186,7 +186,7 @@ def test_a_load_that_does_not_fit_the_body_is_said() -> None:
 
 
 def test_no_balance_is_an_error_that_says_how_far_it_came() -> None:
-    """A bar pushed into nothing: St. Venant-Kirchhoff gives way before its length is zero."""
+    """A bar pushed into nothing: St. Venant-Kirchhoff yields before its length is zero."""
     body = cantilever(0.05, 4, 2, 0.3)
     prescribed_m = BodyLoad.held(body.nodes_near(x_m=0.0)) | BodyLoad.moved(
         body.nodes_near(x_m=LENGTH), {0: -1.5 * LENGTH, 1: 0.0}

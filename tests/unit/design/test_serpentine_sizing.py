@@ -81,7 +81,7 @@ def test_weighed_by_its_length() -> None:
 IMPOSSIBLE = {
     "far too stiff": (
         request(1e6, duty=Duty(PRETENSION, STROKE)),
-        ("stiffness out of reach", "N/m less than the 1e+06 N/m wanted"),
+        ("stiffness out of reach", "N/m less than the 1e+06 N/m requested"),
     ),
     "far too soft": (
         request(0.01, duty=Duty(0.001)),
@@ -105,7 +105,7 @@ IMPOSSIBLE = {
         request(duty=Duty(PRETENSION, STROKE, None, 300.0)),
         ("no softer than the finger of 300.0 N/m", "86.2 N/m too stiff", "56 % of the contraction force"),
     ),
-    "no duty": (request(duty=Duty()), ("say what the pretensioner is for",)),
+    "no duty": (request(duty=Duty()), ("give the pretensioner's duty",)),
     "no stiffness": (request(0.0), ("must be above 0",)),
     "an unknown process": (request(process="forge"), ("pom is not made by 'forge'",)),
     "a flat envelope": (request(envelope=Envelope(24.6e-3, 27.6e-3, 0.0)), ("three sizes above 0",)),
@@ -139,7 +139,7 @@ def test_a_given_serpentine_that_breaks_a_rule_says_which() -> None:
 @pytest.mark.slow
 def test_a_travel_beyond_what_the_strip_stretches_to_is_said() -> None:
     small = SerpentineGeometry.of(2, 6e-3, 3e-3, 0.8e-3, 5e-3)
-    with pytest.raises(CallerError, match=r"a travel of 60\.00 mm is too far: .* MPa above what pom may have"):
+    with pytest.raises(CallerError, match=r"a travel of 60\.00 mm is too far: .* MPa above the permanent limit of pom"):
         analyse(small, load_material("pom"), None, Duty(travel_m=60e-3))
 
 

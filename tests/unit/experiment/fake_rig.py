@@ -26,13 +26,13 @@ class FakeRig:
     leg_length_m = LENGTH_M
     reference_columns = None
 
-    def __init__(self, *, fails_at: int | None = None, blind: range = range(0)) -> None:
+    def __init__(self, *, fails_at: int | None = None, dropouts: range = range(0)) -> None:
         self.drive_voltage_v = 0.0
         self.strain = 0.0
         self.samples = 0
         self.safe_calls = 0
         self.fails_at = fails_at
-        self.blind = blind
+        self.dropouts = dropouts
 
     def metadata(self) -> Metadata:
         return {"rig": "fake", "leg_length_m": LENGTH_M, "shunt_resistance_ohm": 1.0, "sample_period_s": 0.05}
@@ -46,7 +46,7 @@ class FakeRig:
         wanted = 0.02 * max(drive_voltage_v - 1.0, 0.0)
         self.strain += (wanted - self.strain) * (1.0 - math.exp(-0.05 / 0.3))
         resistance = 17.5 - 100.0 * self.strain
-        current = 0.0 if self.samples in self.blind else drive_voltage_v / (resistance + 1.0)
+        current = 0.0 if self.samples in self.dropouts else drive_voltage_v / (resistance + 1.0)
         return RawSample(
             0.05 * self.samples, drive_voltage_v, current * resistance, current, displacement_m=LENGTH_M * self.strain
         )

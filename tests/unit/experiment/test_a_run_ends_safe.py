@@ -115,7 +115,7 @@ def test_a_finished_run_ends_at_the_sense_voltage_and_leaving_the_block_switches
 
 
 def test_a_wire_that_stays_without_current_ends_the_loop_as_a_rig_fault() -> None:
-    rig = FakeRig(blind=range(400, 10_000))
+    rig = FakeRig(dropouts=range(400, 10_000))
     with pytest.raises(RigError, match="no current through the wire for 10 samples") as caught:
         control(rig, straight_model())
     assert rig.drive_voltage_v == rig.sense_voltage_v
@@ -123,7 +123,7 @@ def test_a_wire_that_stays_without_current_ends_the_loop_as_a_rig_fault() -> Non
 
 
 def test_a_moment_without_current_is_bridged_by_holding_the_drive() -> None:
-    rig = FakeRig(blind=range(500, 508))
+    rig = FakeRig(dropouts=range(500, 508))
     run = control(rig, straight_model())
     part = slice(499, 507)
     assert (run["valid"][part] == 0.0).all()

@@ -186,7 +186,7 @@ def test_the_warming_it_computes_is_what_the_wire_shows() -> None:
     assert said == pytest.approx(warmer_k, rel=0.15)
 
 
-def test_a_wire_that_is_still_hot_is_told_by_its_drift() -> None:
+def test_a_wire_that_is_still_hot_shows_by_its_drift() -> None:
     with mw.open_rig("simulated", sense_voltage_v="0.3 V", wire="flexinol-0.38-lt", pretension_n=5.0) as rig:
         for _ in range(60):
             rig.exchange(0.6 * rig.maximum_voltage_v)

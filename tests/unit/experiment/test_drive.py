@@ -60,15 +60,15 @@ def test_the_voltage_never_leaves_its_limits() -> None:
 
 def test_a_sample_without_current_keeps_the_drive_and_five_end_the_run() -> None:
     policy = HeldCurrent(0.1, 0.3, 3.6, 1.0, 0.05, 10.0)
-    blind = RawSample(0.05, 1.7, 1.7, 0.0)
+    no_current = RawSample(0.05, 1.7, 1.7, 0.0)
     for _ in range(4):
-        assert policy.after(blind, 0.05).command == Drive(1.7)
+        assert policy.after(no_current, 0.05).command == Drive(1.7)
     with pytest.raises(RigError, match="no current"):
-        policy.after(blind, 0.05)
+        policy.after(no_current, 0.05)
 
 
 def test_a_broken_wire_ends_with_the_rig_at_its_sense_voltage() -> None:
-    with FakeRig(blind=range(10, 1000)) as rig, pytest.raises(RigError, match="clamps"):
+    with FakeRig(dropouts=range(10, 1000)) as rig, pytest.raises(RigError, match="clamps"):
         drive_wire(rig, current_a=0.12, on_s=2.0, duration_s=4.0)
     assert rig.safe_calls >= 1
 

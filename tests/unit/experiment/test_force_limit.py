@@ -29,7 +29,7 @@ def test_a_force_above_the_limit_is_named_with_limit_place_and_duration() -> Non
         "the wire pulls with up to 6.00 N at 25.0 s, drive 2.50 V, 1.05 N above the 4.95 N allowed"
     )
     assert "maximum_force_n of wire mine" in warning
-    assert "above it for 11.0 s in all" in warning
+    assert "above it for 11.0 s in total" in warning
 
 
 def test_at_the_limit_noise_is_no_warning_and_without_a_limit_there_is_none() -> None:
@@ -46,14 +46,14 @@ def test_the_limit_of_the_load_cell_is_that_of_the_weakest_wire_of_the_rig() -> 
         "alone": open_rig("simulated"),
         "against": opened({"part": "antagonist"}),
         "against a stronger one": opened({"part": "antagonist", "wire": "paper-200um"}),
-        "beside its like": opened(spring, {"part": "parallel wire"}),
-        "beside a thicker one": opened(spring, {"part": "parallel wire", "wire": "paper-200um"}),
+        "next to its like": opened(spring, {"part": "parallel wire"}),
+        "next to a thicker one": opened(spring, {"part": "parallel wire", "wire": "paper-200um"}),
     }
     found = {name: rig.metadata()["force_limit_n"] for name, rig in limits.items()}
     assert found["alone"] == found["against"] == found["against a stronger one"] == 4.601
-    assert found["beside its like"] == pytest.approx(2 * 4.601)
+    assert found["next to its like"] == pytest.approx(2 * 4.601)
     # Four times the section takes four fifths of the force, and may take 18.247 N of it.
-    assert found["beside a thicker one"] == pytest.approx(min(5 * 4.601, 18.247 * 5 / 4), rel=1e-6)
+    assert found["next to a thicker one"] == pytest.approx(min(5 * 4.601, 18.247 * 5 / 4), rel=1e-6)
 
 
 @pytest.mark.parametrize("part", ["blocked", "antagonist"])

@@ -13,9 +13,9 @@ from musclewire.experiment.grip import GripRun, grip
 from musclewire.experiment.gripper_training import (
     GripperKnowledge,
     close_fingers,
-    learn_gripper,
     load_knowledge,
     object_of,
+    train_gripper,
     with_object,
 )
 from musclewire.identify.contact_fitting import KnownGrip, fit_free_closing, fit_grip_curve, thermal_time_s
@@ -27,7 +27,7 @@ from musclewire.wire.loads import ElasticObject
 
 @pytest.fixture(scope="module")
 def knowledge() -> GripperKnowledge:
-    return learn_gripper("gripper", seed=1000)
+    return train_gripper("gripper", seed=1000)
 
 
 def gripped(
@@ -67,7 +67,7 @@ def test_contact_is_found_before_the_true_force_exceeds_0_15_n(
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_with_known_stiffness_the_held_force_is_told_within_a_tenth_of_a_newton(
+def test_with_known_stiffness_the_held_force_is_estimated_within_a_tenth_of_a_newton(
     knowledge: GripperKnowledge, seed: int
 ) -> None:
     run = gripped(knowledge, ElasticObject(200.0, 4e-3), seed, stiffness=200.0)
@@ -101,7 +101,7 @@ def test_the_same_seed_grips_the_same_to_the_bit(knowledge: GripperKnowledge) ->
 def test_nothing_that_decides_reads_the_instruments(knowledge: GripperKnowledge) -> None:
     from musclewire.signals.exchange import REFERENCE_COLUMNS, RawSample
 
-    class Blind:
+    class WithoutInstruments:
         """The rig without its instruments."""
 
         reference_columns = ()
@@ -117,7 +117,7 @@ def test_nothing_that_decides_reads_the_instruments(knowledge: GripperKnowledge)
 
     seen = gripped(knowledge, ElasticObject(200.0, 4e-3), 5)
     with open_rig(with_object("gripper", ElasticObject(200.0, 4e-3)), seed=5) as rig:
-        unseen = grip(Blind(rig), knowledge)  # type: ignore[arg-type]
+        unseen = grip(WithoutInstruments(rig), knowledge)  # type: ignore[arg-type]
     assert np.array_equal(seen["drive_voltage_v"], unseen["drive_voltage_v"])
     assert unseen.true_force_n is None
     assert unseen.estimated_force_n == seen.estimated_force_n
@@ -169,9 +169,9 @@ def test_a_file_of_something_else_is_refused_in_one_line(text: str, tmp_path: Pa
 def test_another_gripper_than_the_one_learned_on_is_refused(
     knowledge: GripperKnowledge, other: dict, said: str
 ) -> None:
-    foreign = replace(knowledge, gripper=replace(knowledge.gripper, **other))
+    of_another_gripper = replace(knowledge, gripper=replace(knowledge.gripper, **other))
     with open_rig("gripper") as rig, pytest.raises(CallerError, match=said):
-        grip(rig, foreign)
+        grip(rig, of_another_gripper)
 
 
 def test_a_pretension_measured_anew_and_a_rig_that_says_less_are_no_other_gripper(knowledge: GripperKnowledge) -> None:
@@ -183,9 +183,9 @@ def test_a_pretension_measured_anew_and_a_rig_that_says_less_are_no_other_grippe
 def test_of_unknown_stiffness_the_force_is_nearly_right_in_the_mean_over_objects_and_weather(
     knowledge: GripperKnowledge,
 ) -> None:
-    # What a newton costs is learned in a day's weather, so that one gripper has a bias of its own; each grip has other
-    # weather. Their spread of 0.06 N leaves the mean of 48 uncertain by 0.01 N.
-    days = (knowledge, learn_gripper("gripper", seed=2000), learn_gripper("gripper", seed=2001))
+    # The power of a newton is learned in one day's air, so that one gripper has a bias of its own; each grip has other
+    # draughts. Their spread of 0.06 N leaves the mean of 48 uncertain by 0.01 N.
+    days = (knowledge, train_gripper("gripper", seed=2000), train_gripper("gripper", seed=2001))
     errors = []
     for seed in range(48):
         block = ElasticObject((100.0, 200.0, 500.0, 1000.0)[seed % 4], (4e-3, 5.5e-3, 7e-3, 9e-3)[seed // 4 % 4])

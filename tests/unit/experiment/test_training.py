@@ -1,4 +1,4 @@
-"""A new wire settles; a settled wire is anchored anew from its resistance alone."""
+"""A new wire settles; a settled wire is anchored again from its resistance alone."""
 
 from __future__ import annotations
 

@@ -286,10 +286,10 @@ def require_made(geometry: FingerGeometry, process: str, minimum_m: float) -> No
 
 def geometry_from_file(name: str) -> FingerGeometry:
     """Return the geometry of a finger by name or file."""
-    from musclewire.design.finger.finger_file_text import geometry_of_file
+    from musclewire.design.finger.finger_file_text import finger_geometry
     from musclewire.parameters.finger_file import load_finger
 
-    return geometry_of_file(load_finger(name))
+    return finger_geometry(load_finger(name))
 
 
 def write_files(answer: FingerStudyResult, files: PartFiles) -> None:

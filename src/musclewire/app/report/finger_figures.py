@@ -46,11 +46,11 @@ def fig13a(_runs: Runs) -> Figure:
     -------
     The figure.
     """
-    from musclewire.design.finger.finger_file_text import geometry_of_file
+    from musclewire.design.finger.finger_file_text import finger_geometry
     from musclewire.design.finger.shape import finger_shape
 
     figure, axes = one_panel()
-    geometry = geometry_of_file(load_finger("lan-fan-2010"))
+    geometry = finger_geometry(load_finger("lan-fan-2010"))
     for scheme, shade in zip(schemes_of_fig13().schemes, SHADES, strict=False):
         shape = finger_shape(geometry, scheme.angles_rad)
         label = f"{scheme.name}: range over length {scheme.range_over_length:.2f} (end: {scheme.limit})"

@@ -1,9 +1,9 @@
-"""The finger as a chain of angles: where its points are, how long its tendon is, and both their derivatives.
+"""The finger as a chain of angles: positions of its points, length of its tendon, and the derivatives of both.
 
-Flexible segments are cut into elements whose angle runs linearly; columns and plate keep the angle of the node they
-stand on. Every vector of interest, the chords of the tendon and the way from palm to endpoint, is a weighted sum of
-unit vectors e(angle + phase), the angles linear in the unknown node angles. So first and second derivatives are two
-matrix products, and nothing is differentiated by hand twice.
+Flexible segments are cut into elements whose angle runs linearly; columns and plate keep the angle of the node they are
+on. Every vector of interest, the chords of the tendon and the way from palm to endpoint, is a weighted sum of unit
+vectors e(angle + phase), the angles linear in the unknown node angles. So first and second derivatives are two matrix
+products, and nothing is differentiated by hand twice.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ class Chain:
 
     ``angle_of_term`` (n_terms, n_angles) and ``phase_rad`` (n_terms,) give the angle of each unit vector, ``chords_m``
     (n_chords, n_terms) and ``endpoint_m`` (n_terms,) the weights of the vectors of interest, ``turns`` (n_elements,
-    n_angles) the bend of each element, ``yielding_m`` and ``natural_turn_rad`` (n_elements,) the length it bends as and
-    its bend with no load, ``column_nodes`` the index of each column's angle.
+    n_angles) the bend of each element, ``yielding_m`` and ``natural_turn_rad`` (n_elements,) the length with which it
+    bends and its bend without load, ``column_nodes`` the index of each column's angle.
     """
 
     angle_of_term: FloatArray
@@ -52,7 +52,7 @@ class Chain:
 
 @dataclass(frozen=True)
 class PlacedChain:
-    """A chain at given angles: chord vectors (n_chords, 2) and endpoint (2,) [m], and what their derivatives need."""
+    """A chain at given angles: chord vectors (n_chords, 2) and endpoint (2,) [m], and their unit vectors."""
 
     chain: Chain
     unit: FloatArray
@@ -154,11 +154,11 @@ def chord_weights(
 
 
 def yielding_lengths_m(geometry: FingerGeometry, elements_per_segment: int) -> FloatArray:
-    """Return the length as which each element bends, (n_elements,) [m]: at a column's foot more than its own.
+    """Return the effective bending length of each element, (n_elements,) [m]: at a column's foot more than its own.
 
-    The foot of a beam on an elastic body gives way to a moment M by 16.67 M/(pi E b t^2), which is what 0.442 t more of
-    beam would do: O'Donnell 1960, J. Appl. Mech. 27, 461 (a half plane; 0.442 is held against finite elements here).
-    The palm is taken as a rigid clamp. The foot is spread over the element beside it, an eighth of a segment, about the
+    The foot of a beam on an elastic body rotates under a moment M by 16.67 M/(pi E b t^2), as another 0.442 t of beam
+    would: O'Donnell 1960, J. Appl. Mech. 27, 461 (a half plane; tests compare 0.442 with finite elements). The palm is
+    taken as a rigid clamp. The foot is distributed over the element next to it, an eighth of a segment, about the
     beam's thickness; with four times as many elements the tendon's force is 0.2 % larger.
     """
     lengths = np.full((geometry.columns, elements_per_segment), geometry.segment_length_m / elements_per_segment)
@@ -168,7 +168,7 @@ def yielding_lengths_m(geometry: FingerGeometry, elements_per_segment: int) -> F
 
 
 def cantilever_chain(length_m: float, elements: int) -> Chain:
-    """Return a plain cantilever without columns, plate or tendon: what published tables can be held against."""
+    """Return a plain cantilever without columns, plate or tendon, for comparison with published tables."""
     rows = TermRows(elements)
     for node in range(elements):
         for at in GAUSS:
@@ -180,7 +180,7 @@ def cantilever_chain(length_m: float, elements: int) -> Chain:
 
 
 class TermRows:
-    """Collects unit vectors: which node angles each takes, and its phase."""
+    """Collects unit vectors: the weights of the node angles in each, and its phase."""
 
     def __init__(self, n_angles: int) -> None:
         """Begin with none."""

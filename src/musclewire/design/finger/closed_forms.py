@@ -1,6 +1,6 @@
-"""What is known of a bent strip without a mesh: under a pure moment, by straight tendon chords, by a force at its end.
+"""Closed forms of a bent strip: under a pure moment, by straight tendon chords, by a force at its end.
 
-The yardsticks of :mod:`musclewire.design.finger.statics`, and the first guess of the sizing.
+They are references for :mod:`musclewire.design.finger.statics` and the first guess of the sizing.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ __all__ = [
 
 
 class EndLoad(NamedTuple):
-    """Where a cantilever's end goes under a dead force across it, as shares of its length, and its slope there."""
+    """Displacement of a cantilever's end under a dead force across it, as fractions of its length, and its slope."""
 
     deflection: float
     shortening: float
@@ -46,7 +46,7 @@ def pure_moment_stiffness_n_per_m(stiffness_n_m2: float, offset_m: float, flexib
 
 
 def pure_moment_tip_m(angle_rad: float, flexible_length_m: float, plate_length_m: float = 0.0) -> tuple[float, float]:
-    """Return along and across [m] where the end of a strip is that is bent into an arc, with a straight plate after it.
+    """Return the position, along and across [m], of the end of a strip bent into an arc, with a straight plate.
 
     x = sin(theta)/kappa, y = (1 - cos(theta))/kappa for the arc; the plate leaves it along the tangent.
     """

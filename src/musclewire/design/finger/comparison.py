@@ -24,10 +24,10 @@ STEPS = 120
 
 
 class Scheme(NamedTuple):
-    """One way to pull a finger, driven until the travel or the beam's stress is used up.
+    """One way to pull a finger, driven until the travel or the allowed stress of the beam is exhausted.
 
     ``guided`` are the columns the tendon is guided by or fastened to, ``range_over_length`` is the endpoint's
-    displacement over the overall length, ``limit`` what was used up: "travel", "stress" or "curl" (the endpoint comes
+    displacement over the overall length, ``limit`` what was exhausted: "travel", "stress" or "curl" (the endpoint moves
     no further).
     """
 

@@ -1,4 +1,4 @@
-"""A finger's answer to a pull at its tendon, point by point: what the simulated rig reads, and what it is worth."""
+"""A finger's response to a pull at its tendon, point by point, for the simulated rig; and the errors of this curve."""
 
 from __future__ import annotations
 
@@ -31,19 +31,19 @@ __all__ = [
 ]
 
 CURVE_STEP_M, MIN_STEPS, MAX_STEPS = 0.025e-3, 20, 400
-# Where the tendon's force is 0, friction's share is that of a travel so small.
+# If the tendon's force is 0, friction's fraction is taken at this small travel.
 SMALL_TRAVEL_M = 1e-7
 BISECTIONS = 60
 CURVE_POINTS = 57
-# The curve goes on beyond the travel the finger was designed for: wires differ.
+# The curve extends beyond the design travel, because wires differ.
 CURVE_REACH = 4.0 / 3.0
 
 
 class LinearError(NamedTuple):
-    """How far a curve's linear answer to an endpoint force is from a direct solution, at worst.
+    """Largest error of a curve's linear response to an endpoint force against direct solutions.
 
-    ``displacement_m`` and ``tendon_force_n`` are the largest differences, the shares are of the largest free endpoint
-    displacement and tendon force.
+    ``displacement_m`` and ``tendon_force_n`` are the largest differences, the fractions those of the largest free
+    endpoint displacement and tendon force.
     """
 
     displacement_m: float
@@ -87,7 +87,8 @@ def finger_curve(geometry: FingerGeometry, travels_m: FloatArray, friction: floa
     if np.any(np.diff(displacement) <= 0.0):
         worst = travels_m[1:][np.diff(displacement) <= 0.0][0]
         raise CallerError(
-            f"at a travel of {1e3 * worst:.3g} mm the finger has curled so far that its endpoint comes back: end before"
+            f"at a travel of {1e3 * worst:.3g} mm the finger has curled until its endpoint moves back: "
+            "choose a smaller travel"
         )
     moving = [equilibrium(chain, stiffness, SMALL_TRAVEL_M), *found[1:]]
     return FingerCurve(
@@ -101,7 +102,7 @@ def finger_curve(geometry: FingerGeometry, travels_m: FloatArray, friction: floa
 
 
 def beam_stress_pa(geometry: FingerGeometry, at: FingerEquilibrium) -> FloatArray:
-    """Return the largest stress at the faces of each element, (n_elements,) [Pa]: bending plus what the tendon presses.
+    """Return the largest stress at the faces of each element, (n_elements,) [Pa]: bending and compression.
 
     Bending alone is E t/2 times the change of curvature. The tendon's force presses on the beam as a whole; it is
     counted in full, which is right to the cosine of a few degrees.
@@ -119,7 +120,7 @@ def bent_per_m(at: FingerEquilibrium) -> FloatArray:
 def travel_for_endpoint_m(chain: Chain, stiffness_n_m2: float, endpoint_m: float, max_m: float) -> FingerEquilibrium:
     """Return the equilibrium, without load, at which the endpoint has moved by ``endpoint_m``.
 
-    Raises CallerError where that takes more travel than ``max_m``.
+    Raises CallerError if that requires more travel than ``max_m``.
     """
     steps = min(max(int(np.ceil(max_m / (2.0 * CURVE_STEP_M))), 2), MAX_STEPS)
     low = equilibrium(chain, stiffness_n_m2, 0.0)
@@ -132,7 +133,7 @@ def travel_for_endpoint_m(chain: Chain, stiffness_n_m2: float, endpoint_m: float
         low = high
     raise CallerError(
         f"the endpoint moves {1e3 * low.endpoint_displacement_m:.3f} mm at a travel of {1e3 * low.travel_m:.3f} mm: "
-        f"{100 * (1 - low.endpoint_displacement_m / endpoint_m):.1f} % less than the {1e3 * endpoint_m:g} mm asked for"
+        f"{100 * (1 - low.endpoint_displacement_m / endpoint_m):.1f} % less than the {1e3 * endpoint_m:g} mm requested"
     )
 
 
@@ -177,7 +178,7 @@ def column_gap_m(geometry: FingerGeometry, at: FingerEquilibrium) -> float:
 
 
 def linear_error(geometry: FingerGeometry, travels_m: FloatArray, endpoint_forces_n: FloatArray) -> LinearError:
-    """Return how far the linear answer to endpoint forces is from direct solutions, over travels and forces."""
+    """Return the error of the linear response to endpoint forces against direct solutions, over travels and forces."""
     chain, stiffness = finger_chain(geometry), geometry.stiffness_n_m2
     moved, forced, max_y, max_force = 0.0, 0.0, 0.0, 0.0
     for free in equilibria(chain, stiffness, travels_m):
@@ -195,8 +196,8 @@ def linear_error(geometry: FingerGeometry, travels_m: FloatArray, endpoint_force
 def reciprocity_error(geometry: FingerGeometry, travels_m: FloatArray, endpoint_force_n: float = 1e-4) -> float:
     """Return the largest relative difference of dT/df, from two direct solutions, and dy/dx along the free curve.
 
-    Virtual work: the least energy has both as its mixed second derivative by travel and endpoint force. Central
-    differences, so nothing of the analytic derivatives is in it.
+    Virtual work: both are the mixed second derivative of the minimum energy by travel and endpoint force. By central
+    differences, independent of the analytic derivatives.
     """
     chain, stiffness, worst = finger_chain(geometry), geometry.stiffness_n_m2, 0.0
     step = 1e-3 * float(travels_m[-1])
@@ -213,5 +214,5 @@ def reciprocity_error(geometry: FingerGeometry, travels_m: FloatArray, endpoint_
 
 
 def touch_curve(geometry: FingerGeometry, travels_m: FloatArray, obstacle: ElasticObject) -> list[FingerEquilibrium]:
-    """Return the finger along rising travels, (n_travels,), running into an object."""
+    """Return the finger along rising travels, (n_travels,), against an object."""
     return equilibria(finger_chain(geometry), geometry.stiffness_n_m2, travels_m, obstacle=obstacle)

@@ -1,4 +1,4 @@
-"""Pictures of a finger: unloaded and bent, tendon and stress; its curve; the ways to pull it side by side."""
+"""Figures of a finger: unloaded and bent, tendon and stress; its curve; the schemes of actuation side by side."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ MM = 1e3
 
 
 def plot_finger(result: FingerStudyResult) -> Figure:
-    """Return the figure of a finger: its shapes at the left, its curve at the right, the ways to pull it below.
+    """Return the figure of a finger: its shapes at the left, its curve at the right, the schemes of actuation below.
 
     Parameters
     ----------
     result
-        A finger with its numbers at the endpoint wanted.
+        A finger with its numbers at the requested endpoint.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def plot_finger(result: FingerStudyResult) -> Figure:
 
 
 def draw_shapes(figure: Figure, axes: Any, result: FingerStudyResult) -> None:
-    """Draw the finger unloaded, on its way, and at the endpoint asked for, with the stress in its beam."""
+    """Draw the finger unloaded, in between, and at the requested endpoint, with the stress in its beam."""
     geometry, at = result.geometry, result.at if result.contact is None else result.contact.at
     chain = finger_chain(geometry)
     resting = finger_shape(geometry, chain.resting_angles_rad)
@@ -92,7 +92,7 @@ def draw_shapes(figure: Figure, axes: Any, result: FingerStudyResult) -> None:
 
 
 def draw_palm(axes: Any, geometry: FingerGeometry) -> None:
-    """Draw what holds the finger, with the hole through which the tendon leaves it."""
+    """Draw the palm, with the hole through which the tendon leaves it."""
     low, high = -1.2, MM * geometry.column_height_m
     axes.add_patch(Rectangle((-1.6, low), 1.6, high - low, facecolor=PALM, edgecolor="none"))
     height = MM * geometry.tendon_offset_m
@@ -125,7 +125,7 @@ def draw_stress(axes: Any, shape: FingerShape, result: FingerStudyResult, at: Fi
 
 
 def draw_endpoint_arrow(axes: Any, resting: FingerShape, bent: FingerShape, moved_m: float) -> None:
-    """Draw how far the endpoint has come across the palm's axis."""
+    """Draw the endpoint's displacement across the palm's axis."""
     x = MM * max(resting.endpoint[0], bent.endpoint[0]) + 0.7
     low, high = MM * resting.endpoint[1], MM * bent.endpoint[1]
     for shape, level in ((resting, low), (bent, high)):
@@ -135,7 +135,7 @@ def draw_endpoint_arrow(axes: Any, resting: FingerShape, bent: FingerShape, move
 
 
 def draw_object(axes: Any, result: FingerStudyResult, resting: FingerShape, bent: FingerShape) -> None:
-    """Draw the object in the endpoint's way, where there is one, and the force between them."""
+    """Draw the object in the endpoint's way, if there is one, and the force between them."""
     obstacle, found = result.study.obstacle, result.contact
     if obstacle is None or found is None:
         return
@@ -149,8 +149,8 @@ def draw_object(axes: Any, result: FingerStudyResult, resting: FingerShape, bent
 
 
 def mark(axes: Any, result: FingerStudyResult, free: float, touching: float | None, color: str) -> None:
-    """Mark the free finger at the endpoint asked for and, where there is an object, the finger on it."""
-    axes.plot([MM * result.at.travel_m], [free], "o", color=color, ms=4.5, label="free, endpoint asked for")
+    """Mark the free finger at the requested endpoint and, with an object, the finger on it."""
+    axes.plot([MM * result.at.travel_m], [free], "o", color=color, ms=4.5, label="free, requested endpoint")
     if touching is None or result.contact is None:
         return
     axes.plot(
@@ -198,7 +198,7 @@ def draw_endpoint(axes: Any, result: FingerStudyResult) -> None:
 
 
 def draw_schemes(figure: Figure, place: Any, result: FingerStudyResult) -> None:
-    """Draw the ways to pull the finger side by side, to one scale."""
+    """Draw the schemes of actuation side by side, to one scale."""
     below = place.subgridspec(1, len(result.schemes))
     shapes = [finger_shape(result.geometry, scheme.angles_rad) for scheme in result.schemes]
     high = MM * max(shape.outline()[:, 1].max() for shape in shapes) + 0.8
@@ -210,7 +210,7 @@ def draw_schemes(figure: Figure, place: Any, result: FingerStudyResult) -> None:
 
 
 def draw_scheme(axes: Any, geometry: FingerGeometry, scheme: Scheme, shape: FingerShape) -> None:
-    """Draw one way to pull the finger, at its limit."""
+    """Draw one scheme of actuation, at its limit."""
     draw_palm(axes, geometry)
     resting = finger_shape(geometry, finger_chain(geometry).resting_angles_rad)
     draw_body(axes, resting, GHOST, "#d5dbdf")

@@ -1,4 +1,4 @@
-"""A designed finger as a file: dimensions with where each comes from, and the curve computed from them."""
+"""A designed finger as a file: dimensions with their sources, and the curve computed from them."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from musclewire.parameters.parameter_groups import Parameter
 
 __all__ = [
     "finger_study_file_text",
-    "curve_of_file",
-    "geometry_of_file",
+    "recomputed_curve",
+    "finger_geometry",
     "geometry_parameters",
 ]
 
@@ -27,7 +27,7 @@ FRICTION_KEY = "friction_coefficient"
 def geometry_parameters(
     geometry: FingerGeometry, sources: Mapping[str, tuple[str, str]], friction: float = ASSUMED_FRICTION
 ) -> dict[str, Parameter]:
-    """Return dimensions as parameters; ``sources`` gives kind and source by name, all else was derived by design."""
+    """Return dimensions as parameters; ``sources`` gives kind and source by name, the others were derived by design."""
     usual = ("derived", "musclewire design finger")
     values = {**geometry.values(), FRICTION_KEY: friction}
     units = {**UNITS, FRICTION_KEY: "1"}
@@ -43,7 +43,7 @@ def geometry_parameters(
 
 
 def finger_study_file_text(name: str, result: FingerStudyResult) -> str:
-    """Return the text of a finger's file for an result: dimensions and curve."""
+    """Return the text of a finger's file for a result: dimensions and curve."""
     geometry, study = result.geometry, result.study
     sized = "musclewire design finger" if study.request else "given to musclewire design finger"
     kind = "derived" if study.request else "assumed"
@@ -56,14 +56,14 @@ def finger_study_file_text(name: str, result: FingerStudyResult) -> str:
     return finger_file_text(name, description, geometry_parameters(geometry, sources, study.friction), result.curve)
 
 
-def geometry_of_file(finger: FingerFile) -> FingerGeometry:
+def finger_geometry(finger: FingerFile) -> FingerGeometry:
     """Return the dimensions a finger's file states. Raises CallerError for a file with a curve only."""
     return FingerGeometry.from_parameters(finger.geometry, f"finger {finger.name}")
 
 
-def curve_of_file(finger: FingerFile) -> FingerCurve:
-    """Return the curve computed afresh from the dimensions in a finger's file, over the file's travels."""
+def recomputed_curve(finger: FingerFile) -> FingerCurve:
+    """Return the curve computed again from the dimensions in a finger's file, over the file's travels."""
     if FRICTION_KEY not in finger.geometry:
         raise CallerError(f"finger {finger.name}: geometry.{FRICTION_KEY} is missing")
     friction = finger.geometry[FRICTION_KEY].value
-    return finger_curve(geometry_of_file(finger), np.array(finger.curve.tendon_travel_m), friction)
+    return finger_curve(finger_geometry(finger), np.array(finger.curve.tendon_travel_m), friction)

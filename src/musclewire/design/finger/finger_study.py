@@ -1,4 +1,4 @@
-"""A study of one finger: dimensions from what it must do, or what given dimensions do, with checks."""
+"""A study of one finger: dimensions from requirements, or the behaviour of given dimensions, with checks."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ from musclewire.wire.loads import ElasticObject
 __all__ = ["FingerStudyResult", "FingerStudy", "ObjectContact", "WireToPull", "study_finger"]
 
 WORKING_STRESS_PA = 172e6
-# How near to each other two ways to the same number must be.
+# Tolerances between two methods for the same number.
 WANTED_TOLERANCE, PLANE_TOLERANCE, STRESS_TOLERANCE = 0.01, 0.05, 0.1
 LINEAR_FRACTION, RECIPROCAL = 0.02, 1e-4
 # Searle's parameter beyond which a strip bends more like a plate than like a beam.
 PLATE = 10.0
-# The curve's linear part is judged up to an endpoint force that costs this fraction of the tendon's own force more.
+# The linear response is checked up to the endpoint force that raises the tendon's force by this fraction.
 JUDGED_FRACTION = 1.0 / 3.0
 JUDGED_TRAVELS = 9
 PLANE_STRESS_FRACTIONS = (0.02, 0.5, 1.0)
@@ -51,7 +51,7 @@ PLANE_STRESS_FRACTIONS = (0.02, 0.5, 1.0)
 
 @dataclass(frozen=True)
 class WireToPull:
-    """A wire to pull the finger with: its name, both legs' length, pretension and the pretensioner's stiffness."""
+    """A wire that pulls the finger: its name, both legs' length, pretension and the pretensioner's stiffness."""
 
     name: str
     length_m: float
@@ -61,7 +61,7 @@ class WireToPull:
 
 @dataclass(frozen=True)
 class FingerStudy:
-    """What to study: a ``request`` to be sized, or a ``geometry`` as it is; the endpoint and the available travel.
+    """Input of a study: a ``request`` to be sized, or a ``geometry`` as it is; the endpoint and the available travel.
 
     ``finite_elements`` compares with plane stress on a mesh ``refined`` times finer than the coarsest.
     """
@@ -82,7 +82,7 @@ class FingerStudy:
 class ObjectContact(NamedTuple):
     """The finger on an object at the end of its travel: endpoint, its force, the tendon's; and the force by the curve.
 
-    ``linear_force_n`` is what the free curve with its compliance says; ``force_n`` is solved with contact;
+    ``linear_force_n`` follows from the free curve with its compliance; ``force_n`` is solved with contact;
     ``stress_pa`` is the beam's.
     """
 
@@ -96,7 +96,7 @@ class ObjectContact(NamedTuple):
 
 @dataclass(frozen=True)
 class FingerStudyResult:
-    """A finger with its numbers at the endpoint wanted."""
+    """A finger with its numbers at the requested endpoint."""
 
     study: FingerStudy
     geometry: FingerGeometry
@@ -114,10 +114,10 @@ class FingerStudyResult:
 
 
 def study_finger(study: FingerStudy) -> FingerStudyResult:
-    """Return a finger of the study, with its numbers at the endpoint wanted.
+    """Return the finger of a study, with its numbers at the requested endpoint.
 
     Raises CallerError, in one line that names the limit and by how much it is missed: stiffness, endpoint, room,
-    stress, what can be made, what the wire gives.
+    stress, process, wire.
     """
     require_valid(study)
     geometry = geometry_for(study)
@@ -148,7 +148,7 @@ def study_finger(study: FingerStudy) -> FingerStudyResult:
 
 
 def require_valid(study: FingerStudy) -> None:
-    """Raise CallerError for numbers that mean nothing."""
+    """Raise CallerError for invalid numbers."""
     obstacle = study.obstacle
     numbers = {"endpoint": study.endpoint_m, "travel": study.travel_m}
     numbers |= {} if obstacle is None else {"stiffness of the object": obstacle.stiffness_n_per_m}
@@ -166,12 +166,12 @@ def geometry_for(study: FingerStudy) -> FingerGeometry:
     if study.geometry is not None:
         return study.geometry
     if study.request is None:
-        raise CallerError("a finger is asked for by a stiffness, or by its dimensions: neither was given")
+        raise CallerError("a finger requires a stiffness or its dimensions: neither was given")
     return design_finger(study.request, study.material)
 
 
 def require_unbroken(study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibrium, stress_pa: float) -> None:
-    """Raise CallerError where a finger yields or its columns collide before it is where it shall go."""
+    """Raise CallerError if a finger yields or its columns collide before it reaches the endpoint."""
     limit = study.material.yield_stress_pa.value
     if stress_pa > limit:
         raise CallerError(
@@ -188,7 +188,7 @@ def require_unbroken(study: FingerStudy, geometry: FingerGeometry, at: FingerEqu
 
 
 def wire_for(wire: WireToPull, curve: FingerCurve, needed_travel_m: float) -> WireOnFinger:
-    """Return how far the wire of the study takes the finger."""
+    """Return the reach of the finger with the wire of the study."""
     return wire_on_finger(
         curve,
         wire.name,
@@ -202,7 +202,7 @@ def wire_for(wire: WireToPull, curve: FingerCurve, needed_travel_m: float) -> Wi
 def checks_of(
     study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibrium, stiffness_n_per_m: float, stress_pa: float
 ) -> list[DesignCheck]:
-    """Return the numbers of a design beside what they should be."""
+    """Return the numbers of a design compared with their references."""
     material = study.material
     feet = (2 * geometry.columns - 1) * FOOT_THICKNESSES * geometry.beam_thickness_m
     bends_as = geometry.flexible_length_m + feet
@@ -213,7 +213,7 @@ def checks_of(
         if wanted is None
         else [
             DesignCheck(
-                "stiffness, as asked for", stiffness_n_per_m, wanted.stiffness_n_per_m, "N/m", "about", WANTED_TOLERANCE
+                "stiffness, as requested", stiffness_n_per_m, wanted.stiffness_n_per_m, "N/m", "about", WANTED_TOLERANCE
             )
         ]
     )
@@ -221,7 +221,7 @@ def checks_of(
         DesignCheck("travel at the endpoint", at.travel_m, study.travel_m, "m", "below"),
         DesignCheck("stress, yield", stress_pa, material.yield_stress_pa.value, "Pa", "below"),
         DesignCheck("gap between columns", column_gap_m(geometry, at), 0.0, "m", "above"),
-        DesignCheck("stiffness, EI/(r^2 L) on paper", stiffness_n_per_m, closed, "N/m", "shown"),
+        DesignCheck("stiffness, closed form EI/(r^2 L)", stiffness_n_per_m, closed, "N/m", "shown"),
         DesignCheck("width: b^2/(R t), beyond 10 a plate", searle(geometry, at), PLATE, "1", "shown"),
         *curve_checks(study, geometry, at),
     ]
@@ -252,7 +252,7 @@ def curve_checks(study: FingerStudy, geometry: FingerGeometry, at: FingerEquilib
 
 
 def plane_stress_checks(study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibrium) -> list[DesignCheck]:
-    """Return stiffness, force, endpoint and stress of the chain beside finite elements at the same travel."""
+    """Return stiffness, force, endpoint and stress of the chain compared with finite elements at the same travel."""
     meshed = finger_body(geometry, study.material.poisson_ratio.value, study.refined)
     points = list(plane_stress_path(meshed, at.tendon_force_n, np.array(PLANE_STRESS_FRACTIONS)))
     travels = np.array([point.travel_m for point in points])
@@ -272,7 +272,7 @@ def plane_stress_checks(study: FingerStudy, geometry: FingerGeometry, at: Finger
 
 
 def object_contact(study: FingerStudy, geometry: FingerGeometry, obstacle: ElasticObject) -> ObjectContact:
-    """Return the finger on an object at the end of the travel there is."""
+    """Return the finger on an object at the end of the available travel."""
     travels = np.linspace(0.0, study.travel_m, 40)
     touching = touch_curve(geometry, travels, obstacle)[-1]
     free = equilibria(finger_chain(geometry), geometry.stiffness_n_m2, travels)[-1]
@@ -289,7 +289,7 @@ def object_contact(study: FingerStudy, geometry: FingerGeometry, obstacle: Elast
 
 
 def schemes_of(study: FingerStudy, geometry: FingerGeometry) -> list[Scheme]:
-    """Return the ways to pull this finger, up to the travel there is and the material's yield."""
+    """Return the schemes of actuation of this finger, up to the available travel and the material's yield."""
     return compare_schemes(geometry, study.travel_m, study.material.yield_stress_pa.value)
 
 
@@ -300,15 +300,15 @@ def warnings_of(study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibr
     if stress_pa > lasting:
         found.append(
             f"{1e-6 * stress_pa:.0f} MPa at the endpoint is below yield, but above the {1e-6 * lasting:.0f} MPa that "
-            f"{material.name} should bear for long and often"
+            f"{material.name} should bear permanently and repeatedly"
         )
     plate = 100.0 * (1.0 / (1.0 - material.poisson_ratio.value**2) - 1.0)
     if searle(geometry, at) > PLATE:
         found.append(
-            f"bent that far, a strip so deep and thin comes near to a plate, which is {plate:.0f} % stiffer; all "
-            "numbers here are a beam's"
+            f"at this bend a strip so deep and thin behaves almost as a plate, which is {plate:.0f} % stiffer; "
+            "all numbers here are those of a beam"
         )
-    # A process that was chosen has been held to; without one the beam is somebody's to make, if anybody can.
+    # A chosen process has been respected by the sizing; without one the beam may be too thin for all of them.
     finest = min(material.processes, key=material.minimum_thickness_by)
     min_thickness_m = material.minimum_thickness_by(finest)
     if geometry.beam_thickness_m < min_thickness_m:
@@ -335,7 +335,7 @@ def warnings_of_loads(
         stress = float(beam_stress_pa(geometry, there).max())
         if stress > limit:
             found.append(
-                f"heated right through, the wire would pull the beam to {1e-6 * stress:.0f} MPa and it would yield "
+                f"fully heated, the wire would pull the beam to {1e-6 * stress:.0f} MPa and it would yield "
                 f"({1e-6 * limit:g} MPa): end its stroke before, by a stop or by control"
             )
     if wire is not None and wire.wire_stress_pa > WORKING_STRESS_PA:

@@ -1,8 +1,8 @@
-"""What friction at the holes costs: the tendon's tension falls at every edge it is bent around.
+"""Friction at the holes: the tendon's tension falls at every edge it is bent around.
 
-Capstan law (Euler, Eytelwein): behind an edge that turns the tendon by phi the tension is exp(-mu phi) of what it is
-before it while pulling, exp(mu phi) while easing. The tendon is turned where it leaves and enters a column, by the
-angle between column and chord; it is fastened to its last column.
+Capstan law (Euler, Eytelwein): behind an edge that turns the tendon by phi the tension is multiplied by exp(-mu phi)
+while pulling and by exp(mu phi) while easing. The tendon is turned where it leaves and enters a column, by the angle
+between column and chord; it is fastened to its last column.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 ASSUMED_FRICTION = 0.15
-# Rubber on dry glass; no tendon runs so.
+# Rubber on dry glass, beyond any tendon.
 MAX_FRICTION = 1.0
 FRICTION_SOURCE = (
     "acetal copolymer on steel, 0.15: Shackelford (ed.), Materials Science and Engineering Handbook 2001, table 399, "
@@ -39,9 +39,9 @@ SETTLED = 1e-11
 
 
 class Friction(NamedTuple):
-    """Force at the connector [N] while pulling and while easing at the same travel, and the share friction has in it.
+    """Force at the connector [N] while pulling and while easing at the same travel, and friction's fraction of it.
 
-    ``share`` is half the difference over the force without friction.
+    ``fraction`` is half the difference over the force without friction.
     """
 
     pulling_n: float
@@ -50,7 +50,7 @@ class Friction(NamedTuple):
 
 
 def hole_turns_rad(placed: PlacedChain, angles_rad: FloatArray) -> FloatArray:
-    """Return by how much the tendon has been turned between the palm and each chord, (n_chords,) [rad].
+    """Return the angle by which the tendon has turned between the palm and each chord, (n_chords,) [rad].
 
     For a tendon that is guided by all columns.
     """
@@ -63,10 +63,10 @@ def hole_turns_rad(placed: PlacedChain, angles_rad: FloatArray) -> FloatArray:
 def chord_tensions(
     chain: Chain, stiffness_n_m2: float, travel_m: float, coefficient: float, near: FingerEquilibrium
 ) -> tuple[FingerEquilibrium, FloatArray]:
-    """Return the finger at a travel under friction, and each chord's share of the connector's force, (n_chords,).
+    """Return the finger at a travel under friction, and each chord's fraction of the connector's force, (n_chords,).
 
-    A positive ``coefficient`` pulls, a negative one eases. The shares depend on the shape and the shape on the shares:
-    repeated until neither changes. Raises NumericsError where that does not settle.
+    A positive ``coefficient`` pulls, a negative one eases. The fractions depend on the shape and the shape on the
+    fractions: repeated until neither changes. Raises NumericsError if that does not converge.
     """
     weights, at = np.ones(chain.chords_m.shape[0]), near
     for _ in range(ROUNDS):
@@ -75,18 +75,18 @@ def chord_tensions(
             return at, weights
         weights = wanted
         at = equilibrium(chain, stiffness_n_m2, travel_m, chord_weights=weights, start=at)
-    raise NumericsError(f"friction of {coefficient:g} does not settle: the tendon would lock; give a smaller one")
+    raise NumericsError(f"friction of {coefficient:g} does not converge: the tendon would lock; give a smaller one")
 
 
 def friction_at(chain: Chain, stiffness_n_m2: float, free: FingerEquilibrium, coefficient: float) -> Friction:
-    """Return what friction does to the connector's force at an equilibrium without friction.
+    """Return the effect of friction on the connector's force at an equilibrium without friction.
 
     Raises CallerError for a negative coefficient or an equilibrium without travel.
     """
     if not 0.0 <= coefficient < math.inf:
         raise CallerError(f"the friction coefficient is {coefficient:g}: give 0 or more")
     if free.travel_m <= 0.0:
-        raise CallerError("friction has no share in a force of 0: ask at a travel above 0")
+        raise CallerError("friction is no fraction of a force of 0: give a travel above 0")
     forces = [
         chord_tensions(chain, stiffness_n_m2, free.travel_m, sign * coefficient, free)[0].tendon_force_n
         for sign in (1.0, -1.0)

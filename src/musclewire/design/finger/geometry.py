@@ -1,4 +1,4 @@
-"""What a finger's dimensions are, which of them can be, and how they stand in a finger's file.
+"""A finger's dimensions, their limits, and their keys in a finger's file.
 
 Along the finger: a palm with a guide hole, then for each column a flexible segment and the column, then the extension
 plate. Segments and columns are as many as there are columns and all alike. The tendon runs at ``tendon_offset_m`` from
@@ -31,7 +31,7 @@ UNITS = {
     "youngs_modulus_pa": "Pa",
 }
 MAX_COLUMNS = 40
-# Holes for the two legs of the tendon: as fine as is drilled by hand, 0.3 mm.
+# Holes for the two legs of the tendon: the smallest that are drilled by hand, 0.3 mm.
 HOLE_RADIUS_M = 0.15e-3
 # Beyond this the unloaded finger already points backwards.
 MAX_INWARD_RAD = 0.5 * math.pi
@@ -39,7 +39,7 @@ MAX_INWARD_RAD = 0.5 * math.pi
 
 @dataclass(frozen=True)
 class FingerGeometry:
-    """A finger's dimensions in metres and radians, and the modulus of what it is made of.
+    """A finger's dimensions in metres and radians, and the modulus of its material.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class FingerGeometry:
     youngs_modulus_pa: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no finger, naming the dimension and what it collides with."""
+        """Refuse impossible dimensions, naming the dimension and its conflict."""
         for field in fields(self):
             value = getattr(self, field.name)
             if not (math.isfinite(value) and (value > 0.0 or (field.name == "inward_angle_rad" and value >= 0.0))):
@@ -141,7 +141,7 @@ class FingerGeometry:
 
     @classmethod
     def from_parameters(cls, items: Mapping[str, Parameter], where: str) -> FingerGeometry:
-        """Return the geometry of a finger file; other keys that the file may have are left to their readers.
+        """Return the geometry of a finger file; other keys of the file are ignored.
 
         Parameters
         ----------

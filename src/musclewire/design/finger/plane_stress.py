@@ -1,4 +1,4 @@
-"""The finger as a flat elastic body with large displacements: what a chain of thin beam and rigid columns leaves out.
+"""The finger as a flat elastic body with large displacements, without the chain's rigid columns and thin beam.
 
 Beam, columns and plate are one piece and all elastic. The tendon is the same: straight chords between holes, one force
 along all of them; it enters as the potential of a constant force, minus force times travel.
@@ -28,8 +28,8 @@ ALONG_SEGMENT, ALONG_COLUMN, ALONG_PLATE, THROUGH_BEAM, UP_COLUMN, AT_HOLE = 10,
 class PlaneStressPoint(NamedTuple):
     """The finger under one tendon force (both legs): travel, endpoint displacement, largest stress in the segments.
 
-    The stress is von Mises', averaged at nodes, away from the corners at the columns' feet, where no mesh has an end
-    of it without a fillet.
+    The stress is von Mises', averaged at nodes, away from the corners at the columns' feet, where it is singular
+    without a fillet.
     """
 
     tendon_force_n: float
@@ -43,7 +43,8 @@ class FingerBody:
     """A meshed finger: the body, the nodes of the palm, of the holes and of the endpoint.
 
     ``holes`` (n_holes, 2, n_around) has the nodes around each hole's entry and exit, on which the tendon presses
-    evenly; ``guide_m`` (2,) is where it leaves the palm; ``middles`` are nodes at the middle of each segment's faces.
+    evenly; ``guide_m`` (2,) is the point where it leaves the palm; ``middles`` are nodes at the middle of each
+    segment's faces.
     """
 
     body: PlaneBody
@@ -72,7 +73,7 @@ class FingerBody:
         return csr_array((np.concatenate(weights), places), shape=(2, self.body.n_dofs))
 
     def travel_m(self, displacement_m: FloatArray) -> float:
-        """Return by how much the tendon's chords have become shorter [m]."""
+        """Return the shortening of the tendon's chords [m]."""
         before, after = self.chords(np.zeros_like(displacement_m)), self.chords(displacement_m)
         return float(np.linalg.norm(before, axis=1).sum() - np.linalg.norm(after, axis=1).sum())
 
@@ -90,7 +91,7 @@ class FingerBody:
 
 
 def plane_stress_path(meshed: FingerBody, force_n: float, load_fractions: FloatArray) -> Iterator[PlaneStressPoint]:
-    """Yield the finger under rising shares of a tendon force [N]. Raises NumericsError where it finds no balance."""
+    """Yield the finger under rising fractions of a tendon force [N]. Raises NumericsError if it finds no balance."""
     load = BodyLoad(
         prescribed_m=BodyLoad.held(meshed.palm),
         potential=lambda displacement, load_fraction: meshed.pulled_by(force_n, displacement, load_fraction),
@@ -100,7 +101,7 @@ def plane_stress_path(meshed: FingerBody, force_n: float, load_fractions: FloatA
 
 
 def point_of(meshed: FingerBody, at: BodyEquilibrium, force_n: float) -> PlaneStressPoint:
-    """Return a balance in the finger's words."""
+    """Return a body's balance as a point of the finger."""
     return PlaneStressPoint(
         at.load_fraction * force_n,
         meshed.travel_m(at.displacement_m),
@@ -112,7 +113,7 @@ def point_of(meshed: FingerBody, at: BodyEquilibrium, force_n: float) -> PlaneSt
 def finger_body(geometry: FingerGeometry, poisson_ratio: float, refined: int = 1) -> FingerBody:
     """Return a finger cut into quadrilaterals, ``refined`` times as many along each direction.
 
-    Laid out straight as a grid of which the empty parts are taken away, then bent to its unloaded shape.
+    A straight grid without its empty parts is bent to the unloaded shape.
     """
     import skfem
 
@@ -175,7 +176,7 @@ def lines_across(geometry: FingerGeometry, refined: int) -> FloatArray:
 def inside(
     geometry: FingerGeometry, spans: list[tuple[float, float]], s_m: FloatArray, height_m: FloatArray
 ) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Tell which places of the straight grid are material, (n_places,)."""
+    """Return which places of the straight grid are material, (n_places,)."""
     half = 0.5 * geometry.beam_thickness_m
     beam = height_m < half
     column = np.any([(s_m > start) & (s_m < end) for start, end in spans], axis=0)

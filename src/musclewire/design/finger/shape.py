@@ -1,4 +1,4 @@
-"""What a finger looks like at an equilibrium: its centre line, its outline, the path of its tendon."""
+"""Shape of a finger at an equilibrium: its centre line, its outline, the path of its tendon."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class FingerShape:
     def outline(self) -> FloatArray:
         """Return the outline, (n_points, 2) [m]: from the palm along the back, around the plate, back over the columns.
 
-        Open at the palm, where whoever draws it adds what holds the finger.
+        Open at the palm, where the caller adds the part that holds the finger.
         """
         geometry, half = self.geometry, 0.5 * self.geometry.beam_thickness_m
         plate_end = np.vstack([self.columns[-1, 1], self.endpoint])
@@ -92,6 +92,6 @@ def beside(frames: FloatArray, height_m: float) -> FloatArray:
 
 
 def without_repeats(points: FloatArray) -> FloatArray:
-    """Return points (n, 2) without those that stand where the one before stands."""
+    """Return points (n, 2) without consecutive duplicates."""
     moved = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-9
     return np.asarray(points[np.concatenate([[True], moved])])

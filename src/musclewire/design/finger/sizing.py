@@ -1,9 +1,9 @@
-"""From what a finger shall do to its dimensions.
+"""Sizing a finger: from requirements to dimensions.
 
-Where the endpoint goes at a given travel does not depend on the beam's stiffness, only on lengths: so the tendon's
+The endpoint's displacement at a given travel depends only on lengths, not on the beam's stiffness: so the tendon's
 offset follows from endpoint and travel, then EI from the stiffness along the wire, then thickness and depth from EI and
 from the stress. Everything is rounded to what a drawing says, 0.01 mm, in that order, and the last dimension, the
-depth, takes up what rounding did to the stiffness.
+depth, compensates the effect of rounding on the stiffness.
 """
 
 from __future__ import annotations
@@ -27,32 +27,32 @@ from musclewire.parameters.materials import Material
 __all__ = ["FingerRequest", "design_finger", "finger_stiffness_n_per_m", "geometry_of_section"]
 
 ROUNDED_M = 1e-5
-# The finger reaches its endpoint with this share of the travel there is; the rest is reserve.
+# The finger reaches its endpoint with this fraction of the available travel; the rest is reserve.
 TRAVEL_FRACTION = 0.95
-# Beyond a right angle and a half the endpoint only comes back.
+# Beyond 135 degrees the endpoint only moves back.
 MAX_ANGLE_RAD = 0.75 * math.pi
-# Least wall between a hole and the beam.
+# Minimum wall between a hole and the beam.
 WALL_M = 0.1e-3
-# Two legs of tendon side by side want this depth.
+# Two legs of tendon side by side require this depth.
 MIN_DEPTH_M = 2e-3
-# From one section to the next: a hundredth of a millimetre, or this share of a thick beam.
+# From one section to the next: a hundredth of a millimetre, or this fraction of a thick beam.
 SECTION_FRACTION = 0.01
-# Columns stand out twice as far as their holes: the holes are in the middle, the outer half is the isolator.
+# Height of columns over that of their holes: the holes are in the middle, the outer half is the isolator.
 COLUMN_HEIGHT_OFFSETS = 2.0
-# The search for an offset begins so much further out than an even arc says, and goes inward in such steps.
+# The search for an offset begins this much further out than that of a uniform arc, and goes inward in these steps.
 FURTHEST_GUESS, NEAREST_GUESS, GUESS_STEP = 1.6, 0.4, 1.08
-# Where the endpoint moves by less than this share of what is asked for, the travel is of another order.
+# If the endpoint moves by less than this fraction of the request, the travel is of another order.
 MIN_FRACTION = 0.05
-# Plates this much thicker than the beam bend a thousandth of what the beam does.
+# A plate this many times thicker than the beam bends about a hundredth as much.
 PLATE_THICKNESSES = 5.0
 
 
 @dataclass(frozen=True)
 class FingerRequest:
-    """What a finger shall do: stiffness along the tendon, endpoint displacement, with the travel there is at most.
+    """Requirements of a finger: stiffness along the tendon, endpoint displacement, largest travel.
 
-    ``depth_m`` is the depth wished for, ``max_depth_m`` the most there is room for; ``min_thickness_m`` what can be
-    made.
+    ``depth_m`` is the preferred depth, ``max_depth_m`` the available room; ``min_thickness_m`` the thinnest beam that
+    can be made.
     """
 
     stiffness_n_per_m: float
@@ -114,29 +114,29 @@ def design_finger(request: FingerRequest, material: Material) -> FingerGeometry:
 
 
 def require_hole_beside(request: FingerRequest, offset_m: float, thickness_m: float) -> None:
-    """Raise CallerError where the hole for the tendon would cut into the beam."""
+    """Raise CallerError if the hole for the tendon would cut into the beam."""
     hole = 0.5 * thickness_m + WALL_M + HOLE_RADIUS_M
     if offset_m < hole:
         raise CallerError(
             f"the tendon would run {1e3 * offset_m:.2f} mm from the middle of a {1e3 * thickness_m:.2f} mm beam, and "
-            f"its hole wants {1e3 * hole:.2f} mm: a travel of {1e3 * request.travel_m:.2f} mm is "
+            f"its hole requires {1e3 * hole:.2f} mm: a travel of {1e3 * request.travel_m:.2f} mm is "
             f"{100 * (1 - offset_m / hole):.0f} % too little for this endpoint"
         )
 
 
 def offset_for(request: FingerRequest) -> float:
-    """Return the tendon's offset [m] at which the endpoint is reached with the share of the travel set aside for it."""
-    # Whatever is wrong with the lengths is said first, with an offset that cannot be wrong.
+    """Return the tendon's offset [m] at which the endpoint is reached with the usable fraction of the travel."""
+    # Errors of the lengths are raised first, with an offset that cannot be wrong.
     shape_of(request, request.overall_length_m, 1.0)
     flexible = request.overall_length_m - request.plate_length_m
-    # Columns spread the bend, so an even arc over segments and columns is close.
+    # Columns spread the bend, so a uniform arc over segments and columns is close.
     angles = np.linspace(0.0, MAX_ANGLE_RAD - request.inward_angle_rad, 400) + request.inward_angle_rad
     across = np.array([pure_moment_tip_m(float(angle), flexible, request.plate_length_m)[1] for angle in angles])
     reached = across - across[0]
     if reached.max() < request.endpoint_m:
         raise CallerError(
             f"an endpoint displacement of {1e3 * request.endpoint_m:g} mm is out of reach: an overall length of "
-            f"{1e3 * request.overall_length_m:g} mm gives at most {1e3 * reached.max():.2f} mm however far it curls, "
+            f"{1e3 * request.overall_length_m:g} mm gives at most {1e3 * reached.max():.2f} mm at any curl, "
             f"{100 * (1 - reached.max() / request.endpoint_m):.1f} % too little; make the finger longer"
         )
     rising = slice(int(np.argmax(reached)) + 1)
@@ -145,10 +145,10 @@ def offset_for(request: FingerRequest) -> float:
 
 
 def bracketed_offset(request: FingerRequest, travel_m: float, guess_m: float) -> float:
-    """Return the offset [m] at which a travel just moves the endpoint far enough, looked for around a guess.
+    """Return the offset [m] at which a travel just reaches the endpoint, searched around a guess.
 
-    The nearer the tendon is to the beam the more the same travel bends it, until it curls. Raises CallerError where the
-    endpoint turns back before it is where it shall go.
+    The nearer the tendon is to the beam the more the same travel bends it, until it curls. Raises CallerError if the
+    endpoint turns back before the requested displacement.
     """
     further, most = FURTHEST_GUESS * guess_m, 0.0
 
@@ -159,7 +159,7 @@ def bracketed_offset(request: FingerRequest, travel_m: float, guess_m: float) ->
         nearer = further / GUESS_STEP
         try:
             missing = too_far(nearer)
-            # Where the first step is too far already the guess was no guess: the limits say so below.
+            # If the first step is already too far, the guess was useless: the errors below state why.
             if missing >= 0.0 and too_far(further) < 0.0:
                 return float(brentq(too_far, nearer, further, xtol=1e-9))
         except NumericsError:
@@ -188,8 +188,8 @@ def endpoint_at(shape: FingerGeometry, travel_m: float) -> float:
 
 
 def shape_of(request: FingerRequest, offset_m: float, youngs_modulus_pa: float) -> FingerGeometry:
-    """Return a finger with all lengths along it, and a beam that has yet to get its section."""
-    thin = min(0.1 * offset_m, request.min_thickness_m)  # of no weight yet: lengths decide where the endpoint goes
+    """Return a finger with all lengths along it, and a provisional section of the beam."""
+    thin = min(0.1 * offset_m, request.min_thickness_m)  # provisional: lengths alone decide the endpoint's displacement
     return FingerGeometry(
         overall_length_m=request.overall_length_m,
         plate_length_m=request.plate_length_m,
@@ -230,14 +230,14 @@ def geometry_of_section(
 
 
 def column_height_m(offset_m: float) -> float:
-    """Return how far columns stand out from the beam's middle [m]: the holes in the middle, with room to spare."""
+    """Return the height of columns above the beam's middle [m]: holes in the middle, with a wall around them."""
     return max(COLUMN_HEIGHT_OFFSETS * offset_m, rounded(offset_m + HOLE_RADIUS_M + WALL_M))
 
 
 def section_for(request: FingerRequest, material: Material, shape: FingerGeometry) -> BeamSection:
-    """Return the section that gives the stiffness without yielding: the depth nearest to the one wished for.
+    """Return the section that gives the stiffness without yielding: that with the depth nearest to the preferred one.
 
-    Raises CallerError where no section is thick enough to make, shallow enough, and unyielding at the endpoint.
+    Raises CallerError if no section can be made, fits the room and does not yield at the endpoint.
     """
     if request.max_depth_m < MIN_DEPTH_M:
         raise CallerError(
@@ -251,7 +251,7 @@ def section_for(request: FingerRequest, material: Material, shape: FingerGeometr
     if not roomy:
         raise CallerError(
             f"for {request.stiffness_n_per_m:g} N/m the beam would be {1e3 * found[-1].depth_m:.2f} mm deep, "
-            f"{1e3 * (found[-1].depth_m - request.max_depth_m):.2f} mm more than there is room for"
+            f"{1e3 * (found[-1].depth_m - request.max_depth_m):.2f} mm more than the available room"
         )
     limit = material.yield_stress_pa.value
     fitting = [section for section in roomy if section.stress_pa <= limit]
@@ -273,20 +273,20 @@ def no_section(request: FingerRequest, shape: FingerGeometry) -> CallerError:
     if depth < MIN_DEPTH_M:
         return CallerError(
             f"a beam of {1e3 * thinnest:.2f} mm, the thinnest to be made, would have to be {1e3 * depth:.3f} mm deep "
-            f"for {request.stiffness_n_per_m:g} N/m; two tendon legs want {1e3 * MIN_DEPTH_M:g} mm, "
+            f"for {request.stiffness_n_per_m:g} N/m; two tendon legs require {1e3 * MIN_DEPTH_M:g} mm, "
             f"{MIN_DEPTH_M / depth:.1f} times that: another process, a softer material, or a stiffer finger"
         )
     thickest = max(rounded(2.0 * (shape.tendon_offset_m - WALL_M - HOLE_RADIUS_M), down=True), thinnest)
     depth = depth_at(request, shape.with_(beam_thickness_m=thickest))
     return CallerError(
-        f"for {request.stiffness_n_per_m:g} N/m a beam of {1e3 * thickest:.2f} mm, the thickest beside the tendon's "
+        f"for {request.stiffness_n_per_m:g} N/m a beam of {1e3 * thickest:.2f} mm, the thickest next to the tendon's "
         f"hole, would have to be {1e3 * depth:.2f} mm deep, {1e3 * (depth - request.max_depth_m):.2f} mm more than "
-        "there is room for: a softer finger or a stiffer material"
+        "the available room: a softer finger or a stiffer material"
     )
 
 
 class BeamSection(NamedTuple):
-    """A beam's section that gives the stiffness asked for, the finger at its endpoint, and its stress there."""
+    """A beam's section of the requested stiffness, the finger at its endpoint, and its stress there."""
 
     thickness_m: float
     depth_m: float
@@ -297,11 +297,11 @@ class BeamSection(NamedTuple):
 def sections(request: FingerRequest, shape: FingerGeometry) -> list[BeamSection]:
     """Return all sections of the wanted stiffness that can be made and are deep enough, thinnest first.
 
-    Of those too deep only the least deep one is kept, for the message.
+    Of those too deep only the shallowest is kept, for the message.
     """
     found: list[BeamSection] = []
     thinnest = rounded(request.min_thickness_m, up=True)
-    # Stiffness goes with the cube of the thickness: thinner than this is too deep anyway.
+    # Stiffness is proportional to the cube of the thickness: a thinner beam would be too deep.
     needless = 0.9 * np.cbrt(depth_at(request, shape.with_(beam_thickness_m=thinnest)) / (1.2 * request.max_depth_m))
     thickness = max(thinnest, rounded(thinnest * float(needless)))
     while thickness < 2.0 * shape.tendon_offset_m:
@@ -315,7 +315,7 @@ def sections(request: FingerRequest, shape: FingerGeometry) -> list[BeamSection]
 
 
 def section_at(request: FingerRequest, geometry: FingerGeometry) -> BeamSection:
-    """Return a section with what happens in it at the endpoint."""
+    """Return a section with its stress at the endpoint."""
     chain = finger_chain(geometry)
     at = travel_for_endpoint_m(chain, geometry.stiffness_n_m2, request.endpoint_m, request.travel_m)
     stress = float(beam_stress_pa(geometry, at).max())
@@ -323,12 +323,12 @@ def section_at(request: FingerRequest, geometry: FingerGeometry) -> BeamSection:
 
 
 def depth_at(request: FingerRequest, geometry: FingerGeometry) -> float:
-    """Return the depth [m] that gives the stiffness asked for: both are proportional."""
+    """Return the depth [m] of the requested stiffness: both are proportional."""
     return geometry.beam_depth_m * request.stiffness_n_per_m / finger_stiffness_n_per_m(geometry)
 
 
 def rounded(length_m: float, *, down: bool = False, up: bool = False) -> float:
-    """Return a length as a drawing says it: in hundredths of a millimetre."""
+    """Return a length rounded to hundredths of a millimetre, as in a drawing."""
     count = length_m / ROUNDED_M
     whole = math.floor(count + 1e-9) if down else math.ceil(count - 1e-9) if up else round(count)
     return round(whole * ROUNDED_M, 8)

@@ -1,6 +1,6 @@
 """Equilibrium of a finger at a given tendon travel: large deflection in the plane, endpoint force, contact.
 
-The energy of bending, EI/2 sum (turn - natural turn)^2 / length, is least under the constraint that the chords of the
+The energy of bending, EI/2 sum (turn - natural turn)^2 / length, is minimal under the constraint that the chords of the
 tendon have become shorter by the travel. The multiplier of the constraint is the tendon's force, both legs together.
 Newton's method on angles and multiplier, with exact second derivatives; small systems, solved densely.
 """
@@ -23,7 +23,7 @@ __all__ = ["FingerEquilibrium", "Sensitivity", "equilibria", "equilibrium", "loa
 NEWTON_STEPS = 40
 # Of the largest moment in the chain, and of the length of the tendon between the guides.
 CLOSE_ENOUGH = 1e-10
-# No element may turn by more than this in one step of Newton's method: further than that it would lose its way.
+# Largest rotation of an element in one step of Newton's method, which diverges with larger steps.
 MAX_TURN_RAD = 0.3
 
 
@@ -56,10 +56,10 @@ class Sensitivity(NamedTuple):
 
 
 class FingerProblem:
-    """A chain with its bending stiffness; what stays the same while Newton's method runs."""
+    """A chain with its bending stiffness: the constants of Newton's method."""
 
     def __init__(self, chain: Chain, stiffness_n_m2: float, chord_weights: FloatArray | None = None) -> None:
-        """Remember them; ``chord_weights`` (n_chords,) are the chords' shares of the tendon's force at the palm."""
+        """Take chain and stiffness; ``chord_weights`` (n_chords,) are the chords' fractions of the palm's force."""
         self.chain = chain
         self.bending = chain.turns.T @ ((stiffness_n_m2 / chain.yielding_m)[:, None] * chain.turns)
         self.natural = chain.turns.T @ (stiffness_n_m2 / chain.yielding_m * chain.natural_turn_rad)
@@ -67,15 +67,15 @@ class FingerProblem:
         self.weights = np.ones(chain.chords_m.shape[0]) if chord_weights is None else chord_weights
 
     def travel_m(self, placed: PlacedChain) -> float:
-        """Return by how much the chords are shorter than with no load."""
+        """Return the shortening of the chords against the unloaded finger."""
         return float((self.resting.chord_lengths_m - placed.chord_lengths_m).sum())
 
     def displacement_m(self, placed: PlacedChain) -> float:
-        """Return how far the endpoint has come across the palm's axis."""
+        """Return the endpoint's displacement across the palm's axis."""
         return float(placed.endpoint_m[1] - self.resting.endpoint_m[1])
 
     def moments(self, angles: FloatArray, placed: PlacedChain, force_n: float, push_n: float) -> FloatArray:
-        """Return what is out of balance under a tendon force and a push at the endpoint, (n_angles,) [N m]."""
+        """Return the residual moments under a tendon force and a push at the endpoint, (n_angles,) [N m]."""
         # The tendon's force shortens its chords: the work it does is its force times the travel.
         pulled = force_n * (self.weights @ placed.chord_slopes())
         return np.asarray(self.bending @ angles - self.natural + push_n * placed.across_slope() + pulled)
@@ -166,9 +166,9 @@ def solved(
     touched: ElasticObject | None = None,
     other_push_n: float = 0.0,
 ) -> FingerEquilibrium:
-    """Run Newton's method for one travel: at a held push, or where an object is touched, with the push it gives.
+    """Run Newton's method for one travel: at a given push, or with the push of an object that is touched.
 
-    A touched object's force is an unknown of its own, so that a hard one is no harder to solve for than a soft one.
+    A touched object's force is an unknown of its own, so that a stiff object converges as well as a soft one.
     """
     count, tendon_m = angles.size, float(problem.resting.chord_lengths_m.sum())
     for _ in range(NEWTON_STEPS):
@@ -180,7 +180,7 @@ def solved(
         if touched is not None:
             pressed = (push_n - other_push_n) / touched.stiffness_n_per_m
             missing.append(problem.displacement_m(placed) - touched.clearance_m - pressed)
-        # The unloaded finger in its own shape has no moment to measure the rest by: then its tendon's is taken.
+        # An unloaded finger has no moment as a scale of the residual: then the tendon's is taken.
         scale = np.abs(problem.bending @ angles).max() + np.abs(problem.natural).max() + abs(force_n) * tendon_m
         if np.abs(out).max() <= CLOSE_ENOUGH * (scale + 1e-300) and np.abs(missing).max() <= CLOSE_ENOUGH * tendon_m:
             moved = problem.displacement_m(placed)
@@ -222,7 +222,7 @@ def sensitivity(at: FingerEquilibrium) -> Sensitivity:
     """Return how an equilibrium without friction changes with a small endpoint force and a small travel.
 
     Both come from one factorisation of the same symmetric system, so dT/df = dy/dx holds to rounding (reciprocity:
-    both are the mixed second derivative of the least energy by travel and endpoint force).
+    both are the mixed second derivative of the minimum energy by travel and endpoint force).
     """
     count = at.angles_rad.size
     system = np.zeros((count + 1, count + 1))
@@ -248,7 +248,7 @@ def loaded_cantilever(chain: Chain, stiffness_n_m2: float, force_n: float, steps
     has a tendon.
     """
     if chain.chords_m.shape[0]:
-        raise CallerError("this chain has a tendon: ask for the equilibrium at a tendon travel")
+        raise CallerError("this chain has a tendon: compute its equilibrium at a tendon travel")
     problem, angles = FingerProblem(chain, stiffness_n_m2), chain.resting_angles_rad
     for load_fraction in np.arange(1, steps + 1) / steps:
         for _ in range(NEWTON_STEPS):

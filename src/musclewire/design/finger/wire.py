@@ -1,4 +1,4 @@
-"""Whether a wire gives a finger stroke and force: the simulated wire on the finger's load, heated right through.
+"""Whether a wire has the stroke and force for a finger: the simulated wire on the finger's load, fully heated.
 
 The load at a travel x is the pretensioner's k_p x and the tendon's force with friction while pulling; a spring of the
 secant stiffness carries the same load at x, so a wire reaches x on the finger if it does on that spring.
@@ -22,7 +22,7 @@ from musclewire.wire.state import WireConstants
 
 __all__ = ["WireOnFinger", "wire_on_finger"]
 
-# Where no wire's martensite is left; heating further would only expand the metal.
+# Temperature at which no martensite is left; further heating would only expand the metal.
 HOT_K = 480.0
 HEATING_S, SAMPLES = 2.0, 1000
 FIRST_CURRENT_A_PER_M2, MAX_CURRENT_A_PER_M2, CURRENT_STEP = 1e7, 1e9, 1.25
@@ -31,10 +31,10 @@ Stroke = Callable[[float, float | None], tuple[float, float]]
 
 
 class WireOnFinger(NamedTuple):
-    """How far a wire takes a finger when heated right through: travel, endpoint, forces, stress in each leg.
+    """Reach of a finger with a fully heated wire: travel, endpoint, forces, stress in each leg.
 
-    ``contraction`` is the travel over one leg's length. ``wire_force_n`` is what both legs bear there: pretension,
-    pretensioner and finger, friction included. ``reserve_m`` is the travel left beyond what was asked for.
+    ``contraction`` is the travel over one leg's length. ``wire_force_n`` is the force in both legs there: pretension,
+    pretensioner and finger, friction included. ``reserve_m`` is the travel beyond the requested one.
     """
 
     travel_m: float
@@ -55,9 +55,9 @@ def wire_on_finger(
     pretensioner_n_per_m: float,
     needed_travel_m: float,
 ) -> WireOnFinger:
-    """Return how far a V-shaped wire of a name takes a finger, at room temperature 22 C in still air.
+    """Return the reach of a finger with a V-shaped wire, at 22 C in still air.
 
-    ``wire_length_m`` is the overall length of both legs. Raises CallerError where the wire falls short of
+    ``wire_length_m`` is the overall length of both legs. Raises CallerError if the wire falls short of
     ``needed_travel_m``, saying by how much, or would be loaded beyond its largest allowed force.
     """
     travels = np.array(curve.tendon_travel_m)
@@ -75,7 +75,7 @@ def wire_on_finger(
     if free < needed_travel_m:
         raise CallerError(
             f"{wire}, {1e3 * wire_length_m:g} mm as a V, gives {1e3 * free:.3f} mm on this finger at a pretension of "
-            f"{pretension_n:g} N; the endpoint wants {1e3 * needed_travel_m:.3f} mm, "
+            f"{pretension_n:g} N; the endpoint requires {1e3 * needed_travel_m:.3f} mm, "
             f"{100 * (1 - free / needed_travel_m):.1f} % short: a longer wire, a softer finger, or another "
             "pretension"
         )
@@ -89,7 +89,7 @@ def wire_on_finger(
 
 
 def require_allowed(wire: str, force_n: float, max_n: float) -> None:
-    """Raise CallerError for a wire that would bear more than it may."""
+    """Raise CallerError for a wire that would exceed its allowed force."""
     if force_n > max_n:
         raise CallerError(
             f"{wire} would bear {force_n:.3g} N at the end of its stroke, {force_n / max_n:.2f} times the "
@@ -108,9 +108,9 @@ def reached_travel(stroke: Stroke, low_m: float, high_m: float, current_a: float
 
 
 def heated_stroke(constants: WireConstants, current_a: float | None) -> tuple[float, float]:
-    """Return the largest travel [m] of a wire that a held current heats right through, and that current [A].
+    """Return the largest travel [m] of a wire that a held current heats fully, and that current [A].
 
-    Without a current the least of a ladder that heats it through is looked for.
+    Without a current the smallest of a rising series that heats it through is searched.
     """
     area = constants.area_m2
     current = FIRST_CURRENT_A_PER_M2 * area if current_a is None else current_a
@@ -127,4 +127,4 @@ def heated_stroke(constants: WireConstants, current_a: float | None) -> tuple[fl
         if state.temperature_k > HOT_K or current_a is not None:
             return float(path.displacement_m.max()), current
         current *= CURRENT_STEP
-    raise NumericsError("no current heats this wire right through: check diameter, resistance and convection")
+    raise NumericsError("no current heats this wire fully: check diameter, resistance and convection")

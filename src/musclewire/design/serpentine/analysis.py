@@ -1,4 +1,4 @@
-"""Forwards: what a serpentine does by closed form, beam elements and plane stress, and whether it may be used."""
+"""Analysis of a serpentine by closed form, beam elements and plane stress, and checks of its use."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from musclewire.parameters.materials import Material
 
 __all__ = ["DesignCheck", "Duty", "PretensionerDesign", "analyse", "finger_problem"]
 
-# How near to each other two ways to the same number must be.
+# Tolerances between two methods for the same number.
 BEAMS_TOLERANCE, STRIP_TOLERANCE, MESH_TOLERANCE, CORNER_TOLERANCE = 0.005, 0.03, 0.005, 0.08
 WANTED_TOLERANCE = 0.01
 # Thickness over pitch up to which a strip is thin.
@@ -55,7 +55,7 @@ class Duty:
     finger_stiffness_n_per_m: float | None = None
 
     def __post_init__(self) -> None:
-        """Refuse numbers that cannot be."""
+        """Refuse impossible numbers."""
         for name in ("pretension_n", "travel_m", "finger_stiffness_n_per_m"):
             value = getattr(self, name)
             if value is not None and not 0.0 < value < math.inf:
@@ -82,7 +82,7 @@ class Duty:
 
 @dataclass(frozen=True)
 class PretensionerDesign:
-    """A serpentine with all that was computed of it.
+    """A serpentine with its computed properties.
 
     Parameters
     ----------
@@ -144,10 +144,10 @@ def analyse(
     envelope: Envelope | None = None,
     wanted_n_per_m: float | None = None,
 ) -> PretensionerDesign:
-    """Return what a serpentine does, and every check of it.
+    """Return the analysis of a serpentine, with all its checks.
 
-    Raises CallerError for a process that is not known for the material or a travel beyond what it stretches to,
-    NumericsError where the strip finds no balance.
+    Raises CallerError for a process that is not known for the material or a travel beyond its range, NumericsError if
+    the strip finds no balance.
     """
     asked = duty or Duty()
     process = material.processes[0] if process is None else process
@@ -167,14 +167,14 @@ def analyse(
 
 
 def wanted_checks(stiffness_n_per_m: float, wanted_n_per_m: float | None) -> list[DesignCheck]:
-    """Return whether the stiffness is the wanted one; nothing if none is."""
+    """Return the check of the stiffness against the requested one; nothing without one."""
     if wanted_n_per_m is None:
         return []
     return [DesignCheck("stiffness", stiffness_n_per_m, wanted_n_per_m, "N/m", "about", WANTED_TOLERANCE)]
 
 
 def stress_at(travel_m: float, curve: ForceCurve, material: Material) -> float:
-    """Return the largest stress at a travel [Pa]. Raises CallerError for one beyond what the strip stretches to."""
+    """Return the largest stress at a travel [Pa]. Raises CallerError for one beyond the computed range."""
     stress = curve.stress_at(travel_m)
     if math.isnan(stress):
         raise CallerError(too_far(travel_m, curve, material))
@@ -182,22 +182,22 @@ def stress_at(travel_m: float, curve: ForceCurve, material: Material) -> float:
 
 
 def too_far(travel_m: float, curve: ForceCurve, material: Material) -> str:
-    """Return that a strip does not stretch so far, and what it has where the computation ended."""
+    """Return the message for a travel beyond the computed range, with force and stress at its end."""
     stress = float(curve.stress_pa[-1])
     return (
         f"a travel of {1e3 * travel_m:.2f} mm is too far: at {1e3 * curve.travel_m[-1]:.2f} mm "
         f"{curve.force_n[-1]:.3g} N pull at it, and its stress of {1e-6 * stress:.1f} MPa is "
-        f"{1e-6 * (stress - material.allowable_stress_pa.value):.1f} MPa above what {material.name} may have for long"
+        f"{1e-6 * (stress - material.allowable_stress_pa.value):.1f} MPa above the permanent limit of {material.name}"
     )
 
 
 def model_checks(
     geometry: SerpentineGeometry, material: Material, linear: tuple[LinearAnswer, ...], guided: LinearAnswer
 ) -> list[DesignCheck]:
-    """Return closed form, beam elements and plane stress beside each other.
+    """Return checks of closed form, beam elements and plane stress against each other.
 
-    Formulas are for slender strips, the one with square corners for thin ones at that: what rounding takes from the
-    length grows with the thickness. Where they are not meant to hold they are shown and do not judge.
+    Formulas are for slender strips, that with square corners also for thin ones, since rounding shortens the beams in
+    proportion to the thickness. Outside their validity they are shown and not judged.
     """
     modulus, ratio = material.youngs_modulus_pa.value, material.poisson_ratio.value
     formula = closed_form.stiffness_n_per_m(geometry, modulus)
@@ -223,7 +223,7 @@ def model_checks(
 
 
 def mesh_checks(linear: tuple[LinearAnswer, ...]) -> list[DesignCheck]:
-    """Return each mesh beside the finest; the coarsest is shown only."""
+    """Return checks of each mesh against the finest; the coarsest is only shown."""
     finest = linear[-1].stiffness_n_per_m
     checks = []
     for across, answer in zip(MESHES[:-1], linear[:-1], strict=True):
@@ -234,7 +234,7 @@ def mesh_checks(linear: tuple[LinearAnswer, ...]) -> list[DesignCheck]:
 
 
 def corner_checks(geometry: SerpentineGeometry, answer: LinearAnswer, rule: str) -> list[DesignCheck]:
-    """Return the stress at the corners beside that of a curved beam, where they have a radius."""
+    """Return the check of the stress at the corners against that of a curved beam, if they have a radius."""
     curved = closed_form.corner_stress_factor(geometry)
     if not math.isfinite(curved):
         return []
@@ -251,7 +251,7 @@ def use_checks(
     stress: float | None,
     material: Material,
 ) -> list[DesignCheck]:
-    """Return whether it is strong enough, stiff enough for the pretension, and softer than the finger."""
+    """Return checks that it is strong enough, stiff enough for the pretension, and softer than the finger."""
     checks = []
     if travel is not None and stress is not None:
         checks += strength_checks(geometry, curve, travel, stress, material)
@@ -271,7 +271,7 @@ def use_checks(
 def strength_checks(
     geometry: SerpentineGeometry, curve: ForceCurve, travel_m: float, stress_pa: float, material: Material
 ) -> list[DesignCheck]:
-    """Return whether it is strong enough for its travel, and narrow enough to be no plate."""
+    """Return checks that it is strong enough for its travel, and narrow enough to bend as a beam."""
     moment = curve.force_at(travel_m) * geometry.half_length_m
     width = closed_form.width_parameter(geometry, moment, material.youngs_modulus_pa.value)
     return [
@@ -282,7 +282,7 @@ def strength_checks(
 
 
 def making_checks(geometry: SerpentineGeometry, min_m: float, envelope: Envelope | None) -> list[DesignCheck]:
-    """Return whether the process makes it and the envelope holds it."""
+    """Return checks that the process can make it and that it fits the envelope."""
     checks = [
         DesignCheck("thickness", geometry.thickness_m, min_m, "m", "above"),
         DesignCheck("gap between beams", geometry.gap_m, min_m, "m", "above"),
@@ -297,7 +297,7 @@ def making_checks(geometry: SerpentineGeometry, min_m: float, envelope: Envelope
 
 
 def finger_problem(stiffness_n_per_m: float, finger_n_per_m: float | None) -> str | None:
-    """Return why a pretensioner is too stiff beside a finger, or None: most of the force should go to the finger."""
+    """Return why a pretensioner is too stiff for a finger, or None: most of the force should go to the finger."""
     if finger_n_per_m is None or stiffness_n_per_m < finger_n_per_m:
         return None
     return (

@@ -6,8 +6,8 @@ from -a to +a the integral of x^2 is 2 a^3/3, over a link a^2 p. N of each give
 
     k = 3 E I/[N a^2 (2a + 3p)],   largest M = F a in the links,   so   sigma = 6 F a/(b t^2).
 
-This holds for square corners, a strip much thinner than long, and an end that may turn and move sideways. Here besides:
-the end guided so that it can do neither, the rounded corners, shear and stretch, and the stress at the inner edge of a
+This holds for square corners, a strip much thinner than long, and an end that may turn and move sideways. Also here:
+the end guided so that it can do neither, rounded corners, shear and stretch, and the stress at the inner edge of a
 rounded corner.
 """
 
@@ -61,7 +61,7 @@ def corner_stress_factor(geometry: SerpentineGeometry) -> float:
 
 
 def width_parameter(geometry: SerpentineGeometry, bending_moment_n_m: float, youngs_modulus_pa: float) -> float:
-    """Return Searle's b^2/(R t) for a bending moment: how far a wide strip bends like a plate.
+    """Return Searle's b^2/(R t) for a bending moment: a measure of how much a wide strip bends like a plate.
 
     Below about 1 its edges are free to curl, and E I holds, as in plane stress; far above 10 they are not, and it is
     stiffer by up to 1/(1 - nu^2). Searle 1908, Experimental Elasticity; Timoshenko and Woinowsky-Krieger 1959,
@@ -72,7 +72,7 @@ def width_parameter(geometry: SerpentineGeometry, bending_moment_n_m: float, you
 
 
 def line_points(geometry: SerpentineGeometry, rounded: bool, leads: bool) -> tuple[FloatArray, FloatArray]:
-    """Return Gauss points (n, 2) along the centre line [m] and their share of its length (n,) [m]."""
+    """Return Gauss points (n, 2) along the centre line [m] and their weights in its length (n,) [m]."""
     if rounded:
         pieces = geometry.centre_line()
     else:
@@ -85,7 +85,7 @@ def line_points(geometry: SerpentineGeometry, rounded: bool, leads: bool) -> tup
 
 
 def places_on(piece: Straight | Arc, fraction: FloatArray) -> FloatArray:
-    """Return points (n, 2) at shares (n,) of a piece of the centre line [m]."""
+    """Return points (n, 2) at fractions (n,) of a piece of the centre line [m]."""
     if isinstance(piece, Straight):
         start, end = np.array(piece.start_m), np.array(piece.end_m)
         straight: FloatArray = start + fraction[:, None] * (end - start)
@@ -109,7 +109,7 @@ def compliance_m_per_n(
     counts the short strips on the axis that join square-cornered beams to pad and connector.
     """
     points, weights = line_points(geometry, rounded, leads)
-    # Heights count from the middle: large offsets would spoil the differences below.
+    # Heights count from the middle: large offsets would cost precision in the differences below.
     y = points[:, 1] - 0.5 * (geometry.first_beam_m + geometry.last_beam_m)
     basis = np.stack([points[:, 0], y, np.ones_like(y)])
     gram = (basis * weights) @ basis.T

@@ -1,4 +1,4 @@
-"""A pretensioner as a picture: at rest and pulled, with the stress in it, beside its force and stress over travel."""
+"""Figure of a pretensioner: at rest and pulled, with its stress, next to its force and stress over travel."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ["draw_pretensioner"]
 
 SIZE_INCHES, DPI = (10.4, 5.6), 120
 MM, MPA = 1e3, 1e-6
-# Stress is drawn on a mesh coarser than the one that is judged: the eye sees no more.
+# Stress is drawn on a coarser mesh than the one that is checked: the eye sees no difference.
 DRAWN_MESH = 3
 BLOCK = "#d5d9de"
 # From no stress to the largest: never as pale as the page.
@@ -78,7 +78,7 @@ def add_stress_bar(axes: Axes, shades: Any, allowed_pa: float) -> None:
 
 
 def draw_pull(axes: Axes, across_mm: float, top_mm: float, text: str) -> None:
-    """Draw the arrow of the force that pulls at the part's end, and beside it how much it is."""
+    """Draw the arrow of the force that pulls at the part's end, with its value."""
     from matplotlib.patches import FancyArrowPatch
 
     begin, end = (across_mm, top_mm + 0.4), (across_mm, top_mm + 4.2)
@@ -96,7 +96,7 @@ def part_title(made: PretensionerDesign) -> str:
 
 
 def end_motion(state: BodyEquilibrium, connector_m: float) -> tuple[FloatArray, float]:
-    """Return how far the middle of the strip's upper end has gone (2,) [mm], and by what angle it turned [rad]."""
+    """Return the displacement of the middle of the strip's upper end (2,) [mm], and its rotation [rad]."""
     end = state.body.nodes_near(y_m=connector_m, within_m=1e-9)
     end = end[np.argsort(state.body.nodes_m[end, 0])]
     across = (state.body.nodes_m + state.displacement_m)[end[-1]] - (state.body.nodes_m + state.displacement_m)[end[0]]
@@ -136,7 +136,7 @@ def stress_mesh(axes: Axes, state: BodyEquilibrium) -> Any:
 
 
 def draw_curve(axes: Axes, made: PretensionerDesign) -> None:
-    """Draw pull and stress over travel, with what they are judged by."""
+    """Draw pull and stress over travel, with their limits."""
     curve, duty = made.curve, made.duty
     travel = np.linspace(0.0, curve.travel_m[-1], 200)
     axes.plot(MM * travel, [curve.force_at(at) for at in travel], color=COOLING)
@@ -159,7 +159,7 @@ def draw_curve(axes: Axes, made: PretensionerDesign) -> None:
 
 
 def draw_stress(axes: Axes, made: PretensionerDesign) -> None:
-    """Draw the largest stress over travel on an axis of its own, up to what is allowed."""
+    """Draw the largest stress over travel on an axis of its own, with the allowed stress."""
     curve, allowed = made.curve, made.material.allowable_stress_pa.value
     travel = np.linspace(0.0, curve.travel_m[-1], 200)
     right = axes.twinx()

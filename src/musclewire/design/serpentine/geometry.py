@@ -1,4 +1,4 @@
-"""What a serpentine flexure looks like: its dimensions, its centre line, what is drawn around it.
+"""Geometry of a serpentine flexure: its dimensions, its centre line, its fittings.
 
 The wire pulls along y. A strip of one thickness leaves the clamping pad on the axis x = 0, goes to and fro across it,
 and ends on the axis in the connector. Dimensions are those of the centre line:
@@ -34,7 +34,7 @@ __all__ = ["Arc", "Envelope", "Fittings", "SerpentineGeometry", "Straight"]
 MIN_HALF_BEAM = 2.0
 # Inner radius of a corner over the thickness.
 USUAL_CORNER = 0.25
-# More are no longer made in one piece, and their finite elements take minutes.
+# More beams are no longer made in one piece, and their finite elements take minutes.
 MAX_BEAMS = 60
 
 
@@ -65,7 +65,7 @@ class Arc(NamedTuple):
 
 
 class Envelope(NamedTuple):
-    """The room there is, across the wire, along it and out of plane [m]; it holds pad and connector too."""
+    """Available room across the wire, along it and out of plane [m]; it holds pad and connector too."""
 
     across_m: float
     along_m: float
@@ -74,21 +74,22 @@ class Envelope(NamedTuple):
 
 @dataclass(frozen=True)
 class Fittings:
-    """What holds a serpentine: a clamping pad with screw holes, and a connector with a hole for wire and tendon."""
+    """Fittings of a serpentine: a clamping pad with screw holes, and a connector with a hole for wire and tendon."""
 
     pad_height_m: float = 5e-3
     pad_hole_diameter_m: float = 2.2e-3  # M2, medium fit of ISO 273
     connector_height_m: float = 4e-3
     connector_width_m: float = 6e-3
     connector_hole_diameter_m: float = 1.5e-3
-    pad_width_m: float = 12e-3  # at least; as wide as the beams where they are wider
+    pad_width_m: float = 12e-3  # minimum; as wide as the beams if they are wider
 
 
 @dataclass(frozen=True)
 class SerpentineGeometry:
     """A serpentine flexure. ``beams`` is N; lengths are those of the centre line, ``depth_m`` is out of plane.
 
-    ``corner_radius_m`` is that of the inner edge of every corner. Raises CallerError for what cannot be made.
+    ``corner_radius_m`` is that of the inner edge of every corner. Raises CallerError for dimensions that cannot be
+    made.
     """
 
     beams: int
@@ -100,7 +101,7 @@ class SerpentineGeometry:
     fittings: Fittings = field(default_factory=Fittings)
 
     def __post_init__(self) -> None:
-        """Refuse what is no serpentine, in one line that says which number is wrong and what it may be."""
+        """Refuse impossible dimensions, in one line that names the wrong number and its limits."""
         for name in ("half_length_m", "pitch_m", "thickness_m", "depth_m"):
             value = getattr(self, name)
             if not 0.0 < value < math.inf:
@@ -143,9 +144,9 @@ class SerpentineGeometry:
         depth_m: float,
         corner_fraction: float = USUAL_CORNER,
     ) -> SerpentineGeometry:
-        """Return a serpentine whose corners have an inner radius of a share of the thickness, or what fits.
+        """Return a serpentine whose corners have an inner radius of a fraction of the thickness, at most what fits.
 
-        Larger ones are gentler to the material and take more from the length that the closed form counts.
+        Larger radii reduce the stress and the length that the closed form counts.
         """
         radius = min(corner_fraction * thickness_m, 0.5 * (pitch_m - thickness_m))
         return cls(beams, half_length_m, pitch_m, thickness_m, depth_m, max(radius, 0.0))

@@ -58,7 +58,7 @@ def side_of_strip(geometry: SerpentineGeometry, side: float) -> list[Vertex]:
 
 
 def backwards(path: list[Vertex]) -> list[Vertex]:
-    """Return a path in the other order: each way turns the other way and belongs to the vertex where it now begins."""
+    """Return a path in reverse order: each arc turns the other way and belongs to the vertex where it now begins."""
     bulges = [0.0, *(-vertex.bulge for vertex in path[:-1])]
     return [vertex._replace(bulge=bulge) for vertex, bulge in zip(path[::-1], bulges[::-1], strict=True)]
 

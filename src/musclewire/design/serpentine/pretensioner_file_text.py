@@ -14,7 +14,7 @@ DIMENSIONS = ("half_length_m", "pitch_m", "thickness_m", "depth_m", "corner_radi
 
 
 def geometry_of(file: PretensionerFile) -> SerpentineGeometry:
-    """Return the serpentine of a pretensioner's file. Raises CallerError where it is none."""
+    """Return the serpentine of a pretensioner's file. Raises CallerError if it is none."""
     return SerpentineGeometry(file.geometry.beams, **{name: getattr(file.geometry, name) for name in DIMENSIONS})
 
 
@@ -37,7 +37,7 @@ def pretensioner_text(made: PretensionerDesign, material_name: str) -> str:
 
 
 def computed(made: PretensionerDesign) -> dict[str, Parameter]:
-    """Return the numbers that a file tells its reader."""
+    """Return the computed numbers of a file."""
     source = "musclewire design pretensioner, plane-stress finite elements"
     values = {
         "stiffness_n_per_m": (made.stiffness_n_per_m, "N/m"),

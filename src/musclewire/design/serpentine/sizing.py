@@ -1,9 +1,9 @@
-"""Backwards: the serpentine that has a wanted stiffness, fits its envelope, can be made, and lasts its travel.
+"""Sizing: the serpentine that has a requested stiffness, fits its envelope, can be made, and survives its travel.
 
 For a number of beams and a width the envelope gives half length and pitch, and the closed form gives the thickness. The
-fewest beams that keep every limit win, from four up: with two, the stiffness depends by a quarter and more on how the
-connector is guided. Even numbers only: an odd serpentine turns its connector. Then the dimensions are rounded to what a
-drawing says, and plane stress sets the half length, which trims finer than the thickness can.
+smallest number of beams within all limits is chosen, from four up: with two, the stiffness depends by a quarter and
+more on how the connector is guided. Even numbers only: an odd serpentine turns its connector. Then the dimensions are
+rounded for the drawing, and plane stress sets the half length, which adjusts finer than the thickness.
 """
 
 from __future__ import annotations
@@ -40,15 +40,15 @@ __all__ = ["PretensionerRequest", "design_pretensioner"]
 STEP_M = 1e-5
 BEAM_NUMBERS = (*range(4, 41, 2), 2)
 WIDTH_FRACTIONS = (1.0, 0.85, 0.7, 0.55, 0.4, 0.3)
-# Where the usual corners have too much stress, gentler ones are tried.
+# If the usual corners have too much stress, larger radii are tried.
 CORNER_FRACTIONS = (USUAL_CORNER, 0.5, 1.0)
-# Thinner than a hair is out of every process's reach; it only bounds the search.
+# Lower bound of the search, thinner than any process makes.
 THINNEST_M = 5e-6
 
 
 @dataclass(frozen=True)
 class PretensionerRequest:
-    """What is wanted: a stiffness [N/m] and a duty, of a material, by a process, within an envelope."""
+    """Requirements: a stiffness [N/m] and a duty, of a material, by a process, within an envelope."""
 
     stiffness_n_per_m: float
     duty: Duty
@@ -68,7 +68,7 @@ class PretensionerRequest:
 
 
 class Candidate(NamedTuple):
-    """A serpentine of the wanted stiffness by the closed form, and the limit it breaks worst, if any."""
+    """A serpentine of the requested stiffness by the closed form, and the limit it exceeds most, if any."""
 
     geometry: SerpentineGeometry
     excess: float
@@ -110,7 +110,7 @@ def design_pretensioner(request: PretensionerRequest) -> PretensionerDesign:
 
 
 def made_of(request: PretensionerRequest, candidate: Candidate) -> PretensionerDesign | None:
-    """Return a candidate rounded, trimmed and computed by finite elements; None where trimming misses the stiffness."""
+    """Return a candidate rounded, trimmed and computed by finite elements; None if trimming misses the stiffness."""
     trimmed = trim(request, candidate.geometry)
     if trimmed is None:
         return None
@@ -127,7 +127,7 @@ def require_sense(request: PretensionerRequest) -> None:
     if min(request.envelope) <= 0.0:
         raise CallerError("an envelope has three sizes above 0: across the wire, along it, out of plane")
     if duty.pretension_n is None and duty.travel_m is None:
-        raise CallerError("say what the pretensioner is for: a pretension (N) or its whole travel (mm)")
+        raise CallerError("give the pretensioner's duty: a pretension (N) or its whole travel (mm)")
     if duty.pretension_n is not None and duty.travel_m is not None and wanted * duty.travel_m < duty.pretension_n:
         reached = wanted * duty.travel_m
         raise CallerError(
@@ -140,7 +140,7 @@ def require_sense(request: PretensionerRequest) -> None:
 
 
 class Form(NamedTuple):
-    """What a search goes over: beams, half length over that which fills the width, corner radius over thickness."""
+    """Variables of the search: beams, half length over that which fills the width, corner radius over thickness."""
 
     beams: int
     width_fraction: float
@@ -153,7 +153,7 @@ def forms(corner_fraction: float) -> list[Form]:
 
 
 def shape(request: PretensionerRequest, form: Form, thickness_m: float) -> SerpentineGeometry:
-    """Return the serpentine that fills the envelope along the wire, and a share of its width."""
+    """Return the serpentine that fills the envelope along the wire, and a fraction of its width."""
     fittings = Fittings()
     room = request.envelope.along_m - fittings.pad_height_m - fittings.connector_height_m
     pitch = (room + thickness_m) / (form.beams + 2)
@@ -162,7 +162,7 @@ def shape(request: PretensionerRequest, form: Form, thickness_m: float) -> Serpe
 
 
 def thickest_m(request: PretensionerRequest, form: Form) -> float:
-    """Return the largest thickness [m] with slots wide enough and beams long enough; 0 or less where none does."""
+    """Return the largest thickness [m] with slots wide enough and beams long enough; 0 or less if none does."""
     fittings = Fittings()
     room = request.envelope.along_m - fittings.pad_height_m - fittings.connector_height_m
     slots = (room - (form.beams + 2) * request.min_m) / (form.beams + 1)
@@ -182,7 +182,7 @@ def estimate_n_per_m(request: PretensionerRequest, geometry: SerpentineGeometry)
 
 
 def tried(request: PretensionerRequest, form: Form) -> list[Candidate]:
-    """Return the serpentine of this form that has the wanted stiffness; nothing where none fits."""
+    """Return the serpentine of this form that has the requested stiffness; nothing if none fits."""
     max_thickness_m = thickest_m(request, form)
     if max_thickness_m <= THINNEST_M:
         return []
@@ -197,7 +197,7 @@ def tried(request: PretensionerRequest, form: Form) -> list[Candidate]:
 
 
 def judged(request: PretensionerRequest, geometry: SerpentineGeometry) -> Candidate:
-    """Return a serpentine with the limit it breaks worst."""
+    """Return a serpentine with the limit it exceeds most."""
     min_thickness_m, allowed = request.min_m, request.material.allowable_stress_pa.value
     process = request.process or request.material.processes[0]
     stress = closed_form.nominal_stress_pa(geometry, request.stiffness_n_per_m * request.travel_m)
@@ -212,7 +212,7 @@ def judged(request: PretensionerRequest, geometry: SerpentineGeometry) -> Candid
     weak = (
         stress / allowed - 1.0,
         f"too much stress: {where} has {1e-6 * stress:.1f} MPa at a travel of {1e3 * request.travel_m:.2f} mm, "
-        f"{1e-6 * (stress - allowed):.1f} MPa above the {1e-6 * allowed:g} MPa it may have for long (yield "
+        f"{1e-6 * (stress - allowed):.1f} MPa above the {1e-6 * allowed:g} MPa it may bear permanently (yield "
         f"{1e-6 * request.material.yield_stress_pa.value:g} MPa); give a larger envelope, less travel or a stronger "
         "material",
     )
@@ -221,7 +221,7 @@ def judged(request: PretensionerRequest, geometry: SerpentineGeometry) -> Candid
 
 
 def out_of_reach(request: PretensionerRequest) -> str:
-    """Return why no serpentine has the wanted stiffness: the envelope holds none, or none that stiff or that soft."""
+    """Return why no serpentine has the requested stiffness: envelope too small or stiffness out of range."""
     fittings, envelope = Fittings(), request.envelope
     min_across = max(fittings.pad_width_m, fittings.connector_width_m)
     min_along = fittings.pad_height_m + fittings.connector_height_m + 4.0 * request.min_m + 3.0 * request.min_m
@@ -238,7 +238,7 @@ def out_of_reach(request: PretensionerRequest) -> str:
 
 
 def stiffness_out_of_reach(request: PretensionerRequest) -> str:
-    """Return that the envelope holds serpentines, and none that stiff or that soft."""
+    """Return the message for a stiffness above or below those of the serpentines that fit the envelope."""
     stiffest = 0.0
     for form in forms(USUAL_CORNER):
         max_thickness_m = thickest_m(request, form)
@@ -248,7 +248,7 @@ def stiffness_out_of_reach(request: PretensionerRequest) -> str:
     if stiffest < wanted:
         return (
             f"stiffness out of reach: the stiffest serpentine of {request.material.name} in this envelope has "
-            f"{stiffest:.4g} N/m, {wanted - stiffest:.4g} N/m less than the {wanted:g} N/m wanted"
+            f"{stiffest:.4g} N/m, {wanted - stiffest:.4g} N/m less than the {wanted:g} N/m requested"
         )
     return (
         f"stiffness out of reach: no serpentine of {request.material.name} is as soft as {wanted:g} N/m in this "
@@ -257,7 +257,7 @@ def stiffness_out_of_reach(request: PretensionerRequest) -> str:
 
 
 def close_call(request: PretensionerRequest, almost: Sequence[PretensionerDesign]) -> str:
-    """Return which limit binds where closed forms kept it and finite elements do not, by how much at the best."""
+    """Return the limit that closed forms keep and finite elements exceed, with the smallest excess."""
 
     def beyond(check: DesignCheck) -> float:
         return abs(check.value / check.reference - 1.0)
@@ -274,10 +274,10 @@ def close_call(request: PretensionerRequest, almost: Sequence[PretensionerDesign
 
 
 def trim(request: PretensionerRequest, geometry: SerpentineGeometry) -> SerpentineGeometry | None:
-    """Return the geometry in steps of 0.01 mm whose plane-stress stiffness is the nearest to what is wanted.
+    """Return the geometry in steps of 0.01 mm whose plane-stress stiffness is the nearest to the requested one.
 
-    Thickness and pitch are rounded down, which makes it softer or leaves it; a shorter half length makes up for it.
-    None where even that misses by more than 1 %.
+    Thickness and pitch are rounded down, which makes it softer if anything; a shorter half length compensates. None if
+    that misses by more than 1 %.
     """
     thickness = max(down(geometry.thickness_m), request.min_m)
     pitch = down(geometry.pitch_m)

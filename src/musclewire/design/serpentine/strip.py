@@ -1,8 +1,8 @@
 """A serpentine as a strip in plane stress: quadrilaterals mapped along its centre line, no mesher needed.
 
-The strip ends where pad and connector begin: both are thick and hardly bend. At the pad it is held; at the connector it
-is pulled by forces spread evenly over its end, whose resultant is on the axis, so that it may turn and move aside as a
-connector on a string does; or, guided, all of its end is moved.
+The strip ends at pad and connector: both are thick and hardly bend. At the pad it is held; at the connector it is
+pulled by forces distributed evenly over its end, whose resultant is on the axis, so that it may turn and move sideways
+as a connector on a string does; or, guided, all of its end is displaced.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ __all__ = [
 # Elements across the strip: the meshes whose answers are compared.
 MESHES = (1, 2, 3, 4)
 FINEST = MESHES[-1]
-# Elements of a straight piece are about this many times as long as wide, but no more than so many per element across:
-# bending that runs evenly along a slender strip needs few. A corner has two per element across, and two more: its sides
-# are chords, and few of them would cut it.
+# Elements of a straight piece are about this many times as long as wide, but at most so many per element across: the
+# uniform bending of a slender strip needs few. A corner has two per element across, and two more: its sides are chords,
+# and few of them would cut it.
 SLENDER, MAX_ALONG, ARC_ELEMENTS, ARC_MORE = 2.0, 8, 2, 2
 CURVE_STEPS, FURTHEST = 8, 2.5
 
@@ -52,7 +52,7 @@ class LinearAnswer(NamedTuple):
 class ForceCurve(NamedTuple):
     """Large displacements: connector travel [m], pull [N] and largest von Mises stress [Pa], each (n,) from 0 up.
 
-    ``safe_travel_m`` is where the stress reaches what is allowed, ``furthest`` the last balance computed.
+    ``safe_travel_m`` is the travel at which the stress reaches the allowed one, ``furthest`` the last balance computed.
     """
 
     travel_m: FloatArray
@@ -78,7 +78,7 @@ def interpolated(x: FloatArray, y: FloatArray, at: float) -> float:
 
 
 def strip_mesh(geometry: SerpentineGeometry, across: int) -> Any:
-    """Return the strip as a scikit-fem mesh [m] with so many elements across. Raises CallerError for fewer than 1."""
+    """Return the strip as a scikit-fem mesh [m] ``across`` elements thick. Raises CallerError for fewer than 1."""
     if across < 1:
         raise CallerError(f"a strip has 1 element across or more, not {across}")
     import skfem
@@ -92,7 +92,7 @@ def strip_mesh(geometry: SerpentineGeometry, across: int) -> Any:
 
 
 def sections(geometry: SerpentineGeometry, across: int) -> tuple[FloatArray, FloatArray]:
-    """Return where the strip is cut into elements (n, 2) [m], and the unit normals to its left there (n, 2)."""
+    """Return the points between elements along the strip (n, 2) [m], and the unit normals to its left there (n, 2)."""
     points: list[FloatArray] = []
     tangents: list[FloatArray] = []
     for piece in geometry.centre_line():
@@ -124,7 +124,7 @@ def strip_body(geometry: SerpentineGeometry, material: Material, across: int = F
 
 
 class StripEnds(NamedTuple):
-    """A strip's ends: nodes held at the pad, nodes at the connector, and the share of a pull on each of these."""
+    """A strip's ends: nodes held at the pad, nodes at the connector, and the weight of a pull on each of these."""
 
     held: IntArray
     pulled: IntArray
@@ -143,7 +143,7 @@ class StripEnds(NamedTuple):
         return cls(held, pulled, weights / weights.sum())
 
     def travel_m(self, displacement_m: FloatArray) -> float:
-        """Return how far the connector has gone along the wire [m]."""
+        """Return the connector's displacement along the wire [m]."""
         return float(self.weights @ displacement_m[self.pulled, 1])
 
     def pulling(self, body: PlaneBody, force_n: float) -> BodyLoad:
@@ -156,7 +156,7 @@ class StripEnds(NamedTuple):
 def linear_answer(
     geometry: SerpentineGeometry, material: Material, across: int = FINEST, *, guided: bool = False
 ) -> LinearAnswer:
-    """Return stiffness and stress for small displacements; ``guided`` lets the end neither turn nor move aside."""
+    """Return stiffness and stress for small displacements; ``guided``: the end cannot turn or move sideways."""
     body = strip_body(geometry, material, across)
     ends = StripEnds.of(body, geometry)
     if guided:
@@ -175,7 +175,7 @@ def force_curve(
 ) -> ForceCurve:
     """Return force and stress over travel with large displacements, to the safe travel and ``min_travel_m``.
 
-    Raises NumericsError where no balance is found.
+    Raises NumericsError if no balance is found.
     """
     allowed = material.allowable_stress_pa.value
     linear = linear_answer(geometry, material, across)
@@ -202,6 +202,6 @@ def force_curve(
 def pulled_strip(
     geometry: SerpentineGeometry, material: Material, force_n: float, across: int = FINEST
 ) -> BodyEquilibrium:
-    """Return the balance under a pull [N] along the wire. Raises NumericsError where there is none."""
+    """Return the balance under a pull [N] along the wire. Raises NumericsError if there is none."""
     body = strip_body(geometry, material, across)
     return solve_large(body, StripEnds.of(body, geometry).pulling(body, force_n), steps=2)

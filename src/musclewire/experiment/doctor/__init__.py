@@ -1,4 +1,4 @@
-"""Is this rig wired as its file says? Checks by the sense voltage and less, before anything is heated."""
+"""Is this rig wired as its file states? Checks at the sense voltage and below, before anything is heated."""
 
 from musclewire.experiment.doctor.examine import Examination, examine
 from musclewire.experiment.doctor.findings import RigCheck, SkippedCheck

@@ -1,4 +1,4 @@
-"""Offsets and gains of the two input channels: what to write into a rig file so that they read right."""
+"""Offsets and gains of the two input channels, to be written into a rig file."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from musclewire.experiment.doctor.probing import Level
 
 __all__ = ["ChannelCalibration", "calibrations"]
 
-# A meter and a channel that differ by more do not measure the same thing.
+# A meter and a channel that differ by more do not measure the same voltage.
 MAX_GAIN_ERROR = 0.2
 
 
 class ChannelCalibration(NamedTuple):
-    """What one channel reads wrong: true = (reading - offset_v) * gain. ``gain`` is None without a meter's reading."""
+    """Error of one channel: true = (reading - offset_v) * gain. ``gain`` is None without a meter's reading."""
 
     channel: str
     offset_v: float
@@ -27,7 +27,7 @@ def calibrations(
 ) -> tuple[ChannelCalibration, ...]:
     """Return the calibration of both channels: offsets at 0 V, gains by a meter that was read at the sense voltage.
 
-    Raises CallerError where a meter's reading cannot belong to the channel.
+    Raises CallerError if a meter's reading cannot belong to the channel.
     """
     found = []
     for channel, meter_v in (("wire", meter_wire_v), ("shunt", meter_shunt_v)):
@@ -37,16 +37,18 @@ def calibrations(
 
 
 def gain_of(channel: str, offset_v: float, at_sense: Level | None, meter_v: float | None) -> float | None:
-    """Return by what a channel's reading must be multiplied to agree with a meter."""
+    """Return the factor by which a channel's reading agrees with a meter's."""
     if meter_v is None:
         return None
     if at_sense is None:
-        raise CallerError(f"the sense voltage was not put out, so --meter-{channel} cannot be used: mend what is wrong")
+        raise CallerError(
+            f"the sense voltage was not put out, so --meter-{channel} cannot be used: correct the failed checks first"
+        )
     reading = float(getattr(at_sense, f"{channel}_voltage_v").mean()) - offset_v
     gain = meter_v / reading if reading else 0.0
     if not abs(gain - 1.0) <= MAX_GAIN_ERROR:
         raise CallerError(
-            f"--meter-{channel} {meter_v:g} V beside a reading of {reading:g} V: over {MAX_GAIN_ERROR:.0%} apart, so "
-            "they do not measure the same: check where the meter was"
+            f"--meter-{channel} {meter_v:g} V and a reading of {reading:g} V: over {MAX_GAIN_ERROR:.0%} apart, so "
+            "they do not measure the same voltage: check where the meter was"
         )
     return gain

@@ -13,15 +13,15 @@ from musclewire.experiment.doctor.probing import Level
 
 __all__ = ["finite_check", "hum_check", "moving_checks", "offset_checks", "quiet_checks", "range_check"]
 
-# An offset may be this share of what the channel reads at the sense voltage: it shifts resistance by as much there.
+# An offset may be this fraction of the reading at the sense voltage: it shifts resistance by the same fraction there.
 OFFSET_FRACTION = 0.01
-# Noise may be this share of it; resistance then scatters by about a fifth of a percent of strain. Judged as the mean
+# Noise may be this fraction of it; resistance then scatters by about a fifth of a percent of strain. Judged as the mean
 # over 50 ms: no wire moves in less, and a rig that samples faster is not worse for it.
 NOISE_FRACTION, JUDGED_S = 0.01, 0.05
-# A mean is known this many standard errors well.
+# Uncertainty of a mean, in standard errors.
 SIGMAS = 4.0
-# Lan and Fan 2010, Table 2 and section III: 16.737 ohm at 1.506 %, 15.577 ohm at 3.034 %, R_max 17.4945 ohm. Strain
-# per change of resistance as a share of R_max.
+# Lan and Fan 2010, Table 2 and section III: 16.737 ohm at 1.506 %, 15.577 ohm at 3.034 %, R_max 17.4945 ohm. Strain per
+# change of resistance, the latter as a fraction of R_max.
 STRAIN_PER_RELATIVE_RESISTANCE = (0.03034 - 0.01506) / ((16.737 - 15.577) / 17.4945)
 # Of a full stroke of about 4 %.
 STRAIN_NOISE_BAR = 0.0025
@@ -29,7 +29,7 @@ MIN_BITS = 4.0
 HUMS_HZ = (50.0, 60.0)
 # A spectrum shows 60 Hz only from twice as many samples a second, with room for the filter of the converter.
 HUM_RATE_HZ = 150.0
-# A reading this much beyond what is out cannot come from the wire.
+# A reading that exceeds the output by this factor cannot come from the wire.
 BEYOND = 1.5
 
 
@@ -60,7 +60,7 @@ def offset_checks(evidence: Evidence) -> Findings:
 def offset_check(name: str, zero_v: FloatArray, at_sense_v: float, evidence: Evidence) -> RigCheck:
     """Check one channel at 0 V against what it reads at the sense voltage."""
     offset = float(zero_v.mean())
-    # A channel that does not follow the drive has nothing to be compared with but the sense voltage itself.
+    # A channel that does not follow the drive can only be compared with the sense voltage itself.
     reading = at_sense_v if evidence.carries else evidence.sense_voltage_v
     error = SIGMAS * float(zero_v.std()) / math.sqrt(len(zero_v))
     fraction = abs(offset) / reading
@@ -72,7 +72,7 @@ def offset_check(name: str, zero_v: FloatArray, at_sense_v: float, evidence: Evi
 
 
 def quiet_checks(evidence: Evidence, at_sense: Level | None, sample_period_s: float) -> Findings:
-    """Check the noise of both channels, and what it makes of resistance and strain at the sense voltage."""
+    """Check the noise of both channels, and the resulting noise of resistance and strain at the sense voltage."""
     zero = evidence.zero
     wire_v, shunt_v = noise_v(zero.wire_voltage_v), noise_v(zero.shunt_voltage_v)
     if not evidence.carries:
@@ -90,7 +90,7 @@ def quiet_checks(evidence: Evidence, at_sense: Level | None, sample_period_s: fl
 
 
 def noise_check(name: str, rms_v: float, at_sense_v: float, calmer: float) -> RigCheck:
-    """Check the noise of one channel against its reading at the sense voltage; ``calmer`` is what averaging leaves."""
+    """Check the noise of one channel against its reading at the sense voltage; ``calmer``: factor of averaging."""
     fraction = rms_v * calmer / at_sense_v
     ok = fraction <= NOISE_FRACTION
     advice = (
@@ -102,7 +102,7 @@ def noise_check(name: str, rms_v: float, at_sense_v: float, calmer: float) -> Ri
 
 
 def bits_check(evidence: Evidence, wire_noise_v: float, shunt_noise_v: float) -> RigCheck:
-    """Check how many steps the sense voltage has on the poorer channel: converter's steps and noise alike."""
+    """Check the resolution of the sense voltage on the poorer channel, by converter steps and noise."""
     pairs = (
         (evidence.wire_at_sense_v, wire_noise_v, evidence.levels, "wire_voltage_v"),
         (evidence.shunt_at_sense_v, shunt_noise_v, evidence.levels, "shunt_voltage_v"),
@@ -119,7 +119,7 @@ def bits_check(evidence: Evidence, wire_noise_v: float, shunt_noise_v: float) ->
 
 
 def min_step_v(levels: tuple[Level, ...], name: str) -> float:
-    """Return the smallest difference between two readings of a channel that are not the same."""
+    """Return the smallest difference between two distinct readings of a channel."""
     steps = np.diff(np.unique(np.concatenate([getattr(level, name) for level in levels])))
     # Sums of many readings differ in their last bit, which is no step of a converter.
     steps = steps[steps > 1e-9]
@@ -127,7 +127,7 @@ def min_step_v(levels: tuple[Level, ...], name: str) -> float:
 
 
 def strain_noise_check(at_sense: Level, evidence: Evidence, calmer: float) -> RigCheck:
-    """Check how much strain the noise of the resistance looks like at the sense voltage."""
+    """Check the strain that corresponds to the noise of the resistance at the sense voltage."""
     resistance = (at_sense.wire_voltage_v - evidence.wire.offset_v) / (
         at_sense.shunt_voltage_v - evidence.shunt.offset_v
     )
@@ -144,7 +144,7 @@ def strain_noise_check(at_sense: Level, evidence: Evidence, calmer: float) -> Ri
 
 
 def moving_checks(evidence: Evidence) -> Findings:
-    """Check that both channels are alive, and rise with the drive."""
+    """Check that the readings of both channels change, and rise with the drive."""
     checks = []
     for name, line in (("wire", evidence.wire), ("shunt", evidence.shunt)):
         values = np.concatenate([getattr(level, f"{name}_voltage_v") for level in evidence.levels])
@@ -157,7 +157,7 @@ def moving_checks(evidence: Evidence) -> Findings:
                 "different readings",
                 "the readings change"
                 if alive
-                else "one and the same reading at every voltage: the channel is frozen, saturated or not connected",
+                else "the same reading at every voltage: the channel is frozen, saturated or not connected",
             )
         )
         checks.append(polarity_check(name, line))
@@ -174,7 +174,7 @@ def polarity_check(name: str, line: LinearFit) -> RigCheck:
 
 
 def range_check(evidence: Evidence) -> RigCheck:
-    """Check that no channel reads more than is out."""
+    """Check that no channel reads more than the output voltage."""
     worst = 0.0
     for level in evidence.levels:
         room = BEYOND * max(level.commanded_v, 0.5 * evidence.sense_voltage_v)
@@ -186,15 +186,15 @@ def range_check(evidence: Evidence) -> RigCheck:
         ok,
         worst,
         "1",
-        "no reading is beyond what is out"
+        "no reading exceeds the output"
         if ok
         else "a channel reads more than is put out: an open input, a saturated channel, a wrong range or gain, or an "
-        "output that gives more than it is told",
+        "output that exceeds its command",
     )
 
 
 def hum_check(evidence: Evidence, sample_period_s: float) -> Findings:
-    """Check for mains hum on the shunt's channel at 0 V, where the samples come fast enough to show it."""
+    """Check for mains hum on the shunt's channel at 0 V, if the sample rate can show it."""
     if 1.0 / sample_period_s < HUM_RATE_HZ:
         reason = (
             f"{1.0 / sample_period_s:g} samples a second cannot show 50 Hz; averaging over whole mains periods "

@@ -1,4 +1,4 @@
-"""Straight lines through what came back: how each channel follows the drive, and how well that is known."""
+"""Straight lines through the readings: how each channel follows the drive, with standard errors."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from musclewire.experiment.doctor.probing import Level
 
 __all__ = ["Evidence", "LinearFit", "evidence_of", "noise_v"]
 
-# Fewer volts than this per volt of drive are nothing, whatever the statistics say.
+# A smaller slope [V/V] counts as none, however significant statistically.
 MIN_SLOPE = 1e-5
 SIGMAS = 6.0
 
@@ -32,7 +32,7 @@ class LinearFit(NamedTuple):
 
 
 class Evidence(NamedTuple):
-    """All that the levels say: ``wire``, ``shunt`` and both together (``circuit``) over the drive, in volts."""
+    """The levels and their fits: ``wire``, ``shunt`` and both together (``circuit``) over the drive, in volts."""
 
     levels: tuple[Level, ...]
     wire: LinearFit
@@ -53,22 +53,22 @@ class Evidence(NamedTuple):
 
     @property
     def resistance_ohm(self) -> float:
-        """Resistance of the wire by the slopes, which no offset touches; 0.0 where there is none."""
+        """Resistance of the wire by the slopes, which no offset affects; 0.0 without current."""
         return self.shunt_resistance_ohm * self.wire.slope / self.shunt.slope if self.carries else 0.0
 
     @property
     def wire_at_sense_v(self) -> float:
-        """What the wire's channel has to read at the sense voltage, without its offset."""
+        """Reading of the wire's channel that is expected at the sense voltage, without its offset."""
         return abs(self.wire.slope) * self.sense_voltage_v
 
     @property
     def shunt_at_sense_v(self) -> float:
-        """What the shunt's channel has to read at the sense voltage, without its offset."""
+        """Reading of the shunt's channel that is expected at the sense voltage, without its offset."""
         return abs(self.shunt.slope) * self.sense_voltage_v
 
     @property
     def sense_current_a(self) -> float:
-        """Current at the sense voltage; negative where the shunt's channel is reversed."""
+        """Current at the sense voltage; negative if the shunt's channel is reversed."""
         return self.shunt.slope * self.sense_voltage_v / self.shunt_resistance_ohm
 
 
@@ -98,7 +98,7 @@ def line(drive_v: FloatArray, reading_v: FloatArray) -> LinearFit:
 
 
 def noise_v(readings_v: FloatArray) -> float:
-    """Return the rms noise of readings, a slow drift taken out."""
+    """Return the rms noise of readings after removing a linear drift."""
     count = np.arange(len(readings_v), dtype=np.float64)
     slope, offset = np.polyfit(count, readings_v, 1)
     return float(np.std(readings_v - offset - slope * count))

@@ -1,4 +1,4 @@
-"""The examination: a few volts below the sense voltage, what they tell, and only then the sense voltage itself."""
+"""The examination: levels below the sense voltage first, and only if they pass the sense voltage itself."""
 
 from __future__ import annotations
 
@@ -53,10 +53,10 @@ STOPPING = frozenset(
 
 
 class Examination(NamedTuple):
-    """What a doctor found.
+    """Findings of the doctor.
 
-    ``findings`` are in the order in which they were made. ``highest_v`` is the most that was put out;
-    ``trouble`` what the rig itself gave up with, None where it did not. ``calibration`` may be empty.
+    ``findings`` are in the order in which they were made. ``highest_v`` is the highest output voltage [V]; ``trouble``
+    is the rig's own fault, None without one. ``calibration`` may be empty.
     """
 
     findings: Findings
@@ -67,12 +67,12 @@ class Examination(NamedTuple):
 
     @property
     def ok(self) -> bool:
-        """Whether every check that could be made holds and the rig did not give up."""
+        """Whether every check that could be made holds and the rig had no fault."""
         return self.trouble is None and not self.findings.failed
 
 
 class Subject(NamedTuple):
-    """A rig with what its metadata say of the wire, looked up once."""
+    """A rig with its metadata's statements about the wire, looked up once."""
 
     rig: Rig
     metadata: Metadata
@@ -96,10 +96,10 @@ def examine(
     clock: Callable[[], float] = time.monotonic,
     on_sample: OnProbe | None = None,
 ) -> Examination:
-    """Check a rig by its sense voltage and less, and return what was found; the rig ends at its sense voltage or off.
+    """Check a rig at its sense voltage and below; the rig ends at its sense voltage or off.
 
     ``hold_s`` is how long the sense voltage is held; the meters' readings, taken at the sense voltage, give the gains
-    of the channels. A rig that gives up on the way is a finding too: ``trouble``. Raises CallerError for a meter's
+    of the channels. A fault of the rig is a finding too: ``trouble``. Raises CallerError for a meter's
     reading that cannot belong to its channel.
     """
     subject = subject_of(rig)
@@ -125,9 +125,9 @@ def trip_findings(trouble: RigError | None) -> Findings:
 def probed(
     probe: Probe, subject: Subject, before: Findings, hold_s: float
 ) -> tuple[Evidence | None, Level | None, Findings]:
-    """Return what the sense voltage and less show: evidence, the sense voltage's level if it was held, findings.
+    """Return evidence, the level at the sense voltage if it was held, and findings.
 
-    What was found ``before`` may forbid to hold it.
+    A failed check among those ``before`` may forbid holding it.
     """
     rig, at_sense = subject.rig, None
     evidence, findings = low_findings(look_low(probe, rig), subject)
@@ -143,16 +143,16 @@ def probed(
 
 
 def subject_of(rig: Rig) -> Subject:
-    """Return a rig with what it says of its wire; what it does not say is None."""
+    """Return a rig with its statements about its wire; None for what it does not state."""
     metadata = rig.metadata()
     limits = protection_limits_of(rig)
     facts = RunFacts(metadata, "this rig")
     length_m = facts.positive_or_none("wire_length_m")
     wire, why = known_wire(facts.text_or_none("wire"))
     if wire is not None and length_m is None:
-        why = "the rig does not tell the length of its wire"
+        why = "the rig does not state the length of its wire"
     if facts.wires > 1.0:
-        # In series or side by side: the protection's window knows, ohm per metre times length does not.
+        # In series or in parallel: the protection's window accounts for it, ohm per metre times length does not.
         wire, why = None, "several wires share the drive; see the window"
     cold = None if wire is None or length_m is None else wire.resistance_per_metre_ohm_per_m.value * length_m
     low, high = (None, None) if limits is None else (limits.resistance_low_ohm, limits.resistance_high_ohm)
@@ -170,7 +170,7 @@ def known_wire(name: str | None) -> tuple[Wire | None, str]:
 
 
 def identity_findings(subject: Subject) -> Findings:
-    """Return whether the rig says what it is and its voltages make sense."""
+    """Return whether the rig identifies itself and its voltages are consistent."""
     rig = subject.rig
     ok = (
         0.0 < rig.sense_voltage_v < rig.maximum_voltage_v
@@ -186,13 +186,13 @@ def identity_findings(subject: Subject) -> Findings:
 
 
 def look_low(probe: Probe, rig: Rig) -> tuple[Level, ...]:
-    """Hold 0 V and the levels at which the protection expects no current yet; stop where 0 V is not 0 V."""
+    """Hold 0 V and the levels at which the protection expects no current yet; stop if the output is not 0 V."""
     zero = probe.hold(0.0, ZERO_S)
     if zero is None:
         return tuple(probe.levels)
     out_v = abs(float((zero.wire_voltage_v + zero.shunt_voltage_v).mean()))
     if out_v > rig.sense_voltage_v:
-        return tuple(probe.levels)  # an output that does not obey is not asked for more
+        return tuple(probe.levels)  # an output that does not follow its command gets no higher one
     for fraction in LOW_FRACTIONS:
         if probe.hold(fraction * rig.sense_voltage_v, LOW_S) is None:
             break
@@ -200,13 +200,13 @@ def look_low(probe: Probe, rig: Rig) -> tuple[Level, ...]:
 
 
 def low_findings(levels: tuple[Level, ...], subject: Subject) -> tuple[Evidence | None, Findings]:
-    """Return what the low levels tell, as lines and as checks; no lines where there are too few numbers."""
+    """Return the fits and checks of the low levels; no fits if there are too few numbers."""
     if not levels:
         return None, Findings((), (SkippedCheck("wiring", "the rig gave no sample at all"),))
     finite = finite_check(levels)
     if not finite.ok or len(levels) < 2 or min(len(level.time_s) for level in levels) < 3:
         stuck = stuck_findings(levels, subject) if finite.ok else Findings(())
-        return None, Findings((finite,), (SkippedCheck("wiring", "too few sound samples"),)) + stuck
+        return None, Findings((finite,), (SkippedCheck("wiring", "too few valid samples"),)) + stuck
     rig = subject.rig
     evidence = evidence_of(levels, rig.sense_voltage_v, rig.shunt_resistance_ohm)
     findings = Findings((finite, range_check(evidence)))
@@ -215,7 +215,7 @@ def low_findings(levels: tuple[Level, ...], subject: Subject) -> tuple[Evidence 
 
 
 def stuck_findings(levels: tuple[Level, ...], subject: Subject) -> Findings:
-    """Return what can be said where only 0 V was asked for: is it 0 V?"""
+    """Return the check that is possible if only 0 V was commanded: whether the output is 0 V."""
     zero = levels[0]
     volts = float((zero.wire_voltage_v + zero.shunt_voltage_v).mean())
     if abs(volts) <= subject.rig.sense_voltage_v:

@@ -1,4 +1,4 @@
-"""What a check found, as plain values."""
+"""Results of checks, as plain values."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ __all__ = ["RigCheck", "Findings", "SkippedCheck"]
 
 
 class RigCheck(NamedTuple):
-    """One check: what was measured, whether it will do, and what to do if not, else what it means."""
+    """One check: measured value, whether it is acceptable, and advice: what to do if not, else what it means."""
 
     name: str
     ok: bool
@@ -18,7 +18,7 @@ class RigCheck(NamedTuple):
 
 
 class SkippedCheck(NamedTuple):
-    """A check that this rig, or what was found before, leaves no way to make, and why."""
+    """A check that could not be made on this rig or after earlier findings, and why."""
 
     name: str
     reason: str

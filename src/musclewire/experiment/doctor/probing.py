@@ -1,7 +1,7 @@
-"""The few volts a doctor puts out, and everything that comes back.
+"""The few volts that the doctor puts out, and the samples it receives.
 
 Nothing above the sense voltage is ever put out. The first levels lie below half of it: there the protection expects no
-current yet, so wrong wiring can be looked at in peace instead of tripping. Only what holds gets the sense voltage.
+current yet, so wrong wiring can be examined without a trip. Only if these levels pass is the sense voltage put out.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ __all__ = ["LOW_FRACTIONS", "Level", "OnProbe", "Probe", "samples_of"]
 Clock = Callable[[], float]
 OnProbe = Callable[[RawSample], None]
 
-# Shares of the sense voltage below the protection's threshold for "driven", which is half of it.
+# Fractions of the sense voltage below the protection's threshold for "driven", which is half of it.
 LOW_FRACTIONS = (0.25, 0.45)
-# After a step the first readings may be from before it: a filter, a frame that was under way.
+# After a step the first readings may be from before it: through a filter, or a frame in transit.
 SETTLING_S, SETTLING_SAMPLES = 0.1, 2
 MIN_SAMPLES = 20
 
 
 class Level(NamedTuple):
-    """What came back while one voltage was out, settled samples only; arrays of shape (n_times,).
+    """Samples of one output voltage, settled ones only; arrays of shape (n_times,).
 
     ``host_s`` is the host's own clock when each sample arrived.
     """
@@ -48,19 +48,19 @@ def samples_of(rig: Rig, seconds: float) -> int:
 
 
 class Probe:
-    """Holds voltages on a rig and keeps what came back, also of the level during which the rig gave up."""
+    """Holds voltages on a rig and keeps the samples, also those of a level during which the rig had a fault."""
 
     def __init__(self, rig: Rig, clock: Clock, on_sample: OnProbe | None) -> None:
-        """Take an open rig; ``clock`` tells the host's seconds."""
+        """Take an open rig; ``clock`` returns the host's seconds."""
         self._rig, self._clock, self._on_sample = rig, clock, on_sample
         self.levels: list[Level] = []
         self.trouble: RigError | None = None
         self.highest_v = 0.0
 
     def hold(self, voltage_v: float, seconds: float) -> Level | None:
-        """Hold a voltage and return what came back; None, and ``trouble`` says why, where the rig gave up.
+        """Hold a voltage and return its samples; None after a fault of the rig, which is then in ``trouble``.
 
-        Raises CallerError for a voltage above the sense voltage, which nothing here may put out.
+        Raises CallerError for a voltage above the sense voltage, which must not be put out here.
         """
         if not 0.0 <= voltage_v <= self._rig.sense_voltage_v * (1.0 + 1e-9):
             raise CallerError(f"{voltage_v:g} V is above the sense voltage: the doctor heats nothing")
@@ -79,7 +79,7 @@ class Probe:
         return None if self.trouble is not None else self.levels[-1]
 
     def _fill(self, rows: list[tuple[float, ...]], voltage_v: float, samples: int) -> None:
-        """Append so many samples to rows, as they come."""
+        """Append this number of samples to rows, as they arrive."""
         for _ in range(samples):
             sample = self._rig.exchange(voltage_v)
             arrived_s = self._clock()

@@ -1,4 +1,4 @@
-"""Offsets and gains into a rig file, as its user wrote it: every other line stays as it is."""
+"""Write offsets and gains into a rig file; all other lines stay as its user wrote them."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ SECTIONS = {"wire": "inputs.wire_voltage", "shunt": "inputs.shunt_voltage"}
 
 
 def require_calibrated_kind(rig: str) -> None:
-    """Raise CallerError, before anything is driven, where there is no rig file that holds a calibration."""
+    """Raise CallerError, before anything is driven, if there is no rig file that holds a calibration."""
     if not Path(rig).is_file():
-        raise CallerError(f"--write needs a rig file of your own to write into, and '{rig}' is none")
+        raise CallerError(f"--write needs a rig file of your own, and '{rig}' is none")
     kind = str(tables_of(Path(rig).read_text("utf-8"), rig).get("kind", "simulated"))
     if kind not in CALIBRATED_KINDS:
         known = ", ".join(CALIBRATED_KINDS)
@@ -34,7 +34,7 @@ def require_calibrated_kind(rig: str) -> None:
 def write_calibration(path: Path, found: Sequence[ChannelCalibration]) -> Path:
     """Write a calibration into a rig file, whole or not at all, and return its path.
 
-    Raises CallerError where the file cannot be written or would not be a rig file any more.
+    Raises CallerError if the file cannot be written or would no longer be a rig file.
     """
     text = with_calibration(path.read_text("utf-8"), found, str(path))
 
@@ -47,10 +47,10 @@ def write_calibration(path: Path, found: Sequence[ChannelCalibration]) -> Path:
 
 
 def with_calibration(text: str, found: Sequence[ChannelCalibration], where: str) -> str:
-    """Return a rig file's text with gain and offset of its channels corrected by what was found beyond them.
+    """Return a rig file's text with gain and offset of its channels corrected by the calibration that was found.
 
     Readings were taken with the file's own gain g and offset o; true = (reading - offset) * gain, so the new ones are
-    gain * g and gain * (o - offset). Raises CallerError where a channel has no table of its own.
+    gain * g and gain * (o - offset). Raises CallerError if a channel has no table of its own.
     """
     for one in found:
         section = SECTIONS[one.channel]
@@ -64,7 +64,7 @@ def with_calibration(text: str, found: Sequence[ChannelCalibration], where: str)
 
 
 def tables_of(text: str, where: str) -> dict[str, Any]:
-    """Return a TOML text as data. Raises CallerError where it is none."""
+    """Return a TOML text as data. Raises CallerError if it is not valid TOML."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -1,4 +1,4 @@
-"""Every printed number of the paper beside ours: checks, the runs they need, and the verdict."""
+"""Every printed number of the paper compared with ours: checks, the runs they need, and the verdict."""
 
 from musclewire.experiment.reproduce.loops import Loop
 from musclewire.experiment.reproduce.paper_checks import PaperCheck, ReproductionRow, judged, selected

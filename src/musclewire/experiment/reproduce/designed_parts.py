@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from musclewire.design.finger.comparison import Scheme, compare_schemes
-from musclewire.design.finger.finger_file_text import geometry_of_file
+from musclewire.design.finger.finger_file_text import finger_geometry
 from musclewire.design.serpentine.analysis import Duty, PretensionerDesign
 from musclewire.design.serpentine.geometry import Envelope
 from musclewire.design.serpentine.sizing import PretensionerRequest, design_pretensioner
@@ -17,7 +17,7 @@ from musclewire.parameters.materials import load_material
 __all__ = ["SizedPretensioner", "designed_pretensioner", "schemes_of_fig13"]
 
 MATERIAL = "pom"
-# Contraction that the pretensioner must follow beyond its pretension, as a share of the wire's leg.
+# Contraction that the pretensioner must follow beyond its pretension, as a fraction of the wire's leg.
 STROKE = 0.04
 
 
@@ -69,7 +69,7 @@ def designed_pretensioner() -> SizedPretensioner:
 @cache
 def schemes_of_fig13() -> Schemes:
     """Return the schemes of Fig. 13(a) on the shipped finger, to the material's allowable stress."""
-    geometry = geometry_of_file(load_finger("lan-fan-2010"))
+    geometry = finger_geometry(load_finger("lan-fan-2010"))
     longest = 2.0 * load_finger("lan-fan-2010").curve.tendon_travel_m[-1]
     allowed = load_material(MATERIAL).yield_stress_pa.value
     return Schemes(tuple(compare_schemes(geometry, longest, allowed)))

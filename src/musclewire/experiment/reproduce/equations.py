@@ -1,4 +1,4 @@
-"""Equations 1 to 7: does what ran obey them, found by another way than the code that ran."""
+"""Equations 1 to 7: whether the runs obey them, computed independently of the code that ran."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ REACH_FRACTION = 0.05
 
 
 def checks() -> list[PaperCheck]:
-    """Return the checks of Eqs. 1 to 7; where nothing else is said ours is a deviation, and 0 would be exact."""
+    """Return the checks of Eqs. 1 to 7; unless noted otherwise ours is a deviation, and 0 would be exact."""
     return [
         deviation("eq1.resistance_rms_error_ohm", "ohm", 0.01, resistance_error_ohm,
             "rms from B to C of Eq. 1 against the simulated wire's own resistance; 0.01 ohm: half of what R_min and "
@@ -74,7 +74,7 @@ def resistance_error_ohm(runs: Runs) -> float:
 
 
 def gap_difference_pct(runs: Runs) -> float:
-    """Return how far the gap by plain means is from ours."""
+    """Return the difference of the gap by plain means from ours."""
     loop = runs.main_loop()
     return abs(plain_gap_pct(loop) - loop.strain_gap_pct)
 
@@ -108,14 +108,14 @@ def average_difference_pct(runs: Runs) -> float:
 
 
 def inverse_difference_pct(runs: Runs) -> float:
-    """Return how far the six strains of Table 2 come back from the resistance they require."""
+    """Return the largest difference of Table 2's six strains after conversion to resistance and back."""
     model = runs.model
     desired = np.array(read_published("lan_fan_2010")["table2"]["desired_strain_pct"]) / 100.0
     return float(100.0 * np.abs(np.asarray(model.strain(np.asarray(model.resistance_ohm(desired)))) - desired).max())
 
 
 def gain_checks() -> list[PaperCheck]:
-    """Return whether each gain kept to its printed range over the staircase, and whether it can reach both ends."""
+    """Return checks that each gain stays in its printed range over the staircase, and that it can reach both ends."""
     printed = read_published("lan_fan_2010")["controller"]
     sides: tuple[tuple[str, int, Compare], ...] = (("least", 0, "at least"), ("largest", 1, "at most"))
     inside = "Eq. 6 keeps a gain in its printed range, exactly; over the whole staircase with its approach"
@@ -138,14 +138,14 @@ def gain_checks() -> list[PaperCheck]:
 
 
 def gain_end(runs: Runs, *, gain: str, end: str) -> float:
-    """Return the least or largest value of a gain while the loop was closed."""
+    """Return the minimum or maximum of a gain while the loop was closed."""
     values = runs.control_run[gain]
     used = values[values > 0.0]
     return float(used.min() if end == "least" else used.max())
 
 
 def gain_reach(_runs: Runs, *, gain: str, end: str, low: float, high: float) -> float:
-    """Return the least or largest value of a gain over the plane of error and change of error."""
+    """Return the minimum or maximum of a gain over the plane of error and change of error."""
     places = np.linspace(-1.0, 1.0, 41)
     surface = infer_surface(load_rule_base(DEFAULT_RULE_BASE), places[:, None], places[None, :])
     ratios = getattr(surface, RATIO_OF[gain])

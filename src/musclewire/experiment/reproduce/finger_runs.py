@@ -23,9 +23,9 @@ from musclewire.signals.exchange import RawSample
 __all__ = ["COMMON_WIRE", "FINGER_RIG", "FINGER_WIRE", "FingerRuns", "pretension_n", "staircase_of_fig18"]
 
 FINGER_RIG: Final = "finger"
-# The spool that the finger's wire is taken to be, and the one of section III.
+# The assumed spool of the finger's wire, and the spool of section III.
 FINGER_WIRE, COMMON_WIRE = "finger-100um", "paper-100um"
-# What the finger's stage is off by when the search for its zero begins: a careful hand.
+# Offset of the finger's stage when the search for its zero begins, as set by a careful hand.
 STAGE_OFF_M = 40e-6
 
 
@@ -53,7 +53,7 @@ class FingerRuns:
         self._loops: dict[tuple[str, float], Loop] = {}
 
     def open(self, wire: str = FINGER_WIRE, force_n: float | None = None) -> GuardedRig:
-        """Open the rig with a wire at a pretension; another wire gets the voltages that suit this length."""
+        """Open the rig with a wire at a pretension; another wire gets the voltages of this length."""
         own = load_wire(FINGER_WIRE).values()
         return open_rig(
             FINGER_RIG,
@@ -65,7 +65,7 @@ class FingerRuns:
         )
 
     def loop(self, force_n: float, wire: str = FINGER_WIRE) -> Loop:
-        """Return the slow sine at a pretension. Raises RecordingError where the recording shows no loop."""
+        """Return the slow sine at a pretension. Raises RecordingError if the recording shows no loop."""
         key = (wire, round(force_n, 6))
         if key not in self._loops:
             with self.open(wire, force_n) as rig:
@@ -92,7 +92,7 @@ class FingerRuns:
 
     @cached_property
     def initial_deflection_m(self) -> dict[bool, float]:
-        """Where the endpoint is while the wire is cold, at the chosen pretension: with and without pretensioner.
+        """Displacement of the endpoint while the wire is cold, at the chosen pretension: with and without pretensioner.
 
         By the laser, against the same finger with no pretension in the wire.
         """
@@ -110,7 +110,7 @@ class FingerRuns:
 
 
 def endpoint_m(sample: RawSample) -> float:
-    """Return what the laser reads [m]. Raises RigError on a rig without one."""
+    """Return the laser's reading [m]. Raises RigError on a rig without one."""
     if sample.endpoint_displacement_m is None:
         raise RigError("this rig has no laser at the finger's endpoint: the finger's rig has one")
     return sample.endpoint_displacement_m

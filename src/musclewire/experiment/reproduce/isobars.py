@@ -20,7 +20,7 @@ HALF_WHY = (
 
 
 def checks() -> list[PaperCheck]:
-    """Return strokes, half-transformation temperatures and slopes beside the measured ones."""
+    """Return checks of strokes, half-transformation temperatures and slopes against the measured ones."""
     published = read_published("flexinol_isobars")
     strokes = [
         PaperCheck(f"isobars.stroke_pct[{stress:.0f}MPa]", published["stroke_pct"][index], "% strain",

@@ -1,4 +1,4 @@
-"""A slow sine with what is needed of it."""
+"""A slow sine with its gaps and branches."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ class Loop:
 
     @property
     def displacement_gap_pct(self) -> float:
-        """Eq. 9: the gap of what is moved, a finger's endpoint where there is one."""
+        """Eq. 9: the gap of displacement: of a finger's endpoint if there is one, else of the connector."""
         return 100.0 * determined(self.gaps.displacement_gap, "the gap of displacement")
 
     @property
     def stroke_pct(self) -> float:
-        """Largest less cold strain."""
+        """Largest strain minus cold strain."""
         return 100.0 * (self.gaps.segments.strain_max - self.gaps.segments.strain_cold)
 
     def halves(self) -> tuple[slice, slice]:
@@ -79,7 +79,7 @@ class Loop:
 
 
 def loop_on(rig: Rig, on_sample: OnSample, amplitude_v: float | None = None) -> Loop:
-    """Return the slow sine of an open rig, with what the simulated wire's resistance truly was."""
+    """Return the slow sine of an open rig, with the true resistance of the simulated wire."""
     wire, truth = required_true_state(rig), list[float]()
 
     def note(row: Mapping[str, float]) -> None:

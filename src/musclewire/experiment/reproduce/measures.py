@@ -1,4 +1,4 @@
-"""What is measured on loops and runs: distances between curves, excursions, a gap by plain means."""
+"""Measures of loops and runs: distances between curves, excursions, a gap by plain means."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ POINTS = 400
 
 
 def last_cycle(loop: Loop) -> NDArray[np.bool_]:
-    """Return where the last cycle is, (n_times,)."""
+    """Return which samples belong to the last cycle, (n_times,)."""
     cycle = loop.recording["cycle"]
     return np.asarray(cycle == cycle.max())
 
@@ -51,7 +51,7 @@ def drive_gap_pct(loop: Loop) -> float:
 
 
 def outside_band(place: FloatArray, value: FloatArray, lower: Branch, upper: Branch) -> float:
-    """Return how far points, both (n,), lie outside the band between two curves over rising places; 0 inside.
+    """Return the largest distance of points, both (n,), outside the band between two curves; 0 inside.
 
     A curve holds its last value beyond its ends.
     """
@@ -85,7 +85,7 @@ def plain_gap_pct(loop: Loop) -> float:
 def largest_distance(one: Branch, other: Branch) -> float:
     """Return the largest distance of two curves at equal resistance where they overlap.
 
-    Raises RecordingError where they share no resistance.
+    Raises RecordingError if they share no resistance.
     """
     places = shared_places(one, other)
     return float(np.abs(np.interp(places, *one) - np.interp(places, *other)).max())
@@ -110,12 +110,12 @@ def force_ratio_of(soft: Loop, stiff: Loop) -> float:
 
 
 def falling_steps(values: Sequence[float]) -> int:
-    """Return how many values lie below the one before."""
+    """Return how many values are below the one before."""
     return int((np.diff(values) < 0.0).sum())
 
 
 def lowest_place(places: Sequence[float], values: Sequence[float]) -> float:
-    """Return where values over rising places are smallest: the vertex of the parabola through the lowest three.
+    """Return the place of the smallest value over rising places: the vertex of the parabola through three.
 
     At an end of the places it is that end.
     """

@@ -1,4 +1,4 @@
-"""One check: a number of the paper, how ours is found, and how far apart the two may be."""
+"""One check: a number of the paper, the measurement of ours, and the tolerance between them."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ __all__ = ["PaperCheck", "Compare", "Kind", "ReproductionRow", "holds", "judged"
 # obeying it; input: a number of the paper that we took over; literature: published elsewhere.
 Kind = Literal["printed", "words", "equation", "input", "literature"]
 Compare = Literal["within", "at most", "at least"]
-# Room for rounding in the comparison itself.
+# Allowance for rounding in the comparison itself.
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
 class PaperCheck:
-    """What the paper says and how to find what we have; ``measure`` may raise whatever a bad loop raises.
+    """The paper's number and how to measure ours; ``measure`` may raise any error of an unusable loop.
 
-    ``paper`` and ``tolerance`` are in ``unit``. "within" wants ours no further than the tolerance from the paper's
-    number, "at most" no more than the tolerance above it, "at least" no more than the tolerance below it.
+    ``paper`` and ``tolerance`` are in ``unit``. "within" requires ours to be no further than the tolerance from the
+    paper's number, "at most" no more than the tolerance above it, "at least" no more than the tolerance below it.
     """
 
     name: str
@@ -42,7 +42,7 @@ class PaperCheck:
 
 @dataclass(frozen=True)
 class ReproductionRow:
-    """A check with its outcome; ``ours`` is None where no number could be had, and ``problem`` says why."""
+    """A check with its outcome; ``ours`` is None without a number, and ``problem`` states why."""
 
     name: str
     paper: float
@@ -69,7 +69,7 @@ def subject_of(name: str) -> str:
 
 
 def holds(check: PaperCheck, ours: float) -> bool:
-    """Tell whether our number keeps to the tolerance."""
+    """Return whether our number is within the tolerance."""
     room = check.tolerance + ROUNDING * max(1.0, abs(check.paper))
     if check.compare == "at most":
         return ours <= check.paper + room
@@ -98,7 +98,7 @@ def judged(check: PaperCheck, runs: Runs, known: Mapping[str, str]) -> Reproduct
 
 
 def measured(check: PaperCheck, runs: Runs) -> tuple[float | None, str | None]:
-    """Return what a check measures, or None and why there is no number."""
+    """Return the measured number of a check, or None and why there is none."""
     try:
         ours = float(check.measure(runs))
     except MusclewireError as error:
@@ -110,7 +110,7 @@ def selected(checks: Sequence[PaperCheck], only: str | None) -> list[PaperCheck]
     """Return the checks whose names begin with ``only``, all without one.
 
     A number is not cut in two: "fig1" is not the beginning of "fig11". Raises CallerError, suggesting the nearest
-    name, when nothing begins so.
+    name, if no name begins so.
     """
     if only is None:
         return list(checks)
@@ -126,6 +126,6 @@ def selected(checks: Sequence[PaperCheck], only: str | None) -> list[PaperCheck]
 
 
 def begins_with(name: str, beginning: str) -> bool:
-    """Tell whether a name begins so, and not in the middle of a number."""
+    """Return whether a name begins so, and not in the middle of a number."""
     rest = name.removeprefix(beginning)
     return name.startswith(beginning) and not (beginning[-1:].isdigit() and rest[:1].isdigit())

@@ -17,7 +17,7 @@ __all__ = ["Reproduction", "all_checks", "reproduce"]
 
 @dataclass(frozen=True)
 class Reproduction:
-    """The rows that were asked for, and the runs behind them."""
+    """The selected rows, and the runs they were measured on."""
 
     rows: tuple[ReproductionRow, ...]
     runs: Runs
@@ -26,7 +26,7 @@ class Reproduction:
 
     @property
     def failing(self) -> list[ReproductionRow]:
-        """Rows that do not keep to their tolerance."""
+        """Rows outside their tolerance."""
         return [row for row in self.rows if not row.ok]
 
     @property
@@ -55,8 +55,8 @@ def reproduce(
 ) -> Reproduction:
     """Compare what the paper prints with the shipped parameters on the simulated rig.
 
-    ``only`` keeps the rows whose names begin so; only the recordings they need are made. ``on_row`` hears each name
-    with its number and the count before it is worked on. Raises CallerError where no name begins with ``only``.
+    ``only`` keeps the rows whose names begin so; only the recordings they need are made. ``on_row`` receives each name
+    with its number and the count before it is measured. Raises CallerError if no name begins with ``only``.
     """
     started = time.perf_counter()
     chosen = selected(all_checks(), only)

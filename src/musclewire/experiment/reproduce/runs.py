@@ -49,7 +49,7 @@ class Runs:
         """Return the slow sine of a wire at a pretension, from a rig opened for it alone.
 
         Without ``amplitude_v`` it is the wire's own, without ``stiffness_n_per_m`` the bench's spring. Raises
-        RecordingError where the recording shows no loop.
+        RecordingError if the recording shows no loop.
         """
         key = (wire, round(pretension_n, 6), amplitude_v, stiffness_n_per_m)
         if key not in self._loops:

@@ -62,7 +62,7 @@ def loop_of_amplitude(runs: Runs, volts: float) -> Loop:
 
 
 def minor_loop_checks(setup: dict[str, Any]) -> list[PaperCheck]:
-    """Return whether smaller amplitudes give smaller loops inside the larger ones (Fig. 3a).
+    """Return checks that smaller amplitudes give smaller loops inside the larger ones (Fig. 3a).
 
     Parameters
     ----------
@@ -111,12 +111,12 @@ def stroke_ratio(runs: Runs, *, small: float, large: float) -> float:
 
 
 def outside_pct(runs: Runs, *, small: float, large: float) -> float:
-    """Return how far the loop of one amplitude leaves that of a larger one [% strain]."""
+    """Return the largest excursion of the loop of one amplitude out of that of a larger one [% strain]."""
     return outside_loop_pct(loop_of_amplitude(runs, small), loop_of_amplitude(runs, large))
 
 
 def segment_checks(setup: dict[str, Any]) -> list[PaperCheck]:
-    """Return the shares of segments A-B and B-C, and how much closer resistance brings the branches (Fig. 3b).
+    """Return checks of the fractions of segments A-B and B-C, and of the gap over resistance and voltage (Fig. 3b).
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def segment_checks(setup: dict[str, Any]) -> list[PaperCheck]:
 
 
 def segment_ab_pct(runs: Runs) -> float:
-    """Return the share of the strain that lies before B on heating [%]."""
+    """Return the fraction of the strain before B on heating [%]."""
     return 100.0 * (1.0 - runs.main_loop().gaps.segments.transformation_fraction)
 
 
@@ -162,7 +162,7 @@ def sweep_settings_n() -> list[float]:
 
 
 def strain_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
-    """Return the printed strain gaps of the 125 um wire, and that the gap falls between them (Fig. 4).
+    """Return checks of the printed strain gaps of the 125 um wire, and that the gap falls between them (Fig. 4).
 
     Parameters
     ----------
@@ -205,12 +205,12 @@ def force_gap_pct(runs: Runs, *, wire: str, force: float) -> float:
 
 
 def falling_count(runs: Runs) -> float:
-    """Return at how many steps of the sweep the strain gap falls."""
+    """Return the number of steps of the sweep at which the strain gap falls."""
     return falling_steps([strain_gap_pct(runs, wire=SWEEP_WIRE, force=force) for force in sweep_settings_n()])
 
 
 def force_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
-    """Return where the force gap of the 125 um wire is smallest, how small, and that it grows again (Fig. 5).
+    """Return checks of the smallest force gap of the 125 um wire, its pretension, and that it grows again (Fig. 5).
 
     Parameters
     ----------
@@ -252,7 +252,7 @@ def smallest_force_gap_at_n(runs: Runs) -> float:
 
 
 def force_gap_rise_pct(runs: Runs) -> float:
-    """Return by how much the force gap has grown again at the end of the sweep; below 0 where it has not."""
+    """Return the rise of the force gap at the end of the sweep above its minimum; below 0 if it still falls."""
     gaps = sweep_force_gaps_pct(runs)
     return gaps[-1] - min(gaps[:-1])
 
@@ -264,7 +264,7 @@ def loops_at_ratio(runs: Runs, wire: str) -> list[Loop]:
 
 
 def diameter_checks() -> list[PaperCheck]:
-    """Return the order of the three wires, and that strain gaps get below force gaps (Fig. 6)."""
+    """Return checks of the order of the three wires, and that strain gaps get below force gaps (Fig. 6)."""
     labels = " < ".join(diameter_label(wire) for wire in WIRES)
     found = [
         PaperCheck("fig6a.ratios_in_order", len(FORCE_RATIOS), "1", 0.0,
@@ -283,7 +283,7 @@ def diameter_checks() -> list[PaperCheck]:
 
 
 def ratios_in_order(runs: Runs) -> float:
-    """Return at how many force ratios a smaller wire has the smaller strain gap, all three."""
+    """Return the number of force ratios at which the smaller of all three wires has the smaller strain gap."""
     gaps = np.array([[loop.strain_gap_pct for loop in loops_at_ratio(runs, wire)] for wire in WIRES])
     return float((np.diff(gaps, axis=0) > 0.0).all(axis=0).sum())
 
@@ -302,7 +302,7 @@ def loop_of_stiffness(runs: Runs, factor: float) -> Loop:
 
 
 def stiffness_checks() -> list[PaperCheck]:
-    """Return how near strain curves of three stiffnesses are, and how force curves differ (Figs. 7, 8)."""
+    """Return checks that strain curves of three stiffnesses agree, and how force curves differ (Figs. 7, 8)."""
     near = (
         'largest distance of two strain curves, B to C, heating or cooling, where they overlap; "minimal" is read as '
         "5 % of the largest strain; the paper prints no stiffnesses, half, one and two times 588.6 N/m are our choice"

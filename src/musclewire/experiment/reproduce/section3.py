@@ -38,7 +38,7 @@ def checks() -> list[PaperCheck]:
 
 
 def loop_checks(printed: dict[str, Any]) -> list[PaperCheck]:
-    """Return R_min, R_max, the gap and the quality of the polynomials (Fig. 9).
+    """Return checks of R_min, R_max, the gap and the polynomials' residuals (Fig. 9).
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def largest_other_mae_pct(runs: Runs) -> float:
 
 
 def staircase_checks(paper: dict[str, Any]) -> list[PaperCheck]:
-    """Return what Figs. 11 and 12 say: sizes of the steps, estimate against sensor, the trace within its loop.
+    """Return checks of Figs. 11 and 12: sizes of the steps, estimate against sensor, the trace within its loop.
 
     Parameters
     ----------
@@ -263,7 +263,7 @@ def estimate_rms_pct(runs: Runs) -> float:
 
 
 def outside_band_pct(runs: Runs) -> float:
-    """Return how far the trace of the staircase leaves the band between the branches [% strain]."""
+    """Return the largest distance of the staircase's trace from the band between the branches [% strain]."""
     run = runs.control_run
     heating, cooling = runs.main_loop().sensing_branches("strain")
     counted = elapsed(run) > 0.0

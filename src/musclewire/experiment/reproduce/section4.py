@@ -23,7 +23,7 @@ SPOOLS = ((FINGER_WIRE, "the finger's own spool"), (COMMON_WIRE, "the spool of s
 # From a nearly slack wire to beyond twice the paper's choice, 0.12 N apart about it.
 SWEEP_N = (0.15, 0.25, 0.37, 0.47, 0.59, 0.71, 0.83, 0.95, 1.15, 1.4, 1.7)
 PLACE_TOLERANCE_N, GAP_TOLERANCE_PCT, STIFFNESS_FRACTION = 0.15, 0.7, 0.01
-# Eq. 8 is looked at where the connector moves: at both ends friction has yet to turn round.
+# Eq. 8 is evaluated between the ends of the connector's motion: at the ends friction has yet to reverse.
 EQUATION_8_N, EQUATION_8_SPAN = 0.02, (0.05, 0.95)
 OBVIOUS_MM, NONE_MM, ZERO_UM = 1.0, 0.01, 5.0
 MAX_MAE_PCT, MEAN_MAE_PCT = 5.4, 1.6
@@ -60,7 +60,7 @@ def geometry_mm(_runs: Runs, *, name: str) -> float:
 
 
 def finger_checks(printed: dict[str, Any]) -> list[PaperCheck]:
-    """Return what is printed of the finger, and the comparison of Fig. 13(a).
+    """Return checks of the finger's printed numbers, and of the comparison of Fig. 13(a).
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def designed_size_mm(_runs: Runs, *, index: int) -> float:
 
 
 def deflection_checks() -> list[PaperCheck]:
-    """Return what the pretensioner is for: no deflection of the finger before anything is heated (Fig. 14)."""
+    """Return checks of the pretensioner's purpose: no deflection of the finger before heating (Fig. 14)."""
     return [
         PaperCheck("fig14.initial_deflection_mm[pretensioner]", 0.0, "mm", NONE_MM,
             '"the pretension force can be adjusted without initially deflecting the finger": 0.01 mm, three times the '
@@ -209,7 +209,7 @@ def eq8_error_n(runs: Runs) -> float:
 
 
 def deflection_mm(runs: Runs, *, kept: bool) -> float:
-    """Return where the endpoint is before anything is heated [mm]."""
+    """Return the endpoint's displacement before heating [mm]."""
     return 1e3 * abs(runs.finger.initial_deflection_m[kept])
 
 

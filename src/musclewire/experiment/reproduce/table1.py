@@ -1,4 +1,4 @@
-"""Table 1 and the numbers of section 2.1: what was taken over, and what the simulated wires make of it."""
+"""Table 1 and the numbers of section 2.1: those taken over, and those measured on the simulated wires."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def cold_resistance(runs: Runs, *, wire: str) -> float:
 
 
 def stress_checks() -> list[PaperCheck]:
-    """Return whether each force of Table 1 means one stress for all three diameters."""
+    """Return checks that each force of Table 1 is one stress for all three diameters."""
     why = (
         "both forces should be one stress times the section; 2.5 %: the nominal forces are whole grams (28, 43, 110), "
         "half a gram is 1.8 %, and a micrometre of diameter is 2 % of section"
@@ -103,9 +103,9 @@ def ratio_checks(paper: dict[str, Any]) -> list[PaperCheck]:
     """Return the force ratio of every printed pretension: F_p over the maximal force of Table 1."""
     table = paper["table1"]
     why = (
-        "the printed pretension over the printed maximal force, beside the load cell's reading before heating over the "
-        "wire's maximal force; 2 %: the load cell's noise "
-        "and what the cold wire gives in the first samples"
+        "the printed pretension over the printed maximal force, compared with the load cell's reading before heating "
+        "over the wire's maximal force; 2 %: the load cell's noise "
+        "and the elongation of the cold wire in the first samples"
     )
     found = []
     for diameter, force in printed_settings(paper):
@@ -125,7 +125,7 @@ def force_ratio(runs: Runs, *, wire: str, pretension_n: float) -> float:
 
 
 def setup_checks(paper: dict[str, Any]) -> list[PaperCheck]:
-    """Return what section 2.1 sets, read back from the recording of the main loop."""
+    """Return checks of the settings of section 2.1, read from the recording of the main loop."""
     setup = paper["setup"]
     frequency = 1.0 / float(setup["frequency_hz"].partition("/")[2])
     main = [

@@ -1,4 +1,4 @@
-"""What tests here import stands beside them; importlib mode does not put the folder on the path."""
+"""Modules that tests here import are next to them; importlib mode does not put the folder on the path."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def test_with_an_object_both_the_free_and_the_touching_finger_are_marked_and_nam
     force = next(axes for axes in figure.axes if "force" in axes.get_ylabel())
     named = {line.get_label(): line.get_ydata()[0] for line in force.get_lines()}
     assert answer.contact is not None
-    assert named["free, endpoint asked for"] == answer.at.tendon_force_n
+    assert named["free, requested endpoint"] == answer.at.tendon_force_n
     assert named["on the object"] == answer.contact.tendon_force_n
     legend = force.get_legend()
     assert legend is not None

@@ -27,8 +27,8 @@ def test_the_tendon_is_turned_by_all_the_finger_is_bent() -> None:
 
 def test_tensions_fall_by_the_capstan_law_while_pulling_and_rise_while_easing() -> None:
     for sign in (1.0, -1.0):
-        at, shares = chord_tensions(CHAIN, CURVED.stiffness_n_m2, 1e-3, sign * 0.15, BENT)
-        assert shares == pytest.approx(np.exp(-sign * 0.15 * hole_turns_rad(at.placed, at.angles_rad)), rel=1e-9)
+        at, weights = chord_tensions(CHAIN, CURVED.stiffness_n_m2, 1e-3, sign * 0.15, BENT)
+        assert weights == pytest.approx(np.exp(-sign * 0.15 * hole_turns_rad(at.placed, at.angles_rad)), rel=1e-9)
         assert at.travel_m == pytest.approx(1e-3)
 
 

@@ -64,7 +64,7 @@ def test_no_travel_is_no_force_and_the_unloaded_shape() -> None:
 
 
 def test_more_elements_change_the_force_by_two_thousandths_at_most() -> None:
-    # The feet of the beam are spread over the elements beside them, so it is their size that is felt.
+    # The feet of the beam are distributed over the elements next to them, so it is their size that is felt.
     coarse, fine = (
         equilibria(finger_chain(CURVED, elements_per_segment=n), CURVED.stiffness_n_m2, TRAVELS)[-1] for n in (8, 32)
     )
@@ -148,7 +148,7 @@ def test_the_travel_for_an_endpoint_brings_it_there() -> None:
     assert at.endpoint_displacement_m == pytest.approx(4.2e-3, rel=1e-8)
 
 
-def test_an_endpoint_beyond_the_travel_is_told_by_how_much() -> None:
+def test_an_endpoint_beyond_the_travel_is_refused_with_the_excess() -> None:
     with pytest.raises(CallerError, match=r"moves 3\.\d+ mm at a travel of 0\.500 mm: \d\d\.\d % less than the 6 mm"):
         travel_for_endpoint_m(finger_chain(PLAIN), PLAIN.stiffness_n_m2, 6e-3, 0.5e-3)
 
@@ -159,7 +159,7 @@ def test_a_travel_longer_than_the_tendon_is_refused() -> None:
 
 
 def test_a_curve_that_curls_back_is_refused() -> None:
-    with pytest.raises(CallerError, match="comes back"):
+    with pytest.raises(CallerError, match="moves back"):
         finger_curve(PLAIN, np.linspace(0.0, 2.4e-3, 25))
 
 

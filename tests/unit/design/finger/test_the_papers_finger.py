@@ -1,4 +1,4 @@
-"""The finger that comes along: printed numbers, its curve from its dimensions, finite elements beside it."""
+"""The included finger: printed numbers, its curve from its dimensions, comparison with finite elements."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fingers import CURVED
 from musclewire.design.finger.chain import finger_chain
 from musclewire.design.finger.comparison import compare_schemes
 from musclewire.design.finger.curve import beam_stress_pa, max_free_travel_m
-from musclewire.design.finger.finger_file_text import curve_of_file, geometry_of_file
+from musclewire.design.finger.finger_file_text import finger_geometry, recomputed_curve
 from musclewire.design.finger.geometry import FingerGeometry
 from musclewire.design.finger.plane_stress import finger_body, plane_stress_path
 from musclewire.design.finger.statics import equilibria
@@ -20,7 +20,7 @@ from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve, load_finger
 
 FINGER = load_finger("lan-fan-2010")
-GEOMETRY = geometry_of_file(FINGER)
+GEOMETRY = finger_geometry(FINGER)
 NEEDED_M = float(np.interp(6e-3, FINGER.curve.endpoint_displacement_m, FINGER.curve.tendon_travel_m))
 
 
@@ -43,7 +43,7 @@ def test_lengths_are_the_printed_ones() -> None:
 
 @pytest.mark.parametrize("column", FingerCurve.model_fields)
 def test_its_curve_follows_from_its_dimensions(column: str) -> None:
-    again = curve_of_file(FINGER)
+    again = recomputed_curve(FINGER)
     assert getattr(again, column) == pytest.approx(getattr(FINGER.curve, column), rel=1e-7, abs=1e-12)
 
 
@@ -101,11 +101,11 @@ def test_the_papers_wire_gives_stroke_and_force_with_the_papers_pretensioner() -
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"wire_length_m": 0.05}, r"50 mm as a V, gives 0\.9\d\d mm .* wants 0\.994 mm, \d\.\d % short"),
+        ({"wire_length_m": 0.05}, r"50 mm as a V, gives 0\.9\d\d mm .* requires 0\.994 mm, \d\.\d % short"),
         ({"pretension_n": 4.0}, r"would bear 6\.\d+ N .* 1\.\d\d times the 4\.6 N it is allowed"),
     ],
 )
-def test_a_wire_too_short_or_overloaded_is_told_by_how_much(changes: dict[str, float], said: str) -> None:
+def test_a_wire_too_short_or_overloaded_is_refused_with_the_excess(changes: dict[str, float], said: str) -> None:
     asked = {
         "wire_length_m": 0.07,
         "pretension_n": 0.71,

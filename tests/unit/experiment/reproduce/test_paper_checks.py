@@ -41,7 +41,7 @@ def test_a_row_holds_up_to_its_tolerance_and_not_beyond(
 
 
 @given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(0.0, 1e3))
-def test_within_is_at_most_and_at_least(ours: float, paper: float, tolerance: float) -> None:
+def test_within_means_neither_above_nor_below_the_tolerance(ours: float, paper: float, tolerance: float) -> None:
     def ok(compare: Compare) -> bool:
         return judged(check(ours, compare, paper, tolerance), RUNS, {}).ok
 
