@@ -62,9 +62,10 @@ def show(title: str, rows: Sequence[LoopRow]) -> None:
     print("  gap [%]     " + " ".join(f"{row.gap_pct:6.2f}" for row in rows))
     print("  signed [%]  " + " ".join(f"{row.signed_gap_pct:+6.2f}" for row in rows))
     print(
-        f"  least {least.gap_pct:.2f} % at {smallest_gap_place_n(rows):.2f} N, at {PAPER_N} N {paper.gap_pct:.2f} "
-        f"%, stroke {paper.stroke_pct:.2f} %, endpoint {1e3 * paper.endpoint_m:.2f} mm, "
-        f"{100 * paper.min_martensite:.0f} % martensite left\n  bars: {bars(rows)}; the least stands out by {stands_out_pct(rows):.2f} points"
+        f"  least {least.gap_pct:.2f} % at {smallest_gap_place_n(rows):.2f} N; at {PAPER_N} N {paper.gap_pct:.2f} %, "
+        f"stroke {paper.stroke_pct:.2f} %, endpoint {1e3 * paper.endpoint_m:.2f} mm, "
+        f"{100 * paper.min_martensite:.0f} % martensite left\n"
+        f"  bars: {bars(rows)}; the least stands out by {stands_out_pct(rows):.2f} points"
     )
 
 
