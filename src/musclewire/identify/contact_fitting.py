@@ -207,8 +207,8 @@ def surprises_of(free: FreeClosing, closing: Closing) -> list[float]:
     span = free.resistance_max_ohm - free.resistance_min_ohm
     for place, power_w in zip(closing.normalised, closing.power_w, strict=True):
         after = detector.step(state, free.resistance_min_ohm + span * float(place), float(power_w), closing.dt_s)
-        if after.following and after.surprise is not None:
-            found.append(after.surprise)
+        if after.following and after.innovation is not None:
+            found.append(after.innovation)
         state = after
     return found
 

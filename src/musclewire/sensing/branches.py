@@ -1,4 +1,4 @@
-"""A heating or cooling branch, and the single-valued curve it stands for."""
+"""A heating or cooling branch, and the single-valued curve that follows from its samples."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from musclewire.sensing.smoothing import noise_level, smooth, smoothing_window
 __all__ = ["Branch", "checked_branch", "single_valued"]
 
 
-# Longest smoothing window as a share of the branch, so that a bend of the loop is never ironed out.
+# Maximum smoothing window as a fraction of the branch, so that the bends of a loop are kept.
 MAX_WINDOW_FRACTION = 0.03
-# Below this rank agreement between position and resistance the samples are not in the order of the branch.
+# Below this rank correlation of position and resistance the samples are not in the order of the branch.
 IN_ORDER = 0.5
 
 
@@ -28,15 +28,15 @@ class Branch(NamedTuple):
     resistance_ohm
         Resistances [ohm], shape (n,).
     quantity
-        What was measured there, shape (n,): strain as a fraction, displacement [m] or force [N].
+        The quantity measured at these resistances, shape (n,): strain as a fraction, displacement [m] or force [N].
     """
 
     resistance_ohm: FloatArray
     quantity: FloatArray
 
 
-def checked_branch(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str, least: int = 2) -> Branch:
-    """Return the branch as float arrays; RecordingError on NaN, unequal lengths or fewer than ``least``."""
+def checked_branch(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str, min_points: int = 2) -> Branch:
+    """Return the branch as float arrays; RecordingError on NaN, unequal lengths or fewer than ``min_points``."""
     resistance = np.asarray(branch[0], dtype=np.float64)
     quantity = np.asarray(branch[1], dtype=np.float64)
     if resistance.ndim != 1 or resistance.shape != quantity.shape:
@@ -44,8 +44,8 @@ def checked_branch(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str, least
             f"{name} branch: resistance has shape {resistance.shape} and the quantity {quantity.shape}: "
             "give two columns of equal length"
         )
-    if resistance.size < least:
-        raise RecordingError(f"{name} branch has {resistance.size} points, at least {least} are needed")
+    if resistance.size < min_points:
+        raise RecordingError(f"{name} branch has {resistance.size} points, at least {min_points} are needed")
     bad = ~(np.isfinite(resistance) & np.isfinite(quantity))
     if bad.any():
         raise RecordingError(
@@ -58,13 +58,13 @@ def checked_branch(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str, least
 def single_valued(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str = "this") -> Branch:
     """Turn the samples of one branch into a curve: strictly rising resistance, one quantity at each.
 
-    Both columns are smoothed along the branch with a window scaled by their noise (none for clean data, never
-    more than 3 % of the branch); then an isotonic regression of resistance on the order of the samples pools
-    whatever still runs back, and the quantity is averaged over the same pools. Noise in resistance is thus
-    averaged along the branch and not by sorting samples into resistance bins, which would flatten the curve
-    where it bends. What remains is a bias at the two ends: there noise carries the curve outward by about
-    twice the noise left after smoothing. Clean data come back unchanged, so the result does not depend on
-    how densely or evenly the branch was sampled, nor on its direction.
+    Both columns are smoothed along the branch with a window scaled by their noise (none for clean data, never more than
+    3 % of the branch); then an isotonic regression of resistance on the order of the samples pools samples that still
+    run backwards, and the quantity is averaged over the same pools. Noise in resistance is thus averaged along the
+    branch and not by sorting samples into resistance bins, which would flatten the curve where it bends. A bias remains
+    at the two ends, where noise shifts the curve outwards by about twice the noise that is left after smoothing. Clean
+    data come back unchanged, so the result does not depend on how densely or evenly the branch was sampled, nor on its
+    direction.
 
     Parameters
     ----------
@@ -96,9 +96,10 @@ def single_valued(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str = "this
 
 
 def _window(resistance: FloatArray, quantity: FloatArray) -> int:
-    longest = int(MAX_WINDOW_FRACTION * resistance.size)
+    """Return the smoothing window that the noisier of both columns needs."""
+    max_window = int(MAX_WINDOW_FRACTION * resistance.size)
     return max(
-        smoothing_window(noise_level(column), float(np.ptp(column)), longest) for column in (resistance, quantity)
+        smoothing_window(noise_level(column), float(np.ptp(column)), max_window) for column in (resistance, quantity)
     )
 
 

@@ -1,26 +1,27 @@
 """Contact of a closing finger, found from the voltages of its wire alone.
 
-What shows contact. The strain of a wire at a resistance hardly depends on what it pulls (Lan and Fan 2010, Fig. 7), so
-resistance against strain cannot show that a finger has met something. Power against resistance does: the object's push
-raises the wire's stress, stress raises its transformation temperatures, and a hotter wire takes more power at the same
-resistance. A draught or warmer air also changes that power, but not together with the resistance. Written as a heat
-balance over normalised resistance l, which falls as the wire contracts:
+Principle. The strain of a wire at a resistance hardly depends on its load (Lan and Fan 2010, Fig. 7), so that
+resistance against strain cannot show that a finger has touched an object. Power against resistance does: the object's
+reaction raises the wire's stress, stress raises its transformation temperatures, and a hotter wire takes more power at
+the same resistance. A draught or warmer air also changes that power, but not together with the resistance. Written as a
+heat balance over normalised resistance l, which falls as the wire contracts:
 
-    P = theta(l) - m(l) dl/dt + weather + s [(l_c - l) - tau dl/dt]  once l < l_c
+    P = theta(l) - m(l) dl/dt + a + s [(l_c - l) - tau dl/dt]  once l < l_c
 
-theta is what holds the free finger there, m the heat that a unit of l takes (latent and to warm the wire on), both
-from closings without an object; tau the wire's thermal time; l_c where contact began; s [W] how steeply power grows
-from there. The term in dl/dt is why contact shows at once and not only when force has grown: from one sample to the
-next the wire must warm faster for the same motion.
+theta is the power that holds the free finger at l, m the heat per unit of l (latent heat and further heating of the
+wire), both from closings without an object; a the disturbance by the air; tau the wire's thermal time constant; l_c
+the normalised resistance at which contact began; s [W] the slope with which power grows from there. The term in dl/dt
+shows contact at once and not only after force has grown: from one sample to the next the wire must warm faster for the
+same motion.
 
-How it is found. Integrated over time the balance holds without differentiating the noisy resistance:
+Detection. Integrated over time the balance holds without differentiating the noisy resistance:
 
-    E = int (P - theta) dt + int m dl = E_0 + int weather dt + s [int (l_c - l) dt + tau (l_c - l)]
+    E = int (P - theta) dt + int m dl = E_0 + int a dt + s [int (l_c - l) dt + tau (l_c - l)]
 
-Weather is a first-order random process of stated strength and duration; a Kalman filter on (E, weather) whitens E, and
-a generalised likelihood ratio compares "free" with "contact at l_c" for every recent l_c and the s that fits it best
-(Willsky and Jones 1976, IEEE Trans. Autom. Control 21, 108, doi 10.1109/TAC.1976.1101146). The score is that ratio in
-standard deviations.
+The disturbance a is a first-order random process of given strength and duration; a Kalman filter on (E, a) whitens E,
+and a generalised likelihood ratio compares "free" with "contact at l_c" for every recent l_c and the s that fits it
+best (Willsky and Jones 1976, IEEE Trans. Autom. Control 21, 108, doi 10.1109/TAC.1976.1101146). The score is that ratio
+in standard deviations.
 """
 
 from __future__ import annotations
@@ -40,22 +41,22 @@ __all__ = ["THRESHOLD", "AirDisturbance", "ContactDetector", "ContactState", "Fr
 
 # In standard deviations. Of a Gaussian score 4.5 is passed by chance once in 300,000; a closing has some 40 samples.
 THRESHOLD = 4.5
-# In a fast closing one sample may be half a millimetre: contact may have begun at so many places within each.
+# In a fast closing one sample may cover half a millimetre: contact may have begun at as many places within it.
 PLACES_PER_SAMPLE = 4
 # Contacts that began longer ago than this many samples are no longer tried.
 CANDIDATES = 40 * PLACES_PER_SAMPLE
-# The wire has begun to contract once its resistance has fallen by this share of the range from its highest.
-BEGUN = 0.04
-# Before that it must take this share of the power that holds it where contraction begins.
+# The wire has begun to contract once its resistance has fallen by this fraction of the range from its maximum.
+MIN_FALL_FRACTION = 0.04
+# Before that it must take this fraction of the power that holds it at the beginning of contraction.
 MIN_POWER_FRACTION = 0.5
-# How well theta and m describe a free closing: share of the power, independent from sample to sample.
+# Error of theta and m in a free closing: a fraction of the power, independent from sample to sample.
 MODEL_POWER_FRACTION = 0.01
 NO_FLOATS = np.empty(0)
 
 
 @dataclass(frozen=True)
 class FreeClosing:
-    """What closing without an object takes, over normalised resistance; coefficients are ascending powers.
+    """Power and energy of a closing without an object over normalised resistance; coefficients are of ascending powers.
 
     ``holding_power_w`` is theta, ``closing_energy_j`` is m, both of all wires in the circuit. They hold from
     ``normalised_min`` to ``normalised_max``. ``normalised_noise`` is the standard deviation of one sample's normalised
@@ -72,7 +73,7 @@ class FreeClosing:
     thermal_time_s: float
 
     def __post_init__(self) -> None:
-        """Check what later divides or is integrated."""
+        """Check the numbers that divide or are integrated later."""
         check_resistance_range(self.resistance_min_ohm, self.resistance_max_ohm)
         numbers = (*self.holding_power_w, *self.closing_energy_j, self.normalised_min, self.normalised_max)
         if not (self.holding_power_w and self.closing_energy_j and all(map(isfinite, numbers))):
@@ -93,11 +94,11 @@ class AirDisturbance(NamedTuple):
     Parameters
     ----------
     draught_fraction
-        By draughts.
+        Part of draughts.
     draught_time_s
-        How long a draught lasts, about [s].
+        Correlation time of a draught [s].
     air_temperature_fraction
-        By the air's temperature, which stays over one closing: 3 K of some 60 K between wire and air.
+        Part of the air's temperature, constant over one closing: 3 K of some 60 K between wire and air.
     """
 
     draught_fraction: float = 0.10
@@ -106,11 +107,12 @@ class AirDisturbance(NamedTuple):
 
 
 class ContactState(NamedTuple):
-    """What the detector remembers; ``score`` and what follows is what it says.
+    """State of the detector; ``score`` and the fields after it are its result.
 
-    ``place`` is the normalised resistance at which contact most likely began, ``slope_w`` how power has grown per unit
-    of normalised resistance since. ``touched`` stays True once the score has passed the threshold. ``surprise`` is how
-    far the last energy was from the free closing's, over what noise and weather explain; None until the wire contracts.
+    ``place`` is the normalised resistance at which contact most likely began, ``slope_w`` the growth of power per unit
+    of normalised resistance since. ``touched`` stays True once the score has passed the threshold. ``innovation`` is
+    the deviation of the last energy from the prediction of the free closing in standard deviations of noise and air
+    disturbance; None until the wire contracts.
     """
 
     highest: float
@@ -129,11 +131,11 @@ class ContactState(NamedTuple):
     place: float
     slope_w: float
     touched: bool
-    surprise: float | None
+    innovation: float | None
 
 
 class Interval(NamedTuple):
-    """What passed between two samples: normalised resistances, energy and its noise [J], powers [W], time [s]."""
+    """The interval between two samples: normalised resistances, energy and its noise [J], powers [W], time [s]."""
 
     before: float
     here: float
@@ -145,16 +147,18 @@ class Interval(NamedTuple):
 
 
 class ContactDetector:
-    """Tells contact from weather while a finger closes; state in, state out."""
+    """Distinguishes contact from air disturbances while a finger closes; state in, state out."""
 
     def __init__(self, free: FreeClosing, air: AirDisturbance | None = None, threshold: float = THRESHOLD) -> None:
-        """Take the free closing, the weather to expect, and the score that counts as contact.
+        """Take the free closing, the expected air disturbance, and the score that counts as contact.
 
-        Raises CallerError for weather or a threshold not above 0.
+        Raises CallerError for a disturbance or a threshold not above 0.
         """
         self.free, self.air, self.threshold = free, air or AirDisturbance(), threshold
         if not (min(self.air) > 0.0 and threshold > 0.0):
-            raise CallerError(f"the weather to expect {tuple(self.air)} and the threshold {threshold} must be above 0")
+            raise CallerError(
+                f"the expected air disturbance {tuple(self.air)} and the threshold {threshold} must be above 0"
+            )
 
     def start(self) -> ContactState:
         """Return the state before a closing, the wire cold or just warm."""
@@ -173,10 +177,10 @@ class ContactDetector:
         here, before = free.normalised(resistance_ohm), state.normalised
         seen = state._replace(normalised=here, power_w=power_w)
         if not state.following:
-            # With little current resistance is mostly noise, and a wire that contracts takes more.
+            # At low current the resistance is mostly noise, and a wire that contracts takes more power.
             powered = power_w > MIN_POWER_FRACTION * float(evaluate(free.holding_power_w, free.normalised_max))
             seen = seen._replace(highest=max(state.highest, here) if powered else state.highest)
-            if not (powered and here < min(free.normalised_max, seen.highest - BEGUN)):
+            if not (powered and here < min(free.normalised_max, seen.highest - MIN_FALL_FRACTION)):
                 return seen
         if before is None or here < free.normalised_min:
             return seen
@@ -191,30 +195,30 @@ class ContactDetector:
         return self._weigh(seen, Interval(before, here, energy, holding_w, taken_w, noise_j, dt_s))
 
     def _weigh(self, state: ContactState, interval: Interval) -> ContactState:
-        """Return the state with one more energy weighed: filter, candidates, score."""
+        """Return the state after one more energy: filter, candidates, score."""
         places, signatures = self._candidates(state, interval)
         level, covariance, responses = self._predicted(state, interval)
         variance = covariance[0, 0] + interval.noise_j**2
         gain = covariance[:, 0] / variance
-        surprise = interval.energy_j - level[0]
+        innovation = interval.energy_j - level[0]
         shown = signatures - responses[0]
         state = state._replace(
             energy_j=interval.energy_j,
-            level=level + gain * surprise,
+            level=level + gain * innovation,
             covariance=covariance - np.outer(gain, covariance[0]),
             places=places,
             signatures=signatures,
             responses=responses + gain[:, None] * shown,
-            overlaps=grown(state.overlaps) + surprise * shown / variance,
+            overlaps=grown(state.overlaps) + innovation * shown / variance,
             weights=grown(state.weights) + shown * shown / variance,
-            surprise=float(surprise / np.sqrt(variance)),
+            innovation=float(innovation / np.sqrt(variance)),
         )
         return self._scored(state)
 
     def _candidates(self, state: ContactState, interval: Interval) -> tuple[FloatArray, FloatArray]:
-        """Return at which places contact may have begun, and what energy each would have shown by now [J per W]."""
+        """Return the places at which contact may have begun, and the energy signature of each until now [J per W]."""
         before, here, dt_s = interval.before, interval.here, interval.dt_s
-        # A contact that began since the sample before is one more candidate, at some places; the oldest are forgotten.
+        # Contact may also have begun since the sample before, at several places; the oldest candidates are dropped.
         fractions = np.arange(PLACES_PER_SAMPLE) / PLACES_PER_SAMPLE
         since = fractions * (before - here)
         places = np.append(state.places, before - since)[-CANDIDATES:]
@@ -223,23 +227,23 @@ class ContactDetector:
             + (state.places - 0.5 * (here + before)) * dt_s
             + (before - here) * self.free.thermal_time_s
         )
-        # Those were passed on the way: what is left of the sample, and of the motion, comes after contact.
+        # For these only the rest of the sample, and of its motion, is after contact.
         left = (before - here) - since
         new = 0.5 * left * (1.0 - fractions) * dt_s + left * self.free.thermal_time_s
         return places, np.append(old, new)[-CANDIDATES:]
 
     def _predicted(self, state: ContactState, interval: Interval) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return level, covariance and the candidates' responses before the sample's energy is counted."""
+        """Return level, covariance and the candidates' responses as predicted for the sample."""
         dt_s = interval.dt_s
         kept = exp(-dt_s / self.air.draught_time_s)
         forward = np.array([[1.0, dt_s], [0.0, 1.0]])
-        wind_w2 = (self.air.draught_fraction * interval.holding_w) ** 2 * (1.0 - kept * kept)
-        drift = np.diag([(MODEL_POWER_FRACTION * interval.taken_w * dt_s) ** 2, wind_w2])
+        draught_w2 = (self.air.draught_fraction * interval.holding_w) ** 2 * (1.0 - kept * kept)
+        drift = np.diag([(MODEL_POWER_FRACTION * interval.taken_w * dt_s) ** 2, draught_w2])
         responses = forward @ np.hstack([state.responses, np.zeros((2, PLACES_PER_SAMPLE))])[:, -CANDIDATES:]
         return forward @ state.level, forward @ state.covariance @ forward.T + drift, responses
 
     def _scored(self, state: ContactState) -> ContactState:
-        """Return the state with the best of its candidates, and whether its score counts as contact."""
+        """Return the state with its best candidate, and whether the score of that counts as contact."""
         distinguishable = state.weights > np.finfo(float).tiny
         scores = np.where(distinguishable, state.overlaps, 0.0) / np.sqrt(np.where(distinguishable, state.weights, 1.0))
         best = int(np.argmax(scores))
@@ -254,5 +258,5 @@ class ContactDetector:
 
 
 def grown(values: FloatArray) -> FloatArray:
-    """Return one number per candidate with the new candidates' zeros, the oldest forgotten."""
+    """Return one number per candidate, with zeros for the new ones and without the oldest."""
     return np.append(values, np.zeros(PLACES_PER_SAMPLE))[-CANDIDATES:]

@@ -1,15 +1,15 @@
 """Force between fingers and an object from resistance, once contact has been found.
 
-With the object's stiffness k known, force follows from travel: the fingers would have closed by D(l) at this
-resistance, they had closed by D(l_c) at contact, and what lies between was taken up by the object, the fingers and the
-stretched wires in series:
+With the object's stiffness k known, force follows from travel: free fingers would have closed by D(l) at this
+resistance, they had closed by D(l_c) at contact, and the difference is the deformation of the object, the fingers and
+the stretched wires in series:
 
     f = [D(l) - D(l_c)] / [1/k + n (c_f + c_w e'(l)^2)]
 
 with n fingers, c_f the compliance of a finger at its endpoint, c_w that of a wire at its tendon, and e' the endpoint's
-travel per travel of the tendon, which is also the tendon's force per endpoint force. Weather does not enter: resistance
-tells strain whatever the air does. Without k there is a bound (a rigid object), and an estimate from the power that
-contact has cost, in which weather does enter: the mean over all contacts and stiffnesses that power leaves likely.
+travel per travel of the tendon, which is also the tendon's force per endpoint force. Air disturbances do not enter, as
+strain follows from resistance in any air. Without k there is a bound (a rigid object), and an estimate from the power
+that contact takes, which air disturbances do affect: the mean over all contacts and stiffnesses by their likelihood.
 """
 
 from __future__ import annotations
@@ -27,25 +27,24 @@ from musclewire.sensing.contact_detection import ContactState
 __all__ = ["GripCurve", "fall_by_cooling"]
 
 
-# An object is taken for rigid from this stiffness, and never softer than this.
-STIFFEST_N_PER_M, SOFTEST_N_PER_M = 1e6, 1.0
-# What objects there are, where nothing is known: from a sponge's 20 N/m to 2000 N/m, on which fingers hardly tell it
-# from a stone's.
-THINKABLE_N_PER_M = np.geomspace(20.0, 2000.0, 33)
-# In thermal times of the wire, once its drive has been taken back: the fingers stand after the first, and their wires
-# have cooled after the second.
-STANDS_AFTER, COOLED_AFTER = 1.0 / 3.0, 2.0
-# Noise is averaged over so many samples.
-AVERAGED = 3
+# An object counts as rigid from the first stiffness, and is never softer than the second.
+MAX_STIFFNESS_N_PER_M, MIN_STIFFNESS_N_PER_M = 1e6, 1.0
+# Stiffnesses of unknown objects: from that of a sponge to one that the fingers can hardly distinguish from a stone's.
+UNKNOWN_STIFFNESSES_N_PER_M = np.geomspace(20.0, 2000.0, 33)
+# In thermal time constants of the wire, from when its drive is reduced: the fingers are at rest after the first, and
+# their wires have cooled after the second.
+AT_REST_AFTER, COOLED_AFTER = 1.0 / 3.0, 2.0
+# Number of samples over which noise is averaged.
+AVERAGED_SAMPLES = 3
 
 
 @dataclass(frozen=True)
 class GripCurve:
-    """How fingers close and give, over normalised resistance; coefficients are ascending powers.
+    """Travel and compliance of fingers over normalised resistance; coefficients are of ascending powers.
 
-    ``endpoint_m`` is one free finger's endpoint on heating, ``leverage`` its e'. ``power_per_newton_w`` is what a
-    newton at one tendon costs in holding power, all wires of the circuit together. Raises CallerError for compliances
-    below 0, no finger, or a newton that costs nothing.
+    ``endpoint_m`` is one free finger's endpoint on heating, ``leverage`` its e'. ``power_per_newton_w`` is the
+    holding power per newton at one tendon, of all wires of the circuit together. Raises CallerError for compliances
+    below 0, no finger, or no power per newton.
     """
 
     fingers: int
@@ -58,77 +57,79 @@ class GripCurve:
     normalised_max: float
 
     def __post_init__(self) -> None:
-        """Check what later divides."""
+        """Check the numbers that divide later."""
         if self.fingers < 1 or min(self.finger_compliance_m_per_n, self.wire_compliance_m_per_n) < 0.0:
             raise CallerError("a grip needs at least one finger, and compliances of at least 0")
         for place in (self.normalised_min, self.normalised_max):
             if not float(evaluate(self.power_per_newton_w, place)) > 0.0:
-                raise CallerError("force must cost power throughout: these grips of known blocks say it does not")
+                raise CallerError("force must take power throughout: in these grips of known blocks it does not")
 
     def closed_m(self, normalised: float) -> float:
-        """Return by how much the free fingers have closed, all together [m]."""
+        """Return the travel by which the free fingers have closed in total [m]."""
         return self.fingers * float(evaluate(self.endpoint_m, self._within(normalised)))
 
     def compliance_m_per_n(self, normalised: float) -> float:
-        """Return what a newton between the fingers takes away from how far they close [m/N]."""
+        """Return the compliance of the fingers and their wires between the endpoints [m/N]."""
         lever = self._lever(normalised)
         return self.fingers * (self.finger_compliance_m_per_n + self.wire_compliance_m_per_n * lever * lever)
 
     def force_n(self, normalised: float, contact: float, stiffness_n_per_m: float) -> float:
-        """Return the grip force [N] on an object of known stiffness that was met at ``contact``; 0 before it."""
+        """Return the grip force [N] on an object of known stiffness with contact at ``contact``; 0 before it."""
         travel_m = self.closed_m(normalised) - self.closed_m(contact)
         return max(travel_m, 0.0) / (1.0 / stiffness_n_per_m + self.compliance_m_per_n(normalised))
 
     def max_force_n(self, normalised: float, contact: float) -> float:
-        """Return the grip force on a rigid object [N]: no softer one can have more."""
-        return self.force_n(normalised, contact, STIFFEST_N_PER_M)
+        """Return the grip force on a rigid object [N], an upper bound for any other."""
+        return self.force_n(normalised, contact, MAX_STIFFNESS_N_PER_M)
 
     def slopes_w(self, here: float, places: FloatArray, stiffness_n_per_m: FloatArray) -> FloatArray:
-        """Return how steeply power must have grown [W], (n_stiffnesses, n_places), from each place to ``here``."""
+        """Return the slope of power [W], (n_stiffnesses, n_places), from each place of contact to ``here``."""
         cost_w = float(evaluate(self.power_per_newton_w, self._within(here))) * self._lever(here)
         return cost_w * self._forces_n(here, places, stiffness_n_per_m) / (places - here)
 
     def met_by_power(self, state: ContactState) -> tuple[float, float]:
-        """Return where contact began, as normalised resistance, and the object's stiffness [N/m], both by power.
+        """Return the place of contact as normalised resistance and the object's stiffness [N/m], both from power.
 
-        Neither is known, and the pair that explains power best is one in which a draught is taken for force. So every
-        pair is weighed by its likelihood and by what objects there are: stiffnesses of ``THINKABLE_N_PER_M``, in
-        decades alike. The force of the answer is the mean over all pairs, and such a mean stays unbiased although
-        the closing ends by it.
+        Neither is known, and in the most likely pair a draught would count as force. Every pair is therefore weighted
+        by its likelihood, with a prior that is uniform in the logarithm over ``UNKNOWN_STIFFNESSES_N_PER_M``. The force
+        is the mean over all pairs, which remains unbiased although the closing ends by it.
         """
         here = state.normalised
         if here is None or not (state.places > here).any():
-            return state.place, SOFTEST_N_PER_M
-        behind = state.places > here
-        places, overlaps, weights = state.places[behind], state.overlaps[behind], state.weights[behind]
-        slopes = self.slopes_w(here, places, THINKABLE_N_PER_M)
+            return state.place, MIN_STIFFNESS_N_PER_M
+        passed = state.places > here
+        places, overlaps, weights = state.places[passed], state.overlaps[passed], state.weights[passed]
+        slopes = self.slopes_w(here, places, UNKNOWN_STIFFNESSES_N_PER_M)
         likelihood = slopes * overlaps - 0.5 * slopes * slopes * weights
-        share = np.exp(likelihood - likelihood.max())
-        share /= share.sum()
-        force_n = float((share * self._forces_n(here, places, THINKABLE_N_PER_M)).sum())
-        contact = float((share.sum(axis=0) * places).sum())
+        probability = np.exp(likelihood - likelihood.max())
+        probability /= probability.sum()
+        force_n = float((probability * self._forces_n(here, places, UNKNOWN_STIFFNESSES_N_PER_M)).sum())
+        contact = float((probability.sum(axis=0) * places).sum())
         travel_m = self.closed_m(here) - self.closed_m(contact)
         if force_n <= 0.0 or travel_m <= 0.0:
-            return contact, SOFTEST_N_PER_M
-        give = travel_m / force_n - self.compliance_m_per_n(here)
-        return contact, min(max(1.0 / give, SOFTEST_N_PER_M), STIFFEST_N_PER_M) if give > 0.0 else STIFFEST_N_PER_M
+            return contact, MIN_STIFFNESS_N_PER_M
+        object_m_per_n = travel_m / force_n - self.compliance_m_per_n(here)
+        if object_m_per_n <= 0.0:
+            return contact, MAX_STIFFNESS_N_PER_M
+        return contact, min(max(1.0 / object_m_per_n, MIN_STIFFNESS_N_PER_M), MAX_STIFFNESS_N_PER_M)
 
     def contact_place(self, state: ContactState, stiffness_n_per_m: float) -> float:
-        """Return where contact most likely began with an object of known stiffness, as normalised resistance.
+        """Return the most likely place of contact with an object of known stiffness, as normalised resistance.
 
-        The stiffness says how power grows from each place, which leaves less to weather than the best slope of all:
-        log-likelihoods s (overlap) - s^2 (weight) / 2 of the detector's candidates, at the slope s each should have.
+        The stiffness determines how power grows from each place, which leaves less to air disturbances than a free
+        slope: log-likelihoods s (overlap) - s^2 (weight) / 2 of the detector's candidates, at the slope s each should
+        have.
         """
         here = state.normalised
         if here is None or not state.places.size:
             return state.place
-        behind = state.places > here
-        if not behind.any():
+        passed = state.places > here
+        if not passed.any():
             return state.place
-        slopes = self.slopes_w(here, state.places[behind], np.array([stiffness_n_per_m]))[0]
-        likelihood = slopes * state.overlaps[behind] - 0.5 * slopes * slopes * state.weights[behind]
+        slopes = self.slopes_w(here, state.places[passed], np.array([stiffness_n_per_m]))[0]
+        likelihood = slopes * state.overlaps[passed] - 0.5 * slopes * slopes * state.weights[passed]
         best = int(np.argmax(likelihood))
-        return float(state.places[behind][best]) if likelihood[best] > 0.0 else state.place
+        return float(state.places[passed][best]) if likelihood[best] > 0.0 else state.place
 
     def _forces_n(self, here: float, places: FloatArray, stiffness_n_per_m: FloatArray) -> FloatArray:
         """Return ``force_n`` for many contacts and stiffnesses [N], (n_stiffnesses, n_places)."""
@@ -139,21 +140,23 @@ class GripCurve:
         return forces
 
     def _within(self, normalised: float) -> float:
+        """Return a normalised resistance clipped to the range of the curve."""
         return min(max(normalised, self.normalised_min), self.normalised_max)
 
     def _lever(self, normalised: float) -> float:
+        """Return the tendon's force per endpoint force."""
         return float(evaluate(self.leverage, self._within(normalised)))
 
 
 def fall_by_cooling(places: Sequence[float], sample_period_s: float, thermal_time_s: float) -> float:
-    """Return by how much normalised resistance has fallen because the wire cools in a hold, not because it contracts.
+    """Return the fall of normalised resistance in a hold that is due to cooling and not to contraction.
 
-    ``places`` are normalised resistances since the drive was taken back below what closes further. Metal that cools
-    loses resistance; the fingers, by hysteresis, stand. So a fall between the moment they stand and the wire's new
-    temperature is no motion; what comes later may be, and is left alone.
+    ``places`` are normalised resistances since the drive was reduced below the one that closes further. Cooling metal
+    loses resistance, while the fingers are held at rest by hysteresis. A fall between the moment they are at rest and
+    the wire's new temperature is therefore no motion; a later one may be, and is not counted.
     """
-    first = round(STANDS_AFTER * thermal_time_s / sample_period_s)
+    first = round(AT_REST_AFTER * thermal_time_s / sample_period_s)
     cooling = places[first : round(COOLED_AFTER * thermal_time_s / sample_period_s)]
-    if len(cooling) <= AVERAGED:
+    if len(cooling) <= AVERAGED_SAMPLES:
         return 0.0
-    return max(float(np.mean(cooling[:AVERAGED]) - np.mean(cooling[-AVERAGED:])), 0.0)
+    return max(float(np.mean(cooling[:AVERAGED_SAMPLES]) - np.mean(cooling[-AVERAGED_SAMPLES:])), 0.0)

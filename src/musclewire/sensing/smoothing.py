@@ -1,4 +1,4 @@
-"""How noisy a sampled curve is, and a smoother that does nothing where there is no noise."""
+"""Noise of a sampled curve, and a smoother that leaves a curve without noise unchanged."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from musclewire.arrays import FloatArray
 __all__ = ["noise_level", "smooth", "smoothed_noise", "smoothing_window"]
 
 
-# Smoothing stops when the noise left over is this share of the span of the curve.
+# Smoothing suffices when the remaining noise is this fraction of the span of the curve.
 NOISE_GOAL = 1e-3
 # A local parabola over w samples leaves about sqrt(2.25 / w) of the noise in the middle of the window.
 PARABOLA_VARIANCE = 2.25
@@ -25,7 +25,7 @@ def noise_level(values: FloatArray) -> float:
     """Estimate the standard deviation of white noise on a smooth curve.
 
     The median of fourth differences ignores steps and slow bends of the curve, so that even a curve of 100 samples
-    without noise reads nearly zero. Jitter in the sampling reads as noise.
+    without noise reads nearly zero. Jitter of the sampling counts as noise.
 
     Parameters
     ----------
@@ -43,25 +43,25 @@ def noise_level(values: FloatArray) -> float:
     return spread / MEDIAN_TO_STD / FOURTH_DIFFERENCE_STD
 
 
-def smoothing_window(noise: float, span: float, longest: int) -> int:
-    """Odd number of samples to smooth over, so that noise falls to 0.1 % of ``span``; 1 means leave alone."""
+def smoothing_window(noise: float, span: float, max_window: int) -> int:
+    """Return the odd number of samples to smooth over, so that noise falls to 0.1 % of ``span``; 1 for no smoothing."""
     if noise <= 0.0 or span <= 0.0:
         return 1
-    window = int(min(PARABOLA_VARIANCE * (noise / (NOISE_GOAL * span)) ** 2, longest))
+    window = int(min(PARABOLA_VARIANCE * (noise / (NOISE_GOAL * span)) ** 2, max_window))
     if window < MIN_WINDOW:
         return 1
     return window if window % 2 else window - 1
 
 
 def smoothed_noise(noise: float, window: int) -> float:
-    """Noise left after ``smooth`` with this window."""
+    """Return the noise that remains after ``smooth`` with this window."""
     return noise if window == 1 else noise * sqrt(PARABOLA_VARIANCE / window)
 
 
 def smooth(values: FloatArray, window: int) -> FloatArray:
     """Replace each sample by a local parabola's value (Savitzky-Golay of order 2, no phase shift).
 
-    ``values`` and the result have shape (n,). The first and last half window are read off one parabola each.
+    ``values`` and the result have shape (n,). The first and last half window are taken from one parabola each.
     """
     if window == 1 or values.size < window:
         return values
@@ -69,7 +69,7 @@ def smooth(values: FloatArray, window: int) -> FloatArray:
     offset = np.arange(-half, half + 1, dtype=np.float64)
     norm = (2 * half + 3) * (2 * half + 1) * (2 * half - 1)
     kernel = 3.0 * (3 * half * half + 3 * half - 1 - 5 * offset**2) / norm
-    level = float(values.mean())  # taken out so that a small ripple on a large level keeps its digits
+    level = float(values.mean())  # subtracted so that a small ripple on a large level keeps its digits
     centred = values - level
     result = np.empty_like(values)
     result[half:-half] = np.convolve(centred, kernel, mode="valid")

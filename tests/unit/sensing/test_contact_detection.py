@@ -1,4 +1,4 @@
-"""Contact against a heat balance in closed form: power is made from theta, m, weather and contact, and found again."""
+"""Contact against a heat balance in closed form: power is computed from theta, m, the air and contact, and found again."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def states(power: np.ndarray, places: np.ndarray = PLACES) -> list[ContactState]
 
 def test_a_free_closing_as_learned_scores_nothing() -> None:
     assert max(state.score for state in states(powers())) < 1.0
-    assert all(abs(state.surprise) < 1.0 for state in states(powers()) if state.surprise is not None)
+    assert all(abs(state.innovation) < 1.0 for state in states(powers()) if state.innovation is not None)
 
 
 @given(st.floats(0.4, 0.85), st.floats(0.2, 1.0))
@@ -89,8 +89,8 @@ def test_draughts_and_noise_as_expected_do_not_alarm(seed: int) -> None:
 
 def test_a_wire_at_rest_or_warming_is_never_judged() -> None:
     noisy = 0.87 + 0.02 * np.random.default_rng(1).standard_normal(400)
-    assert all(state.surprise is None for state in states(np.full(400, 0.04), noisy))
-    assert all(state.surprise is None for state in states(powers()[:8], WARMING))
+    assert all(state.innovation is None for state in states(np.full(400, 0.04), noisy))
+    assert all(state.innovation is None for state in states(powers()[:8], WARMING))
 
 
 def test_the_same_state_steps_to_the_same_state_twice() -> None:
@@ -122,6 +122,6 @@ def test_a_free_closing_that_cannot_be_is_refused(wrong: dict) -> None:
         replace(FREE, **wrong)
 
 
-def test_weather_of_no_strength_is_refused() -> None:
-    with pytest.raises(CallerError, match="weather"):
+def test_an_air_disturbance_of_no_strength_is_refused() -> None:
+    with pytest.raises(CallerError, match="air disturbance"):
         ContactDetector(FREE, AirDisturbance(draught_fraction=0.0))

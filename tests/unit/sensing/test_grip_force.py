@@ -24,24 +24,26 @@ CURVE = GripCurve(
 )
 FREE = FreeClosing(15.0, 17.5, (0.5,), (0.25,), 0.0, 1.0, 0.001, 0.6)
 # Springs in series: the object's, two fingers of 1 mm/N and two wires of 0.04 mm/N at a lever of 5.
-GIVE_M_PER_N = 2 * 1e-3 + 2 * 4e-5 * 25
+COMPLIANCE_M_PER_N = 2 * 1e-3 + 2 * 4e-5 * 25
 
 
 @given(st.floats(0.0, 0.9), st.floats(10.0, 5000.0), st.floats(0.0, 1.0))
-def test_travel_is_shared_by_springs_in_series(contact: float, stiffness: float, share: float) -> None:
-    place = contact * share
+def test_travel_is_divided_among_springs_in_series(contact: float, stiffness: float, fraction: float) -> None:
+    place = contact * fraction
     force = CURVE.force_n(place, contact, stiffness)
-    assert force == pytest.approx(2 * 6e-3 * (contact - place) / (1 / stiffness + GIVE_M_PER_N), rel=1e-9, abs=1e-12)
+    assert force == pytest.approx(
+        2 * 6e-3 * (contact - place) / (1 / stiffness + COMPLIANCE_M_PER_N), rel=1e-9, abs=1e-12
+    )
 
 
 @given(st.floats(0.1, 0.9), st.floats(10.0, 5000.0))
 def test_no_object_is_held_harder_than_a_rigid_one(place: float, stiffness: float) -> None:
     assert CURVE.force_n(place, 0.95, stiffness) <= CURVE.max_force_n(place, 0.95)
-    assert CURVE.max_force_n(place, 0.95) == pytest.approx(12e-3 * (0.95 - place) / GIVE_M_PER_N, rel=1e-3)
+    assert CURVE.max_force_n(place, 0.95) == pytest.approx(12e-3 * (0.95 - place) / COMPLIANCE_M_PER_N, rel=1e-3)
 
 
 def seen(here: float, places: list[float], slopes_w: list[float], sharpness: float) -> ContactState:
-    """A detector's state whose candidates each have a best slope, told ``sharpness`` standard deviations well."""
+    """A detector's state whose candidates each have a best slope, ``sharpness`` standard deviations above 0."""
     weights = np.array([(sharpness / slope) ** 2 for slope in slopes_w])
     return (
         ContactDetector(FREE)
@@ -57,36 +59,36 @@ def seen(here: float, places: list[float], slopes_w: list[float], sharpness: flo
 
 
 @given(st.floats(0.1, 0.8), st.floats(25.0, 1600.0))
-def test_power_that_leaves_no_doubt_tells_the_force(here: float, stiffness: float) -> None:
+def test_power_that_leaves_no_doubt_gives_the_force(here: float, stiffness: float) -> None:
     force = CURVE.force_n(here, 0.9, stiffness)
-    contact, told = CURVE.met_by_power(seen(here, [0.9], [0.05 * 5.0 * force / (0.9 - here)], 200.0))
+    contact, stiffness_n_per_m = CURVE.met_by_power(seen(here, [0.9], [0.05 * 5.0 * force / (0.9 - here)], 200.0))
     assert contact == pytest.approx(0.9)
-    assert CURVE.force_n(here, contact, told) == pytest.approx(force, rel=0.08)
+    assert CURVE.force_n(here, contact, stiffness_n_per_m) == pytest.approx(force, rel=0.08)
 
 
 @given(st.floats(0.1, 0.8))
-def test_power_that_says_nothing_gives_the_mean_over_all_thinkable_objects(here: float) -> None:
-    contact, told = CURVE.met_by_power(seen(here, [0.9], [1.0], 1e-9))
+def test_power_without_information_gives_the_mean_over_all_objects(here: float) -> None:
+    contact, stiffness_n_per_m = CURVE.met_by_power(seen(here, [0.9], [1.0], 1e-9))
     forces = [CURVE.force_n(here, 0.9, stiffness) for stiffness in np.geomspace(20.0, 2000.0, 33)]
-    assert CURVE.force_n(here, contact, told) == pytest.approx(np.mean(forces), rel=1e-6)
+    assert CURVE.force_n(here, contact, stiffness_n_per_m) == pytest.approx(np.mean(forces), rel=1e-6)
 
 
 @given(st.floats(30.0, 1500.0), st.integers(0, 2**32 - 1))
 @settings(max_examples=10)
-def test_over_thinkable_objects_the_force_by_power_is_right_in_the_mean(sharpness: float, seed: int) -> None:
-    # Draw objects as the estimator thinks of them, and slopes with the noise it is told of: then a posterior mean
-    # has no bias, whatever the noise (the law of total expectation).
+def test_over_all_objects_the_force_by_power_is_right_in_the_mean(sharpness: float, seed: int) -> None:
+    # Objects are drawn from the estimator's prior, and slopes with the noise that it assumes: then a posterior mean has
+    # no bias, whatever the noise (the law of total expectation).
     rng, here, off = np.random.default_rng(seed), 0.5, []
     noise_w = 30.0 / sharpness
     for stiffness in np.exp(rng.uniform(np.log(20.0), np.log(2000.0), 400)):
         force = CURVE.force_n(here, 0.9, float(stiffness))
         slope = 0.05 * 5.0 * force / (0.9 - here) + rng.normal(0.0, noise_w)
-        contact, told = CURVE.met_by_power(seen(here, [0.9], [slope], abs(slope) / noise_w))
-        off.append(CURVE.force_n(here, contact, told) - force)
+        contact, stiffness_n_per_m = CURVE.met_by_power(seen(here, [0.9], [slope], abs(slope) / noise_w))
+        off.append(CURVE.force_n(here, contact, stiffness_n_per_m) - force)
     assert abs(np.mean(off)) < 5.0 * np.std(off) / np.sqrt(len(off)) + 0.01
 
 
-def test_power_beyond_what_a_rigid_object_costs_says_stiff_and_none_says_soft() -> None:
+def test_power_above_that_of_a_rigid_object_reads_stiff_and_none_reads_soft() -> None:
     assert CURVE.met_by_power(seen(0.5, [0.9], [100.0], 200.0))[1] == pytest.approx(2000.0, rel=0.01)
     assert CURVE.met_by_power(seen(0.5, [0.9], [1e-6], 200.0))[1] < 2000.0
     assert CURVE.met_by_power(ContactDetector(FREE).start())[1] == 1.0
