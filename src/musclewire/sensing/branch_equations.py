@@ -53,8 +53,8 @@ def check_resistance_range(resistance_min_ohm: float, resistance_max_ohm: float)
     """Raise CallerError unless 0 < R_min < R_max and both are finite."""
     if not 0.0 < resistance_min_ohm < resistance_max_ohm < inf:
         raise CallerError(
-            f"least resistance {resistance_min_ohm} ohm and most resistance {resistance_max_ohm} ohm: "
-            "both must be positive and finite, the least below the most"
+            f"minimum resistance {resistance_min_ohm} ohm and maximum resistance {resistance_max_ohm} ohm: "
+            "both must be positive and finite, the minimum below the maximum"
         )
 
 
@@ -94,7 +94,7 @@ def average(heating: Sequence[float], cooling: Sequence[float]) -> tuple[float, 
 
     Returns
     -------
-    Coefficients of g_a = (g_h + g_c) / 2.
+    Return the coefficients of g_a = (g_h + g_c) / 2.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """The resistance curve of a wire: strain from resistance, and the resistance a strain requires (Eqs. 3 to 5).
 
-What an estimator computes with at every tick: a few numbers and plain arithmetic, the same for one resistance and for
-an array of them. What the fit that found these numbers reports is in ``fit_report``.
+An estimator evaluates it at every tick: a few numbers and plain arithmetic, the same for one resistance and for an
+array of them. The report of the fit that found these numbers is in ``fit_report``.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ Pairs = tuple[tuple[float, float], ...]
 Number = TypeVar("Number", float, FloatArray)
 
 QUANTITY_UNITS = {"strain": "1", "displacement": "m", "force": "N"}
-# How each quantity is shown to people: factor from SI, and unit.
+# Display of each quantity: factor from SI, and unit.
 SHOWN_AS = {"strain": (100.0, "%"), "displacement": (1e3, "mm"), "force": (1.0, "N")}
 
-# A resistance this far outside the valid range, in normalised resistance, still reads as its end.
+# A resistance up to this far outside the valid range, in normalised resistance, still counts as its end.
 MARGIN = 0.02
-# A wanted quantity this fraction of the range beyond it is taken for the end itself: data are rounded.
+# A quantity up to this fraction of the range outside it counts as its end, as data are rounded.
 QUANTITY_MARGIN = 0.005
 DERIVATIVE_CHECKS = 201
-# No wire has numbers near this in SI units, and the arithmetic of an estimate is far from overflowing.
+# No wire has numbers of this size in SI units, and below it the arithmetic of an estimate cannot overflow.
 MAX_NUMBER = 1e12
 
 
@@ -121,7 +121,7 @@ class ResistanceCurve:
     average_coefficients: tuple[float, ...] = field(init=False, repr=False, compare=False)
     quantity_min: float = field(init=False, repr=False, compare=False)
     quantity_max: float = field(init=False, repr=False, compare=False)
-    # Set once for the estimate, which runs at every tick of a loop: plain floats, highest powers first.
+    # Computed once for the estimate, which is made at every tick of a loop: plain floats, highest powers first.
     _per_ohm: float = field(init=False, repr=False, compare=False)
     _both_falling: Pairs = field(init=False, repr=False, compare=False)
     _residual_variance: float = field(init=False, repr=False, compare=False)
@@ -140,7 +140,7 @@ class ResistanceCurve:
         object.__setattr__(self, "quantity_max", evaluate(mean, self.normalised_min))
 
     def _check(self) -> None:
-        """Raise CallerError where the parts contradict each other."""
+        """Raise CallerError if the parts contradict each other."""
         if self.quantity not in QUANTITY_UNITS:
             hint = nearest_hint(str(self.quantity), QUANTITY_UNITS)
             raise CallerError(f"quantity {self.quantity!r} is unknown{hint}")
@@ -172,7 +172,7 @@ class ResistanceCurve:
 
     @property
     def valid_resistance_ohm(self) -> tuple[float, float]:
-        """Least and greatest resistance of the valid range [ohm]."""
+        """Minimum and maximum resistance of the valid range [ohm]."""
         span = self.resistance_max_ohm - self.resistance_min_ohm
         low = self.resistance_min_ohm + self.normalised_min * span
         return low, self.resistance_min_ohm + self.normalised_max * span
@@ -200,8 +200,8 @@ class ResistanceCurve:
         Returns
         -------
         Value, standard deviation, and validity: False if the resistance is outside the valid range by more than 2 % of
-        the span, or not finite. What is not finite reads as fully contracted, as does the 0.0 ohm of "no current": a
-        loop that ignores validity then cools.
+        the span, or not finite. A resistance that is not finite reads as fully contracted, as does the 0.0 ohm of "no
+        current": a loop that ignores validity then cools.
         """
         noise = self.resistance_noise_ohm if resistance_std_ohm is None else resistance_std_ohm
         if isinstance(resistance_ohm, float | int):
@@ -228,8 +228,8 @@ class ResistanceCurve:
         inside = low if fraction < low else high if fraction > high else fraction
         heating, cooling, slope = self._branches(inside)
         half = (heating - cooling) / 2.0
-        strayed = slope / 2.0 * (abs(fraction - inside) + noise_ohm * per_ohm)
-        std = sqrt(half * half + self._residual_variance + strayed * strayed)
+        spread = slope / 2.0 * (abs(fraction - inside) + noise_ohm * per_ohm)
+        std = sqrt(half * half + self._residual_variance + spread * spread)
         return CurveEstimate((heating + cooling) / 2.0, min(std, self.quantity_max - self.quantity_min), valid)
 
     def _estimate_many(self, resistance_ohm: FloatArray, noise_ohm: float) -> ArrayEstimate:
@@ -243,8 +243,8 @@ class ResistanceCurve:
         inside = np.clip(known, low, high)
         heating, cooling, slope = self._branches(inside)
         half = (heating - cooling) / 2.0
-        strayed = slope / 2.0 * (np.abs(known - inside) + noise_ohm * per_ohm)
-        std = np.sqrt(half * half + self._residual_variance + strayed * strayed)
+        spread = slope / 2.0 * (np.abs(known - inside) + noise_ohm * per_ohm)
+        std = np.sqrt(half * half + self._residual_variance + spread * spread)
         full = self.quantity_max - self.quantity_min
         return ArrayEstimate((heating + cooling) / 2.0, np.where(finite, np.minimum(std, full), full), valid)
 
@@ -348,7 +348,7 @@ class ResistanceCurve:
         Raises
         ------
         CallerError
-            If a value lies further outside; the message says the range.
+            If a value is further outside; the message states the range.
 
         References
         ----------
@@ -365,7 +365,7 @@ class ResistanceCurve:
         return float(result) if result.ndim == 0 else result
 
     def _inverse(self, wanted: FloatArray) -> FloatArray:
-        """Normalised resistance of each wanted quantity: Newton steps, bisection where they fail."""
+        """Return the normalised resistance of each quantity by Newton's method, with bisection if a step fails."""
         low = np.full(wanted.shape, self.normalised_min)
         high = np.full(wanted.shape, self.normalised_max)
         slope_of = derivative(self.average_coefficients)
@@ -393,7 +393,7 @@ class ResistanceCurve:
         self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray
     ) -> float | FloatArray: ...
     def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray) -> float | FloatArray:
-        """A polynomial of the clipped normalised resistance; what is not finite reads as fully contracted."""
+        """Return a polynomial of the clipped normalised resistance, at its lower end if that is not finite."""
         low, high = self.normalised_min, self.normalised_max
         fraction = (resistance_ohm - self.resistance_min_ohm) * self._per_ohm
         if isinstance(fraction, float):
@@ -401,10 +401,12 @@ class ResistanceCurve:
         return evaluate(coefficients, np.clip(np.where(np.isfinite(fraction), fraction, low), low, high))
 
     def _check_strain(self) -> None:
+        """Raise CallerError for a model of another quantity than strain."""
         if self.quantity != "strain":
             raise CallerError(f"this is a model of {self.quantity}, not of strain: use value() or estimate()")
 
     def _out_of_range(self, wanted: float) -> str:
+        """Return the message on a quantity outside the valid range."""
         factor, unit = SHOWN_AS[self.quantity]
         return (
             f"{self.quantity} {factor * wanted:.4g} {unit} is outside the model's valid range "

@@ -1,7 +1,7 @@
 """What an estimator is: a sample of the wire in, state in; estimate with standard deviation, validity and reason out.
 
-An estimator has no clock, reads no reference instrument and keeps nothing to itself: all it remembers is its state,
-which the loop hands back. ``tests/contract/test_estimator_contract.py`` holds every implementation to this.
+An estimator has no clock, reads no reference instrument and keeps nothing to itself: its only memory is its state,
+which the loop passes back. ``tests/contract/test_estimator_contract.py`` tests every implementation for this.
 
 Another estimator is one file with a factory, an ``EstimatorFactory``, and a name for it: a line in ``ESTIMATORS`` here,
 or from outside ``ESTIMATORS.register("name", factory)`` or an entry point of the group "musclewire.estimators". One
@@ -39,26 +39,26 @@ class SlowPart(Protocol):
 
     Every ``every_ticks`` ticks a correction is requested, and exactly ``after_ticks`` ticks later it takes effect: in
     line in simulation, out of a thread on a rig with a clock, with the same result. One that is late or fails leaves
-    the old correction in place, and the sample says so (``sensing/slow_corrections.py``).
+    the old correction in place, and the sample records so (``sensing/slow_corrections.py``).
     """
 
     @property
     def window_ticks(self) -> int:
-        """Of how many of the latest samples a correction is made; the first is requested when there are as many."""
+        """Number of latest samples in a correction; the first correction is requested when there are as many."""
         ...
 
     @property
     def every_ticks(self) -> int:
-        """After how many ticks the next correction is requested."""
+        """Number of ticks from one request to the next."""
         ...
 
     @property
     def after_ticks(self) -> int:
-        """How many ticks after it was requested a correction takes effect: from 1 to ``every_ticks``."""
+        """Number of ticks from a request until the correction takes effect: from 1 to ``every_ticks``."""
         ...
 
     def correction(self, window: tuple[WireSample, ...]) -> Any:
-        """Return a correction. Pure, and run in another thread on a rig: it touches nothing but its argument.
+        """Return a correction. Pure, and run in another thread on a rig: it depends on its argument only.
 
         Parameters
         ----------
@@ -79,7 +79,7 @@ class SlowPart(Protocol):
         state
             The estimator's state before the tick.
         correction
-            What ``correction`` returned.
+            The value that ``correction`` returned.
 
         Returns
         -------
@@ -93,12 +93,12 @@ class Estimator(Protocol):
 
     @property
     def quantity(self) -> str:
-        """What it estimates: "strain", "displacement" or "force"."""
+        """Estimated quantity: "strain", "displacement" or "force"."""
         ...
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns that it wants recorded, one for each number in ``EstimatorStep.recorded``."""
+        """Names of the columns that it records, one for each number in ``EstimatorStep.recorded``."""
         ...
 
     @property
@@ -108,7 +108,7 @@ class Estimator(Protocol):
 
     @property
     def slow_part(self) -> SlowPart | None:
-        """The part that takes longer than a tick; None without one."""
+        """The part that takes longer than a tick; None if there is none."""
         ...
 
     def start(self) -> Any:
@@ -124,9 +124,9 @@ class Estimator(Protocol):
         Parameters
         ----------
         state
-            What ``start`` or the last ``step`` returned.
+            The state that ``start`` or the last ``step`` returned.
         sample
-            What has been measured of the wire.
+            The measured voltages of the wire, with time and drive.
 
         Returns
         -------
@@ -169,7 +169,7 @@ ESTIMATORS: Registry[EstimatorFactory] = Registry(
 def dropout_failure(
     dropouts: int, sample: WireSample | RawSample, allowed: int = MAX_DROPOUTS, pulls: str = "wire"
 ) -> str:
-    """Return why a run must end after so many samples in a row without current; "" while they are bridged.
+    """Return why a run must end after a number of samples in a row without current; "" while they are bridged.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def dropout_failure(
     sample
         The last of them.
     allowed
-        How many end a run.
+        Number that ends a run; the default bridges half a second at the paper's 50 ms.
     pulls
         "wire", or "wires" if several share the circuit.
 

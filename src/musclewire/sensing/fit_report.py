@@ -1,4 +1,4 @@
-"""What a fit reports beside the curve it found: errors, samples, warnings, the wire, where it all came from."""
+"""The report of a fit in addition to its curve: errors, samples, warnings, the wire and the source."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ class FittedCurve(ResistanceCurve):
     heating_standard_errors, cooling_standard_errors
         Standard errors of the coefficients; empty if they are unknown.
     warnings
-        What the fit found doubtful, one sentence each.
+        Doubts about the fit, one sentence each.
     wire
         Notes on the wire and its rig by name: "wire", "wire_length_m", for example.
     created_by, source
         Program and recording the curve comes from.
     heating_samples, cooling_samples
-        Some pairs of resistance [ohm] and quantity for a figure; empty without.
+        Some pairs of resistance [ohm] and quantity for a figure; none by default.
 
     Raises
     ------
@@ -62,6 +62,6 @@ class FittedCurve(ResistanceCurve):
         return self.hysteresis_gap
 
     def curve(self) -> ResistanceCurve:
-        """Return the curve alone: the few numbers that an estimator runs by."""
+        """Return the curve alone: the few numbers that an estimator uses."""
         names = (one.name for one in fields(ResistanceCurve) if one.init)
         return ResistanceCurve(**{name: getattr(self, name) for name in names})

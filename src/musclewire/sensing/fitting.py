@@ -31,13 +31,13 @@ __all__ = ["fit_branches", "fit_loop", "fit_segments"]
 
 AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
 
-# g_a must fall over at least this share of the range of the data to be of use as a sensor.
+# g_a must fall over at least this fraction of the range of the data to serve as a sensor.
 MIN_FALLING_FRACTION = 0.6
 LARGE_GAP = 0.05
-# Segment A-B usually takes 5 to 25 % of the stroke. Less costs nothing: the simulated finger even goes back by a
+# Segment A-B usually takes 5 to 25 % of the stroke. Less does no harm: the simulated finger even moves back by one
 # percent before it bends.
 LARGE_COLD_FRACTION = 0.25
-# Cold strain of more than this share of the stroke means that the sensor was not zeroed.
+# A cold strain of more than this fraction of the stroke means that the sensor was not zeroed.
 UNZEROED_FRACTION = 0.05
 # No wire contracts by more; 3.5 instead of 0.035 is percent.
 MAX_STRAIN = 0.2
@@ -68,13 +68,13 @@ def fit_loop(
     order
         Order of the polynomials: a number, the paper's is 6, or "auto" for the one that cross-validation chooses.
     cycle
-        Which one, as in :func:`find_segments`; the last, since a wire settles in the first.
+        Choice of the cycle, as in :func:`find_segments`; the last by default, since the first ones of a wire differ.
     quantity
-        What ``strain`` holds: "strain", "displacement" or "force".
+        Quantity in ``strain``: "strain", "displacement" or "force".
     wire
         Notes on the wire, kept in the model.
     source
-        Where the recording is from, kept in the model.
+        Source of the recording, kept in the model.
 
     Returns
     -------
@@ -224,7 +224,7 @@ def fit_branches(
         quantity=quantity,
         hysteresis_gap=gap,
         **_residuals(fits, samples),
-        samples=sum(share.size for share, _ in samples),
+        samples=sum(resistance.size for resistance, _ in samples),
         heating_standard_errors=fits[0].standard_errors,
         cooling_standard_errors=fits[1].standard_errors,
         warnings=_fit_warnings(gap, fits, shared, valid_range),
@@ -237,6 +237,7 @@ def fit_branches(
 
 
 def _check_arguments(order: int | str, quantity: str) -> None:
+    """Raise CallerError for an unknown order or quantity."""
     if isinstance(order, str) and order != "auto":
         raise CallerError(f"polynomial order is {order!r}: use a whole number or 'auto'")
     if not isinstance(order, str):
@@ -246,6 +247,7 @@ def _check_arguments(order: int | str, quantity: str) -> None:
 
 
 def _check_units(branches: tuple[Branch, Branch], quantity: str) -> None:
+    """Raise RecordingError for a strain that is in percent."""
     largest = max(float(branch.quantity.max()) for branch in branches)
     if quantity == "strain" and largest > MAX_STRAIN:
         raise RecordingError(
@@ -256,7 +258,7 @@ def _check_units(branches: tuple[Branch, Branch], quantity: str) -> None:
 
 
 def _shared_range(curves: tuple[Branch, Branch], low_ohm: float, high_ohm: float) -> tuple[float, float]:
-    """Normalised resistances within [0, 1] that both branches reach."""
+    """Return the ends of the normalised resistances within [0, 1] that both branches reach."""
     ends = [normalised_resistance(curve.resistance_ohm[[0, -1]], low_ohm, high_ohm) for curve in curves]
     low = max(0.0, *(float(end[0]) for end in ends))
     high = min(1.0, *(float(end[1]) for end in ends))
@@ -269,22 +271,23 @@ def _shared_range(curves: tuple[Branch, Branch], low_ohm: float, high_ohm: float
 
 
 def _inside(points: FitPoints, shared: tuple[float, float]) -> FitPoints:
-    # A rounding error at the end must not cost the end point.
+    """Return the points in the range of both branches; a rounding error does not lose the end point."""
     inside = (points.normalised_resistance >= shared[0] - 1e-9) & (points.normalised_resistance <= shared[1] + 1e-9)
     return FitPoints(points.normalised_resistance[inside], points.quantity[inside], points.weights[inside])
 
 
 def _check_counts(points: list[FitPoints]) -> None:
+    """Raise RecordingError if a branch has fewer than two points in the range of both."""
     for name, branch in zip(("heating", "cooling"), points, strict=True):
         if branch.quantity.size < 2:
             raise RecordingError(
-                f"the {name} branch has {branch.quantity.size} points where both branches have data: "
+                f"the {name} branch has {branch.quantity.size} points in the range of both branches: "
                 "at least 2 are needed, sample faster"
             )
 
 
 def _falling_range(coefficients: tuple[float, ...], shared: tuple[float, float]) -> tuple[float, float]:
-    """The longest stretch of the shared range over which the average falls; FitRejectedError when short."""
+    """Return the longest part of the common range over which the average falls; FitRejectedError if it is short."""
     derivative = np.polynomial.Polynomial(coefficients).deriv()
     roots = derivative.roots()
     turns = roots[np.abs(roots.imag) < 1e-9].real
@@ -297,10 +300,10 @@ def _falling_range(coefficients: tuple[float, ...], shared: tuple[float, float])
         joined = bool(stretches) and stretches[-1][1] == begin
         stretches.append((stretches.pop()[0], end) if joined else (begin, end))
     longest = max(stretches, key=lambda stretch: stretch[1] - stretch[0], default=(low, low))
-    share = (longest[1] - longest[0]) / (high - low)
-    if share < MIN_FALLING_FRACTION:
+    falling = (longest[1] - longest[0]) / (high - low)
+    if falling < MIN_FALLING_FRACTION:
         raise FitRejectedError(
-            f"the average polynomial of order {len(coefficients) - 1} falls over only {100 * share:.0f} % of "
+            f"the average polynomial of order {len(coefficients) - 1} falls over only {100 * falling:.0f} % of "
             f"the data ({100 * MIN_FALLING_FRACTION:.0f} % needed), so it cannot be inverted: lower the "
             "order, or check that contraction is positive"
         )
@@ -310,14 +313,14 @@ def _falling_range(coefficients: tuple[float, ...], shared: tuple[float, float])
 def _samples(
     branch: Branch, low_ohm: float, high_ohm: float, shared: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray]:
-    """Measured normalised resistance and quantity within the shared range."""
-    share = normalised_resistance(branch.resistance_ohm, low_ohm, high_ohm)
-    inside = (share >= shared[0] - 1e-9) & (share <= shared[1] + 1e-9)
-    return share[inside], branch.quantity[inside]
+    """Return measured normalised resistance and quantity in the range of both branches."""
+    normalised = normalised_resistance(branch.resistance_ohm, low_ohm, high_ohm)
+    inside = (normalised >= shared[0] - 1e-9) & (normalised <= shared[1] + 1e-9)
+    return normalised[inside], branch.quantity[inside]
 
 
 def _residuals(fits: list[PolynomialFit], samples: list[tuple[FloatArray, FloatArray]]) -> dict[str, float]:
-    """Root mean square errors over resistance of each branch, and of the average against both."""
+    """Return the root mean square errors of each branch, and of the average against both."""
     mean = average(fits[0].coefficients, fits[1].coefficients)
     own = [_mean_square(fit.coefficients, *pair) for fit, pair in zip(fits, samples, strict=True)]
     both = [_mean_square(mean, *pair) for pair in samples]
@@ -328,13 +331,13 @@ def _residuals(fits: list[PolynomialFit], samples: list[tuple[FloatArray, FloatA
     }
 
 
-def _mean_square(coefficients: tuple[float, ...], share: FloatArray, quantity: FloatArray) -> float:
-    """Mean over slices of resistance of the mean square error in each, so that a dwell counts once."""
-    squares = (quantity - evaluate(coefficients, share)) ** 2
-    slices = np.clip(np.floor(share * RMSE_SLICES), 0, RMSE_SLICES).astype(np.intp)
+def _mean_square(coefficients: tuple[float, ...], normalised: FloatArray, quantity: FloatArray) -> float:
+    """Return the mean of the mean square errors in slices of resistance, so that a dwell counts once."""
+    squares = (quantity - evaluate(coefficients, normalised)) ** 2
+    slices = np.clip(np.floor(normalised * RMSE_SLICES), 0, RMSE_SLICES).astype(np.intp)
     counts = np.bincount(slices, minlength=RMSE_SLICES + 1)
     sums = np.bincount(slices, weights=squares, minlength=RMSE_SLICES + 1)
-    return float(np.mean(sums[counts > 0] / counts[counts > 0])) if share.size else 0.0
+    return float(np.mean(sums[counts > 0] / counts[counts > 0])) if normalised.size else 0.0
 
 
 def _fit_warnings(
@@ -344,7 +347,7 @@ def _fit_warnings(
     if gap > LARGE_GAP:
         warnings.append(
             f"the gap between heating and cooling is {100 * gap:.1f} %, above {100 * LARGE_GAP:.0f} %: "
-            "the average will be off by half of it ('musclewire pretension' finds the pretension at which it is least)"
+            "the average will be off by half of it ('musclewire pretension' finds the pretension of the smallest gap)"
         )
     if valid_range != shared:
         lost = 1.0 - (valid_range[1] - valid_range[0]) / (shared[1] - shared[0])
@@ -352,7 +355,7 @@ def _fit_warnings(
             f"the average polynomial turns back near an end: {100 * lost:.1f} % of the resistance range is left out"
         )
     if min(fit.spare_points for fit in fits) == 0:
-        warnings.append("the polynomial passes through every point: its residuals and standard errors say nothing")
+        warnings.append("the polynomial passes through every point: its residuals and standard errors are meaningless")
     return tuple(warnings)
 
 
@@ -360,20 +363,20 @@ def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
     warnings = []
     factor, unit = SHOWN_AS[quantity]
     stroke = segments.strain_max - segments.strain_cold
-    cold_share = 1.0 - segments.transformation_fraction
-    at_b = segments.strain_cold + cold_share * stroke
+    cold_fraction = 1.0 - segments.transformation_fraction
+    at_b = segments.strain_cold + cold_fraction * stroke
     if not segments.returns_cold:
-        warnings.append("the loop does not come back to cold: B is where it turns, resistances above it are unknown")
-    elif cold_share > LARGE_COLD_FRACTION:
+        warnings.append("the loop does not return to cold: B is its turning point, resistances above it are unknown")
+    elif cold_fraction > LARGE_COLD_FRACTION:
         warnings.append(
-            f"segment A-B takes {100 * cold_share:.1f} % of the stroke (usually 5 to 25 %): {quantity} below "
-            f"{factor * at_b:.3g} {unit} cannot be told from resistance"
+            f"segment A-B takes {100 * cold_fraction:.1f} % of the stroke (usually 5 to 25 %): {quantity} below "
+            f"{factor * at_b:.3g} {unit} cannot be determined from resistance"
         )
     if not segments.complete:
         warnings.append(
-            "the transformation is not seen to complete (the resistance still falls where the wire is hottest): "
-            f"{quantity} above {factor * segments.strain_max:.3g} {unit} is unknown; harmless where more drive adds no "
-            "stroke, otherwise raise the amplitude if the wire's temperature allows"
+            "the transformation is not complete (the resistance still falls at the hottest point): "
+            f"{quantity} above {factor * segments.strain_max:.3g} {unit} is unknown; harmless if more drive adds no "
+            "stroke, otherwise raise the amplitude if the wire's temperature permits"
         )
     if segments.returns_cold and abs(segments.strain_cold) > UNZEROED_FRACTION * stroke:
         warnings.append(f"{quantity} at cold is {factor * segments.strain_cold:.3g} {unit}, not zero: zero the sensor")
@@ -381,7 +384,7 @@ def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
 
 
 def _thinned(curve: Branch) -> tuple[tuple[float, float], ...]:
-    """At most 200 points of a branch, for plots, to seven digits."""
+    """Return at most 200 points of a branch, for plots, to seven digits."""
     count = curve.resistance_ohm.size
     keep = np.unique(np.linspace(0, count - 1, min(count, KEPT_SAMPLES)).round().astype(np.intp))
     pairs = zip(curve.resistance_ohm[keep].tolist(), curve.quantity[keep].tolist(), strict=True)
@@ -389,6 +392,7 @@ def _thinned(curve: Branch) -> tuple[tuple[float, float], ...]:
 
 
 def _created_by() -> str:
+    """Return program and version."""
     from importlib.metadata import PackageNotFoundError, version
 
     try:

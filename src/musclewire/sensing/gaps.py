@@ -20,8 +20,8 @@ def hysteresis_gap(heating: AnyBranch, cooling: AnyBranch, points: int = 400, ma
     Parameters
     ----------
     heating
-        Resistances [ohm] and quantity, each of shape (n,), in either direction; how they become curves, and the small
-        bias of that under noise, is in :func:`single_valued`.
+        Resistances [ohm] and quantity, each of shape (n,), in either direction; see :func:`single_valued` for how
+        they become curves, and for its small bias under noise.
     cooling
         The same of the other branch.
     points
@@ -80,7 +80,7 @@ def signed_hysteresis_gap(
 
 
 def shared_resistances(heating: Branch, cooling: Branch, points: int) -> FloatArray:
-    """Evenly spaced resistances over the range both single-valued branches have, in ohm, shape (points,)."""
+    """Return evenly spaced resistances over the range that both single-valued branches have [ohm], shape (points,)."""
     low = float(max(heating.resistance_ohm[0], cooling.resistance_ohm[0]))
     high = float(min(heating.resistance_ohm[-1], cooling.resistance_ohm[-1]))
     if not high > low:
@@ -97,7 +97,7 @@ def shared_resistances(heating: Branch, cooling: Branch, points: int) -> FloatAr
 def _differences(
     heating: AnyBranch, cooling: AnyBranch, points: int, maximum: float | None
 ) -> tuple[FloatArray, float]:
-    """Heating minus cooling at shared resistances, and the largest quantity."""
+    """Return heating minus cooling at common resistances, and the largest quantity."""
     if points < 1:
         raise CallerError(f"the gap needs at least 1 point to compare, got {points}")
     rising, falling = single_valued(heating, "heating"), single_valued(cooling, "cooling")

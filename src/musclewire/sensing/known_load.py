@@ -1,8 +1,8 @@
-"""Force from strain and a known spring: what repairs force self-sensing when the load changes.
+"""Force from strain and a known spring: the correction of force self-sensing for another load.
 
-The strain of a wire at a resistance hardly depends on what it pulls; its force does, in proportion to the stiffness
-(Lan and Fan 2010, Figs. 7 and 8). So a model of strain goes along to another load, and the load's own law turns strain
-into force: F = k x, with x = S l and the friction of the guide added in the direction of motion.
+The strain of a wire at a resistance hardly depends on the load; its force does, in proportion to the stiffness (Lan and
+Fan 2010, Figs. 7 and 8). A model of strain therefore holds for another load, and the law of that load gives the force:
+F = k x, with x = S l and the friction of the guide added in the direction of motion.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from musclewire.sensing.model import SensingModel
 
 __all__ = ["TURNING_M", "KnownSpring", "force_model"]
 
-# Over this travel after a turn the friction counts as turning round. A guide does it within some 20 um, but a
+# Over this travel after a reversal the friction reverses. That of a guide does so within some 20 um, but a
 # displacement read from resistance is uncertain by more, and a loop on a force that jumps within it chatters: four
 # times the travel of the simulated guide holds on springs from 294 to 1177 N/m (benchmarks/force_self_sensing.py).
 TURNING_M = 85e-6
@@ -23,7 +23,7 @@ TURNING_M = 85e-6
 
 @dataclass(frozen=True)
 class KnownSpring:
-    """A spring that the wire pulls, and the friction on the way to it, both known beforehand.
+    """A spring pulled by the wire, and the friction of the guide, both known beforehand.
 
     Parameters
     ----------
@@ -32,13 +32,13 @@ class KnownSpring:
     friction_n
         Coulomb friction of the guide [N]; none by default.
     turning_m
-        Travel after a turn over which friction turns round [m]. Four times that of the simulated guide, since a
+        Travel after a reversal over which friction reverses [m]. Four times that of the simulated guide, since a
         displacement read from resistance is uncertain by more.
 
     Raises
     ------
     CallerError
-        For a stiffness not above 0, or friction or turning travel that cannot be.
+        For a stiffness or turning travel not above 0, or a negative friction.
     """
 
     stiffness_n_per_m: float
@@ -75,12 +75,12 @@ class KnownSpring:
 def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: float) -> SensingModel:
     """Return a model of the contraction force on a spring [N] from one of strain or of the connector's displacement.
 
-    ``leg_length_m`` turns strain into displacement. Friction is not in it: the average of both branches has none.
-    Raises CallerError for a model of force, and for a stiffness or length not above 0.
+    ``leg_length_m`` turns strain into displacement. It does not include friction: the average of both branches has
+    none. Raises CallerError for a model of force, and for a stiffness or length not above 0.
     """
     if model.quantity == "force":
         raise CallerError(
-            "this model senses force already, with the load it was fitted on: a stiffness goes with a model of strain"
+            "this model senses force already, with the load it was fitted on: a stiffness belongs to a model of strain"
         )
     if not (stiffness_n_per_m > 0.0 and leg_length_m > 0.0):
         raise CallerError(f"stiffness {stiffness_n_per_m:g} N/m and length {leg_length_m:g} m must both be above 0")

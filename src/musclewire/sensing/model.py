@@ -1,4 +1,4 @@
-"""The self-sensing model as users hold it: a fitted curve that can be saved, shown and read again."""
+"""The self-sensing model of the user interface: a fitted curve with its methods to save, show and read it."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ class SensingModel(FittedCurve):
     ``strain(resistance_ohm)`` the strain alone, ``resistance_ohm(strain)`` the resistance that a strain requires
     (Eqs. 3 to 5); ``valid_resistance_ohm`` is the range in which they hold. A model never changes.
 
-    The parameters are those of :class:`~musclewire.sensing.curve.ResistanceCurve`, the numbers that an estimator runs
-    by, and of :class:`~musclewire.sensing.fit_report.FittedCurve`, what the fit reports of them.
+    The parameters are those of :class:`~musclewire.sensing.curve.ResistanceCurve`, the numbers that an estimator
+    uses, and of :class:`~musclewire.sensing.fit_report.FittedCurve`, the report of the fit.
 
     Examples
     --------
@@ -57,12 +57,12 @@ class SensingModel(FittedCurve):
         save_model(self, path)
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw strain against resistance: samples if they were kept, both branches, their mean.
+        """Draw strain against resistance: the samples, if the model has them, both branches and their mean.
 
         Parameters
         ----------
         axes
-            Where to draw; new axes without.
+            Axes to draw on; new ones by default.
 
         Returns
         -------
@@ -75,7 +75,7 @@ class SensingModel(FittedCurve):
         return model_view.report(self)
 
     def summary(self) -> str:
-        """Return what the model is and how well it holds, in a few lines of text."""
+        """Return the model and its errors in a few lines of text."""
         return model_view.summary(self)
 
     def __repr__(self) -> str:
@@ -105,7 +105,7 @@ def load_model(path: str | PathLike[str]) -> SensingModel:
     Raises
     ------
     CallerError
-        In one line, if the file is missing, damaged, inconsistent or no model file.
+        If the file is missing, damaged, inconsistent or no model file; the message is one line.
     """
     from musclewire.sensing.model_file import read_fields
 

@@ -1,4 +1,4 @@
-"""Sensing models as small JSON files, checked on the way in."""
+"""Sensing models as small JSON files, checked when they are read."""
 
 from __future__ import annotations
 
@@ -68,12 +68,12 @@ class ModelFile(BaseModel):
     cooling_samples: Samples = []
 
 
-# In the file for its reader, but computed and not given when a model is made.
+# Written for the file's reader; computed, not passed in, when a model is made.
 DERIVED = {"format", "version", "order", "unit", "quantity_min", "quantity_max"}
 
 
 def save_model(model: FittedCurve, path: str | PathLike[str]) -> None:
-    """Write the model as JSON, whole or not at all; CallerError when the folder cannot be written."""
+    """Write the model as JSON, whole or not at all; CallerError if the folder cannot be written."""
     target = Path(path)
     text = json.dumps(_contents(model), indent=1, allow_nan=False) + "\n"
     if len(text) > MAX_FILE_BYTES:
@@ -88,13 +88,13 @@ def save_model(model: FittedCurve, path: str | PathLike[str]) -> None:
     except OSError as error:
         raise CallerError(f"cannot write model file {target}: {error.strerror or error}") from error
     finally:
-        # After the replacement nothing is left under this name.
+        # After the replacement there is no file of this name.
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
 
 
 def read_fields(path: str | PathLike[str]) -> dict[str, Any]:
-    """Return the fields of the model in a file; CallerError in one line when it is missing, damaged or inconsistent."""
+    """Return the fields of the model in a file; CallerError in one line if it is missing, damaged or inconsistent."""
     source = Path(path)
     document = _document(source)
     unknown = sorted(set(document) - set(ModelFile.model_fields))
@@ -102,7 +102,7 @@ def read_fields(path: str | PathLike[str]) -> dict[str, Any]:
         hint = nearest_hint(unknown[0], ModelFile.model_fields)
         raise CallerError(f"model file {source}: unknown key {unknown[0]!r}{hint}")
     try:
-        # From JSON again, because strict checking takes a JSON list for a pair and a Python list not.
+        # Through JSON again: strict validation accepts a JSON list as a pair, but no Python list.
         contents = ModelFile.model_validate_json(json.dumps(document))
     except ValidationError as error:
         raise CallerError(f"model file {source}: {_first(error)}") from error
@@ -115,7 +115,7 @@ def read_fields(path: str | PathLike[str]) -> dict[str, Any]:
 
 
 def _document(source: Path) -> dict[str, Any]:
-    """The JSON object in the file, after checks of size, format and version."""
+    """Return the JSON object in the file, after checks of size, format and version."""
     try:
         with source.open("rb") as file:
             data = file.read(MAX_FILE_BYTES + 1)
@@ -139,6 +139,7 @@ def _document(source: Path) -> dict[str, Any]:
 
 
 def _contents(model: FittedCurve) -> dict[str, Any]:
+    """Return the keys of a model's file."""
     return {
         "format": MODEL_FORMAT,
         "version": MODEL_VERSION,
@@ -147,7 +148,7 @@ def _contents(model: FittedCurve) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Tuples and mappings as JSON writes them; numbers of any library as Python's own."""
+    """Return tuples and mappings as JSON writes them, and numbers of any library as Python's own."""
     if isinstance(value, tuple | list):
         return [_plain(item) for item in value]
     if hasattr(value, "items"):
@@ -156,19 +157,20 @@ def _plain(value: Any) -> Any:
 
 
 def _note(value: Any) -> str | float:
-    """A note on the wire: text or a finite number; anything else as its text."""
+    """Return a note on the wire as text or finite number; anything else as its text."""
     if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value):
         return value
     return str(value)
 
 
 def _fields(contents: ModelFile) -> dict[str, Any]:
+    """Return the fields of a model from the keys of its file."""
     fields = {name: value for name, value in contents.model_dump().items() if name not in DERIVED}
     return {name: tuple(value) if isinstance(value, list) else value for name, value in fields.items()}
 
 
 def _check_derived(model: FittedCurve, contents: ModelFile) -> None:
-    """What the file says of order, unit, ranges and errors must agree with its polynomials."""
+    """Raise CallerError unless order, unit, ranges and errors in the file agree with its polynomials."""
     if (contents.order, contents.unit) != (model.order, model.unit):
         raise CallerError(
             f"order {contents.order} and unit {contents.unit!r} disagree with {model.order + 1} coefficients "
@@ -185,7 +187,7 @@ def _check_derived(model: FittedCurve, contents: ModelFile) -> None:
 
 
 def _first(error: ValidationError) -> str:
-    """The first fault that pydantic found, in one line."""
+    """Return the first error of pydantic, in one line."""
     fault = error.errors(include_url=False, include_input=False)[0]
     where = ".".join(str(part) for part in fault["loc"])
     if fault["type"] == "missing":
@@ -194,4 +196,5 @@ def _first(error: ValidationError) -> str:
 
 
 def _short(message: object) -> str:
+    """Return a message as one line of at most 160 characters."""
     return " ".join(str(message).split())[:160]

@@ -1,4 +1,4 @@
-"""How a sensing model is shown: text, table, figure and the numbers of ``musclewire fit``."""
+"""Views of a sensing model: text, table, figure and the numbers of ``musclewire fit``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NOTE_UNITS = (("_n_per_m", 1.0, "N/m"), ("_ohm", 1.0, "ohm"), ("_m", 1e3, "mm"),
 
 
 def report(model: FittedCurve) -> dict[str, Any]:
-    """Numbers of ``musclewire fit --json``: gap in percent of the largest quantity, errors in percent strain.
+    """Return the numbers of ``musclewire fit --json``: gap in percent of the maximum, errors in percent strain.
 
     For displacement and force the errors are in percent of the largest quantity.
     """
@@ -41,7 +41,7 @@ def report(model: FittedCurve) -> dict[str, Any]:
 
 
 def rows(model: FittedCurve) -> list[tuple[str, str]]:
-    """What a reader wants to know, as pairs of name and text."""
+    """Return the main figures of a model, as pairs of name and text."""
     factor, unit = SHOWN_AS[model.quantity]
     low, high = model.valid_resistance_ohm
     errors = (model.rmse_heating, model.rmse_cooling, model.rmse_average)
@@ -76,14 +76,14 @@ def note(name: str, value: str | float) -> tuple[str, str]:
 
 
 def summary(model: FittedCurve) -> str:
-    """The rows as aligned text."""
+    """Return the rows as aligned text."""
     pairs = rows(model)
     width = max(len(name) for name, _ in pairs)
     return "\n".join(f"{name:<{width}}  {text}" for name, text in pairs)
 
 
 def html(model: FittedCurve) -> str:
-    """The rows as an HTML table, with everything that came from a file escaped."""
+    """Return the rows as an HTML table, with everything from a file escaped."""
     body = "".join(f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows(model))
     return f"<table><caption>Sensing model</caption>{body}</table>"
 

@@ -1,12 +1,12 @@
-"""The paper's estimator: Eq. 1, the polynomials of Eqs. 3 to 5, and where on the curve the wire is.
+"""The paper's estimator: Eq. 1, the polynomials of Eqs. 3 to 5, and the segment of the loop in which the wire is.
 
-Around them: samples without current are bridged, a resistance of another wire is noticed, a cold wire's A-B is
-distinguished from B-C, and on a known spring the guide's friction is added to the force.
+In addition, samples without current are bridged, the resistance of another wire is detected, segment A-B of a cold wire
+is distinguished from B-C, and on a known spring the guide's friction is added to the force.
 
 One resistance near its maximum has two meanings: a cold wire on its way from A to B, which hardly strains, or a
-wire between B and C, which does (Lan and Fan 2010, Fig. 3b). What tells them apart is the sign: from A to B resistance
-rises as the wire is heated, from B to C it falls. So the direction of the last change of electrical power is held
-against the direction in which the resistance moves.
+wire between B and C, which does (Lan and Fan 2010, Fig. 3b). They differ in sign: from A to B
+resistance rises as the wire is heated, from B to C it falls. The direction of the last change of electrical power is
+therefore compared with the direction in which the resistance changes.
 """
 
 from __future__ import annotations
@@ -33,18 +33,18 @@ __all__ = [
     "polynomial_estimator",
 ]
 
-# So far outside R_min..R_max, as a fraction of their span, no sample of this wire can be: another wire, or a fault.
+# A resistance further outside R_min..R_max, as a fraction of their span, is that of another wire, or a fault.
 MISMATCH_FRACTION = 0.15
 
 
 # Nearer to R_min than this, as normalised resistance, a wire cannot be in segment A-B: from A to B resistance rises
 # by a few percent, from B to C it falls by more than ten (Lan and Fan 2010, Fig. 3b).
 AMBIGUOUS_ABOVE = 0.8
-# A move of the smoothed resistance counts from this share of the span. At the sense voltage the current is small and
-# one sample's noise is a share of one to two hundredths; a mean over eight samples brings it well below.
-MIN_MOVE = 0.02
+# A change of the smoothed resistance counts from this fraction of the span. At the sense voltage the current is small
+# and the noise of one sample is one to two hundredths of it; a mean over eight samples reduces it to well below.
+MIN_CHANGE = 0.02
 SMOOTHING_SAMPLES = 8.0
-# A change of power counts from this share.
+# A change of power counts from this fraction.
 MIN_POWER_CHANGE = 0.02
 
 
@@ -56,11 +56,11 @@ class SegmentState(NamedTuple):
     sensing
         Whether strain can be sensed: the wire is between B and C.
     heating
-        Whether power last turned upward.
+        Whether power has last been rising.
     power_extreme_w
         Extreme of the power since it turned [W].
     resistance_anchor_ohm
-        Resistance from which a move the other way is counted [ohm].
+        Resistance from which a change in the opposite direction is counted [ohm].
     smoothed_ohm
         Resistance, smoothed over eight samples [ohm].
     """
@@ -87,10 +87,10 @@ class SegmentTracker:
         """Take R_min and R_max of the wire's model."""
         span = resistance_max_ohm - resistance_min_ohm
         self._ambiguous_above_ohm = resistance_min_ohm + AMBIGUOUS_ABOVE * span
-        self._least_move_ohm = MIN_MOVE * span
+        self._min_change_ohm = MIN_CHANGE * span
 
     def start(self, resistance_ohm: float, power_w: float) -> SegmentState:
-        """Return the state for a first sample: near R_max a wire is taken for cold until it shows otherwise.
+        """Return the state for a first sample: near R_max a wire counts as cold until a change shows otherwise.
 
         Parameters
         ----------
@@ -132,14 +132,15 @@ class SegmentTracker:
             turned = power_w > extreme * (1.0 + MIN_POWER_CHANGE)
         if turned:
             heating, extreme, anchor = not heating, power_w, smoothed
-        # The anchor goes along in the direction this segment explains; a move the other way is the other segment's.
+        # The anchor follows changes in the direction of this segment; a change in the opposite one is of the other
+        # segment.
         if sensing == heating:
             anchor = min(anchor, smoothed)
-            other_way = smoothed - anchor
+            opposite_ohm = smoothed - anchor
         else:
             anchor = max(anchor, smoothed)
-            other_way = anchor - smoothed
-        if other_way > self._least_move_ohm:
+            opposite_ohm = anchor - smoothed
+        if opposite_ohm > self._min_change_ohm:
             sensing, anchor = not sensing, smoothed
         return SegmentState(sensing or smoothed < self._ambiguous_above_ohm, heating, extreme, anchor, smoothed)
 
@@ -171,7 +172,7 @@ class SegmentTracker:
 
 
 class PolynomialState(NamedTuple):
-    """All the estimator remembers of the samples so far.
+    """The estimator's state.
 
     The last value, samples in a row without current and with another wire's resistance, the segment (None before the
     first sample), and on a known spring its last force [N] and the friction [N].
@@ -203,7 +204,7 @@ class PolynomialEstimator:
     slow_part = None
 
     def __init__(self, curve: ResistanceCurve, shunt_resistance_ohm: float, load: KnownSpring | None = None) -> None:
-        """Take the numbers; nothing of a run is kept here."""
+        """Take the numbers; the state of a run is not kept here."""
         self.curve, self.load = curve, load
         self.quantity = curve.quantity
         self._shunt_resistance_ohm = shunt_resistance_ohm
@@ -213,9 +214,9 @@ class PolynomialEstimator:
         self._full = curve.quantity_max - curve.quantity_min
 
     def start(self) -> PolynomialState:
-        """Return the state of a wire of which nothing is known.
+        """Return the state before the first sample.
 
-        One that was warmed up has been contracting: it pulls against the friction.
+        A wire that was warmed up has been contracting: it pulls against the friction.
         """
         friction_n = 0.0 if self.load is None else self.load.friction_n
         return PolynomialState(self.curve.quantity_min, 0, 0, None, None, friction_n)
@@ -248,7 +249,7 @@ class PolynomialEstimator:
         return EstimatorStep(estimate, state, (resistance_ohm,))
 
     def read(self, wire_voltage_v: float, shunt_voltage_v: float) -> ResistanceReading:
-        """Return the resistance of two voltages by Eq. 1, which is what the C form reads too.
+        """Return the resistance of two voltages by Eq. 1, as the C form does.
 
         Parameters
         ----------
@@ -293,15 +294,15 @@ class PolynomialEstimator:
         return Reason.OK if segment is not None and segment.sensing else Reason.COLD
 
     def _friction_after(self, state: PolynomialState, spring_force_n: float) -> float:
-        """Return the friction that the wire pulls beside a known spring, by which way it has been moving [N]."""
+        """Return the friction in addition to a known spring [N], by the direction of motion."""
         if self.load is None or state.spring_force_n is None:
             return state.friction_n
         return self.load.friction_after(state.friction_n, spring_force_n - state.spring_force_n)
 
     def _segment_after(self, segment: SegmentState | None, sample: WireSample, resistance_ohm: float) -> SegmentState:
-        """Return whether the wire has come from its cold start to between B and C.
+        """Return the segment after a sample, until the wire has come from its cold start to between B and C.
 
-        Once there it stays there: a reference keeps within the model's range, so the wire is not let go cold.
+        Then it remains there: a reference is within the model's range, so that the wire does not become cold again.
         """
         power_w = sample.wire_voltage_v * sample.wire_voltage_v / resistance_ohm
         if segment is None:

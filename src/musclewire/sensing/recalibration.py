@@ -1,4 +1,4 @@
-"""Keep a model true on a wire without a sensor: find R_max and R_min again at every start-up."""
+"""Keep a model valid on a wire without a sensor: find R_max and R_min again at every start-up."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ __all__ = ["ResistanceExtremes", "find_resistance_extremes", "recalibrated"]
 
 
 MIN_SAMPLES = 20
-# A fall smaller than this share of the resistance is drift; the transformation takes about a tenth.
+# A fall smaller than this fraction of the resistance is drift; the transformation takes about a tenth.
 MIN_FALL_FRACTION = 0.01
 MIN_FALL_NOISES = 10.0
 BUMP_NOISES = 6.0
 BUMP_FRACTION = 0.005
-# A span of resistance so different from the model's is another wire, or a sweep that did not complete.
+# A span of resistance that differs by more from the model's is another wire, or an incomplete sweep.
 ODD_SPAN = 0.2
-# How long after the largest drive the sweep still counts, as a share of the way up.
+# Time after the maximum of the drive that still belongs to the sweep, as a fraction of the time up to it.
 LAG_FRACTION = 0.15
 
 
 class ResistanceExtremes(NamedTuple):
-    """Points B and C of a heating sweep, with their places in the recording.
+    """Points B and C of a heating sweep, with their indices in the recording.
 
     Parameters
     ----------
@@ -44,8 +44,8 @@ class ResistanceExtremes(NamedTuple):
     index_c
         Sample of C.
     saw_b
-        Whether the resistance rose before B: only then is it the beginning of the transformation and not merely that of
-        the sweep.
+        Whether the resistance rose before B: only then is it the start of the transformation and not merely that of the
+        sweep.
     saw_c
         Whether it rises again after C: only then is it the end of the transformation.
     """
@@ -73,7 +73,7 @@ def find_resistance_extremes(
         Resistance [ohm], shape (n_times,).
     drive_voltage_v
         Drive [V], shape (n_times,). With it only samples up to shortly after its last maximum are read, so that the
-        sweep may also come back down; None if it only heats.
+        sweep may also cool again; None if it only heats.
     valid
         Which samples have current, shape (n_times,); all if None.
 
@@ -153,7 +153,7 @@ def recalibrated(model: SensingModel, resistance_min_ohm: float, resistance_max_
 
 
 def _largest_fall(resistance: FloatArray) -> tuple[int, int]:
-    """Return between which samples the resistance falls most."""
+    """Return the two samples between which the resistance falls most."""
     highest = np.maximum.accumulate(resistance)
     c = int(np.argmax(highest - resistance))
     return int(np.flatnonzero(resistance[: c + 1] == highest[c])[-1]), c
@@ -169,7 +169,7 @@ def _smoothed(measured: FloatArray) -> tuple[FloatArray, float]:
 def _heating(
     resistance_ohm: npt.ArrayLike, drive_voltage_v: npt.ArrayLike | None, valid: npt.ArrayLike | None
 ) -> tuple[npt.NDArray[np.intp], FloatArray]:
-    """Usable samples up to the last maximum of the drive, and their places."""
+    """Return the indices and values of usable samples up to the last maximum of the drive."""
     resistance = np.asarray(resistance_ohm, dtype=np.float64)
     mask = np.ones(resistance.shape, dtype=np.bool_) if valid is None else np.array(valid, dtype=np.bool_)
     drive = None if drive_voltage_v is None else np.asarray(drive_voltage_v, dtype=np.float64)
@@ -177,7 +177,8 @@ def _heating(
         raise RecordingError("resistance, drive voltage and valid must be columns of equal length, of one wire")
     if drive is not None and drive.size:
         hottest = np.flatnonzero(drive == drive.max())[-1]
-        # Temperature follows the drive with a lag, so the least resistance comes a little after the largest drive.
+        # Temperature follows the drive with a lag, so the minimum of resistance comes a little after the maximum of the
+        # drive.
         mask = mask & (np.arange(drive.size) <= hottest * (1.0 + LAG_FRACTION))
     place = np.flatnonzero(mask)
     if place.size < MIN_SAMPLES:

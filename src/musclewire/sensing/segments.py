@@ -1,4 +1,4 @@
-"""Points A, B and C on both branches of a strain-resistance loop (Fig. 3b), found without help."""
+"""Points A, B and C on both branches of a strain-resistance loop (Fig. 3b), found automatically."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ __all__ = ["LoopSegments", "find_loops", "find_segments"]
 
 MIN_SAMPLES = 20
 MIN_BRANCH_SAMPLES = 8
-# A cycle is complete when it returns to within this share of its stroke of where it began.
+# A cycle is complete if it ends within this fraction of its stroke from its start.
 CLOSURE = 0.15
-# The stroke must be this many times the strain noise (white noise alone spans 8), the fall of resistance this
-# many times its own.
+# The stroke must be this many times the noise of strain (white noise alone spans 8), and the fall of resistance this
+# many times its noise.
 MIN_STROKE_NOISES = 20.0
 MIN_SIGNAL = 10.0
-# From B to C the strain must gain at least this share of the stroke, or the two are unrelated.
+# From B to C the strain must rise by at least this fraction of the stroke, otherwise the two are unrelated.
 MIN_STRAIN_FRACTION = 0.3
-# Correlation of strain and resistance over the middle of the stroke beyond which the sign is settled.
-SETTLED_SIGN = 0.5
-# Heating without transformation raises the resistance by less than this; a flipped loop moves it by more.
+# Correlation of strain and resistance over the middle of the stroke above which its sign is certain.
+CERTAIN_SIGN = 0.5
+# Heating without transformation raises the resistance by less than this; an inverted loop changes it by more.
 THERMAL_FRACTION = 0.05
-# What reads each quantity, and how its whole change is called.
+# Instrument of each quantity, and the word for its range.
 INSTRUMENTS = {"strain": "strain sensor", "displacement": "displacement sensor", "force": "load cell"}
 SPANS = {"strain": "a stroke", "displacement": "a stroke", "force": "a change"}
 
@@ -54,7 +54,7 @@ class LoopSegments:
     Parameters
     ----------
     heating_a
-        Sample of A on heating; that of B if the loop does not come back to cold.
+        Sample of A on heating; that of B if the loop does not return to cold.
     heating_b
         Sample of B on heating.
     heating_c
@@ -76,11 +76,11 @@ class LoopSegments:
     strain_cold
         Smoothed strain (or displacement [m], force [N]) at A.
     strain_max
-        The largest on heating, smoothed.
+        Its maximum on heating, smoothed.
     transformation_fraction
-        Fraction of that stroke from B to C on heating; the paper's is about 0.85.
+        Fraction of this stroke from B to C on heating; about 0.85 in the paper.
     returns_cold
-        Whether the loop comes back to cold.
+        Whether the loop returns to cold.
     complete
         Whether the transformation was completed.
     resistance_noise_ohm
@@ -90,7 +90,7 @@ class LoopSegments:
     cycle
         Number of this loop among the complete ones, from 0.
     cycles_found
-        How many complete ones the recording holds.
+        Number of complete ones in the recording.
     """
 
     heating_a: int
@@ -116,7 +116,7 @@ class LoopSegments:
 
 @dataclass(frozen=True)
 class _SegmentPoints:
-    """A, B, C of one run as indices into the compressed recording, from cold to hot."""
+    """A, B, C of one half cycle as indices into the usable samples, from cold to hot."""
 
     a: int
     b: int
@@ -143,9 +143,10 @@ def find_segments(
     valid
         Which samples have current, shape (n_times,); all if None.
     cycle
-        "last", "first" or "largest" complete cycle, or its number (0 the first, -1 the last). The last is settled most.
+        "last", "first" or "largest" complete cycle, or its number (0 the first, -1 the last). The last by default, as
+        it is the most stable one.
     quantity
-        What ``strain`` holds, for messages: "strain", "displacement" or "force".
+        Quantity in ``strain``, for messages: "strain", "displacement" or "force".
 
     Returns
     -------
@@ -197,7 +198,7 @@ def find_loops(
 
 @dataclass(frozen=True, eq=False)
 class _Signals:
-    """The usable samples of a recording, raw and smoothed, with their places in it."""
+    """The usable samples of a recording, raw and smoothed, with their indices in it."""
 
     place: npt.NDArray[np.intp]
     resistance_ohm: FloatArray
@@ -215,6 +216,7 @@ class _Signals:
         valid: npt.ArrayLike | None,
         quantity: str = "strain",
     ) -> _Signals:
+        """Return the usable samples of a recording; RecordingError if there is no transformation in them."""
         place, resistance, contraction = _usable(resistance_ohm, strain, valid, quantity)
         _check_stroke(contraction, quantity)
         swing = max(MIN_SWING * float(np.ptp(contraction)), MIN_SIGNAL * noise_level(contraction))
@@ -224,23 +226,24 @@ class _Signals:
         return cls(place, resistance, contraction, curves, turns, starts_low, quantity)
 
     def cycles(self) -> list[tuple[HalfCycle, HalfCycle]]:
-        """Complete cycles as (heating, cooling); cooling may come first when no cycle starts cold."""
-        runs = half_cycles(self.curves, self.turns, self.starts_low)
-        neighbours = list(pairwise(runs))
+        """Return the complete cycles as (heating, cooling); cooling may come first if no cycle starts cold."""
+        halves = half_cycles(self.curves, self.turns, self.starts_low)
+        neighbours = list(pairwise(halves))
         closed = [pair for pair in neighbours if _is_closed(pair, self.curves.strain)]
         from_cold = [pair for pair in closed if pair[0].rising]
         if from_cold:
             return from_cold
         if closed:
             return [(after, before) for before, after in closed]
-        raise RecordingError(_no_cycle(runs, self.curves.strain, self.quantity))
+        raise RecordingError(_no_cycle(halves, self.curves.strain, self.quantity))
 
     def segments(self, pairs: list[tuple[HalfCycle, HalfCycle]], number: int) -> LoopSegments:
+        """Return the points and branches of a cycle."""
         heating, cooling = pairs[number]
         curves, place = self.curves, self.place
         up, down = _points(heating, curves), _points(cooling, curves)
-        for run, points in ((heating, up), (cooling, down)):
-            _check_branch(run, points, curves, self.quantity)
+        for half, points in ((heating, up), (cooling, down)):
+            _check_branch(half, points, curves, self.quantity)
         cold, at_b = float(curves.strain[up.a]), float(curves.strain[up.b])
         warm = float(curves.strain[up.c])
         return LoopSegments(
@@ -266,6 +269,7 @@ class _Signals:
         )
 
     def _branch(self, first: int, last: int) -> Branch:
+        """Return the measured samples of a branch."""
         inside = slice(first, last + 1)
         return Branch(self.resistance_ohm[inside], self.strain[inside])
 
@@ -273,7 +277,7 @@ class _Signals:
 def _usable(
     resistance_ohm: npt.ArrayLike, strain: npt.ArrayLike, valid: npt.ArrayLike | None, quantity: str
 ) -> tuple[npt.NDArray[np.intp], FloatArray, FloatArray]:
-    """Check the columns and keep the samples that carry a resistance."""
+    """Return indices, resistance and strain of the samples with a resistance, after a check of the columns."""
     resistance = np.asarray(resistance_ohm, dtype=np.float64)
     contraction = np.asarray(strain, dtype=np.float64)
     mask = np.ones(resistance.shape, dtype=np.bool_) if valid is None else np.asarray(valid, dtype=np.bool_)
@@ -303,11 +307,13 @@ def _check_values(resistance: FloatArray, contraction: FloatArray, place: npt.ND
 
 
 def _shown(value: float, quantity: str) -> str:
+    """Return a value with its unit."""
     factor, unit = SHOWN_AS[quantity]
     return f"{factor * value:.3g} {unit}"
 
 
 def _check_stroke(strain: FloatArray, quantity: str) -> None:
+    """Raise RecordingError for a stroke that is not well above its noise."""
     stroke, noise = float(np.ptp(strain)), noise_level(strain)
     if stroke <= 0.0 or stroke < MIN_STROKE_NOISES * noise:
         raise RecordingError(
@@ -318,37 +324,37 @@ def _check_stroke(strain: FloatArray, quantity: str) -> None:
 
 
 def _check_fall(curves: SmoothedRecording, quantity: str) -> None:
-    """Resistance must fall while strain rises, over the middle of the stroke."""
+    """Raise RecordingError unless resistance falls with rising strain over the middle of the stroke."""
     strain, resistance = curves.strain, curves.resistance_ohm
     sign, change = _middle_trend(strain, resistance)
-    if sign < -SETTLED_SIGN:
+    if sign < -CERTAIN_SIGN:
         return
     span = f"{SPANS[quantity]} of {_shown(float(np.ptp(strain)), quantity)}"
-    if sign > SETTLED_SIGN and change >= THERMAL_FRACTION:
+    if sign > CERTAIN_SIGN and change >= THERMAL_FRACTION:
         backwards = "pulling must read" if quantity == "force" else "contraction must be"
         option = "" if quantity == "force" else " (--invert)"
         raise RecordingError(
             f"{quantity} of the wrong sign: over {span} the resistance rises with it by {100 * change:.1f} %: "
             f"{backwards} positive, negate the {quantity}{option}"
         )
-    # Held at both ends a wire pulls without contracting: stress keeps most of it from transforming, and its resistance
-    # goes with its temperature.
+    # A wire held at both ends pulls without contracting: stress prevents most of the transformation, and its resistance
+    # follows its temperature.
     wanted = "pulling" if quantity == "force" else "contraction"
-    held = "a wire that may hardly contract has no such loop; where it may, " if quantity == "force" else ""
+    held = "a wire that can hardly contract has no such loop; if it can, " if quantity == "force" else ""
     raise RecordingError(
         f"no transformation: the resistance does not fall as the {quantity} rises over {span} "
-        f"(correlation {sign:+.2f}, fall needed {-SETTLED_SIGN:+.1f}; change {100 * change:.1f} %): "
+        f"(correlation {sign:+.2f}, fall needed {-CERTAIN_SIGN:+.1f}; change {100 * change:.1f} %): "
         f"{held}raise the drive voltage, and check that {wanted} is positive"
     )
 
 
 def _middle_trend(strain: FloatArray, resistance: FloatArray) -> tuple[float, float]:
-    """Correlation of strain and resistance between 15 and 85 % of the stroke, and the relative change there.
+    """Return correlation of strain and resistance, and change of resistance, between 15 and 85 % of the stroke.
 
-    Means over slices of strain, so that a dwell weighs no more than a fast pass.
+    Both are of means over slices of strain, so that a dwell has no more weight than a fast pass.
     """
-    share = (strain - strain.min()) / np.ptp(strain)
-    slices = np.floor((share - 0.15) / 0.7 * 20).astype(np.intp)
+    fraction = (strain - strain.min()) / np.ptp(strain)
+    slices = np.floor((fraction - 0.15) / 0.7 * 20).astype(np.intp)
     inside = (slices >= 0) & (slices < 20)
     counts = np.bincount(slices[inside], minlength=20)
     filled = counts > 0
@@ -362,19 +368,20 @@ def _middle_trend(strain: FloatArray, resistance: FloatArray) -> tuple[float, fl
 
 
 def _is_closed(pair: tuple[HalfCycle, HalfCycle], strain: FloatArray) -> bool:
-    """Whether the second run ends where the first began, seen against the stroke of the larger of the two."""
+    """Return whether the second half cycle ends at the start of the first, relative to the larger stroke of the two."""
     before, after = pair
     begin, turn, end = strain[before.first], strain[before.last], strain[after.last]
     stroke = max(abs(turn - begin), abs(turn - end))
     return bool(stroke > 0.0 and abs(begin - end) <= CLOSURE * stroke)
 
 
-def _no_cycle(runs: list[HalfCycle], strain: FloatArray, quantity: str) -> str:
+def _no_cycle(halves: list[HalfCycle], strain: FloatArray, quantity: str) -> str:
+    """Return the message on a recording without a complete cycle."""
     factor, unit = SHOWN_AS[quantity]
     story = ", ".join(
-        f"{'heating' if run.rising else 'cooling'} from {factor * strain[run.first]:.3g} to "
-        f"{factor * strain[run.last]:.3g} {unit}"
-        for run in runs
+        f"{'heating' if half.rising else 'cooling'} from {factor * strain[half.first]:.3g} to "
+        f"{factor * strain[half.last]:.3g} {unit}"
+        for half in halves
     )
     return (
         f"no complete cycle: the recording holds only {story or 'one turning point'} ({quantity}): "
@@ -383,7 +390,7 @@ def _no_cycle(runs: list[HalfCycle], strain: FloatArray, quantity: str) -> str:
 
 
 def _chosen(cycle: str | int, pairs: list[tuple[HalfCycle, HalfCycle]], curves: SmoothedRecording) -> int:
-    """Number of the cycle asked for."""
+    """Return the number of the requested cycle."""
     if cycle == "last":
         return len(pairs) - 1
     if cycle == "first":
@@ -393,17 +400,17 @@ def _chosen(cycle: str | int, pairs: list[tuple[HalfCycle, HalfCycle]], curves: 
     if not isinstance(cycle, int):
         raise CallerError(f"cycle is {cycle!r}: use 'last', 'first', 'largest' or a number")
     if not -len(pairs) <= cycle < len(pairs):
-        raise CallerError(f"cycle {cycle} asked for, and the recording holds {len(pairs)} (numbered from 0)")
+        raise CallerError(f"there is no cycle {cycle}: the recording holds {len(pairs)} (numbered from 0)")
     return cycle % len(pairs)
 
 
-def _points(run: HalfCycle, curves: SmoothedRecording) -> _SegmentPoints:
-    """A, B, C on one run: B and C span the largest fall of resistance, A is the last of the cold before B.
+def _points(half: HalfCycle, curves: SmoothedRecording) -> _SegmentPoints:
+    """Return A, B, C of a half cycle: B and C span the largest fall of resistance, A is the last cold sample before B.
 
-    A cooling run read backwards looks like a heating run, so both take the same path.
+    A cooling half cycle read backwards is like a heating one, so that both are treated alike.
     """
-    inside = slice(run.first, run.last + 1)
-    resistance = curves.resistance_ohm[inside] if run.rising else curves.resistance_ohm[inside][::-1]
+    inside = slice(half.first, half.last + 1)
+    resistance = curves.resistance_ohm[inside] if half.rising else curves.resistance_ohm[inside][::-1]
     highest = np.maximum.accumulate(resistance)
     c = int(np.argmax(highest - resistance))
     b = int(np.flatnonzero(resistance[: c + 1] == highest[c])[-1])
@@ -413,17 +420,17 @@ def _points(run: HalfCycle, curves: SmoothedRecording) -> _SegmentPoints:
     a = int(np.flatnonzero(resistance[: b + 1] <= coldest + tolerance)[-1])
     returns_cold = rise > curves.min_bump_ohm
     complete = float(resistance[c:].max() - resistance[c]) > curves.min_bump_ohm
-    origin, step = (run.first, 1) if run.rising else (run.last, -1)
+    origin, step = (half.first, 1) if half.rising else (half.last, -1)
     at_a, at_b, at_c = (origin + step * index for index in (a if returns_cold else b, b, c))
     return _SegmentPoints(at_a, at_b, at_c, returns_cold, complete)
 
 
-def _check_branch(run: HalfCycle, points: _SegmentPoints, curves: SmoothedRecording, quantity: str) -> None:
-    """A fall of resistance that stands out of the noise, with much of the strain, over enough samples."""
+def _check_branch(half: HalfCycle, points: _SegmentPoints, curves: SmoothedRecording, quantity: str) -> None:
+    """Raise RecordingError unless resistance falls well above its noise, with enough strain, over enough samples."""
     resistance, strain = curves.resistance_ohm, curves.strain
-    name = "heating" if run.rising else "cooling"
+    name = "heating" if half.rising else "cooling"
     fall = float(resistance[points.b] - resistance[points.c])
-    gain = float((strain[points.c] - strain[points.b]) / np.ptp(strain[run.first : run.last + 1]))
+    gain = float((strain[points.c] - strain[points.b]) / np.ptp(strain[half.first : half.last + 1]))
     if fall < MIN_SIGNAL * curves.resistance_noise_ohm or gain < MIN_STRAIN_FRACTION:
         raise RecordingError(
             f"no transformation: on the {name} branch the resistance falls by {fall:.3g} ohm (its noise is "
@@ -433,7 +440,7 @@ def _check_branch(run: HalfCycle, points: _SegmentPoints, curves: SmoothedRecord
     if strain[points.c] <= 0.0:
         raise RecordingError(
             f"no transformation: on the {name} branch the {quantity} is {_shown(float(strain[points.c]), quantity)} at "
-            "the least resistance: contraction must be positive and zero when cold, check drive voltage, sign and zero"
+            "minimum resistance: contraction must be positive and zero when cold, check drive voltage, sign and zero"
         )
     samples = abs(points.c - points.b) + 1
     if samples < MIN_BRANCH_SAMPLES:

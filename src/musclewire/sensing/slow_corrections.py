@@ -1,9 +1,9 @@
-"""Run the slow part of an estimator beside the loop: in line in simulation, in a thread on a rig with a clock.
+"""Run the slow part of an estimator next to the loop: in line in simulation, in a thread on a rig with a clock.
 
 Both ways give the same recording, as a correction takes effect exactly ``after_ticks`` ticks after it was requested,
-never earlier; in the thread it may be late, and then the old one stays and the sample says so. Nothing here waits: a
-tick looks whether the result is there and goes on. What the slow part raises never reaches the loop: it counts as a
-failed correction, and the run's metadata say how many there were and what the first one was.
+never earlier; in the thread it may be late, and then the old one stays and the sample records so. Nothing here waits: a
+tick checks whether the result is available and continues. An exception of the slow part never reaches the loop: it
+counts as a failed correction, and the run's metadata state their number and the first one.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ SWITCH_INTERVAL_S = 0.0005
 
 
 class SlowStatus(IntEnum):
-    """What a sample says of the correction that was due at it."""
+    """Status of the correction that was due at a sample."""
 
     NONE_DUE = 0
     APPLIED = 1
@@ -38,14 +38,14 @@ class SlowStatus(IntEnum):
 
 
 class Correction(NamedTuple):
-    """What a slow part returned, or the exception it raised."""
+    """The value that a slow part returned, or the exception that it raised."""
 
     value: Any
     error: Exception | None = None
 
 
 class Executor(Protocol):
-    """Where slow parts are computed: one at a time."""
+    """Computes slow parts, one at a time."""
 
     def request(self, compute: Callable[[], Any]) -> Callable[[], Correction | None] | None:
         """Begin to compute.
@@ -53,21 +53,21 @@ class Executor(Protocol):
         Parameters
         ----------
         compute
-            What to compute; what it raises is part of the result.
+            The computation; an exception is part of its result.
 
         Returns
         -------
-        What returns the result, None as long as there is none; or None itself if the last computation still runs.
+        A function that returns the result, or None until there is one; None itself if the last computation still runs.
         """
         ...
 
     def close(self) -> None:
-        """Let go; a computation that still runs is left alone."""
+        """End; a computation that still runs is not waited for."""
         ...
 
 
 def computed(compute: Callable[[], Any]) -> Correction:
-    """Return what a slow part returns or raises."""
+    """Return the value or the exception of a slow part."""
     try:
         return Correction(compute())
     except Exception as error:
@@ -75,10 +75,10 @@ def computed(compute: Callable[[], Any]) -> Correction:
 
 
 class InLine:
-    """Computes at once, in the caller's time: for simulations, in which time stands still meanwhile."""
+    """Computes at once, in the caller's thread: for simulations, whose time does not advance meanwhile."""
 
     def request(self, compute: Callable[[], Any]) -> Callable[[], Correction | None]:
-        """Compute, and return what tells the result."""
+        """Compute, and return a function that returns the result."""
         result = computed(compute)
         return lambda: result
 
@@ -87,10 +87,10 @@ class InLine:
 
 
 class InThread:
-    """Computes in a thread that the tick never waits for; the process does not wait for it at its end either."""
+    """Computes in a thread for which neither a tick nor the end of the process waits."""
 
     def __init__(self) -> None:
-        """Start the thread, and let the interpreter change threads often enough for a tick."""
+        """Start the thread, and make the interpreter switch threads often enough for a tick."""
         self._work: SimpleQueue[tuple[Callable[[], Any], list[Correction]] | None] = SimpleQueue()
         self._running: list[Correction] | None = None
         self._interval_s = sys.getswitchinterval()
@@ -104,7 +104,7 @@ class InThread:
             results.append(computed(compute))
 
     def request(self, compute: Callable[[], Any]) -> Callable[[], Correction | None] | None:
-        """Hand over to the thread; None while it is busy with the last one."""
+        """Pass the computation to the thread; None while it is busy with the last one."""
         if self._running is not None and not self._running:
             return None
         results: list[Correction] = []
@@ -113,7 +113,7 @@ class InThread:
         return lambda: results[0] if results else None
 
     def close(self) -> None:
-        """Let the thread end after what it is computing, and give the interpreter its interval back."""
+        """Let the thread end after its computation, and restore the interpreter's switch interval."""
         self._work.put(None)
         sys.setswitchinterval(self._interval_s)
 
@@ -126,12 +126,12 @@ class SlowCorrections:
     slow_part
         The estimator's slow part.
     executor
-        ``InLine()`` where no clock runs, ``InThread()`` on a rig with one.
+        ``InLine()`` without a clock, ``InThread()`` on a rig with one.
 
     Raises
     ------
     CallerError
-        If the slow part's ticks cannot be: a correction must take effect before the next one is requested.
+        If the slow part's ticks are inconsistent: a correction must take effect before the next one is requested.
     """
 
     def __init__(self, slow_part: SlowPart, executor: Executor) -> None:
@@ -151,7 +151,7 @@ class SlowCorrections:
         self._first_error = ""
 
     def before(self, state: Any) -> tuple[Any, SlowStatus]:
-        """Return the state with which the next sample is estimated, and what became of a correction due at it.
+        """Return the state with which the next sample is estimated, and the status of a correction due at it.
 
         Parameters
         ----------
@@ -160,7 +160,7 @@ class SlowCorrections:
 
         Returns
         -------
-        The state, corrected if a correction was due and there, and the status to record.
+        The state, corrected if a correction was due and available, and the status to record.
         """
         if self._due_tick is None or self._tick < self._due_tick:
             return state, SlowStatus.NONE_DUE
@@ -195,7 +195,7 @@ class SlowCorrections:
         self._tick += 1
 
     def metadata(self) -> dict[str, MetadataValue]:
-        """Return how many corrections were applied, late and failed so far, and the first error."""
+        """Return the numbers of corrections that were applied, late and failed, and the first error."""
         counts: dict[str, MetadataValue] = {
             f"slow_corrections_{status.name.lower()}": self._counts[status]
             for status in (SlowStatus.APPLIED, SlowStatus.LATE, SlowStatus.FAILED)
@@ -203,25 +203,25 @@ class SlowCorrections:
         return {**counts, **({"slow_correction_error": self._first_error} if self._first_error else {})}
 
     def close(self) -> None:
-        """Let go of the thread, if there is one."""
+        """End the thread, if there is one."""
         self._executor.close()
 
 
 def estimates(
     estimator: Estimator, samples: Iterable[WireSample]
 ) -> Iterator[tuple[QuantityEstimate, tuple[float, ...]]]:
-    """Estimate samples one after the other, from the estimator's start on, its slow part in line.
+    """Estimate samples in order from the estimator's start, with its slow part in line.
 
     Parameters
     ----------
     estimator
         An estimator.
     samples
-        What was measured, in order.
+        The measured samples, in order.
 
     Returns
     -------
-    For each sample the estimate, and the numbers the estimator wants recorded.
+    For each sample the estimate, and the numbers that the estimator records.
     """
     slow = None if estimator.slow_part is None else SlowCorrections(estimator.slow_part, InLine())
     state = estimator.start()

@@ -1,4 +1,4 @@
-"""Where a recording turns: the cold and hot ends between which branches run."""
+"""Turning points of a recording: the cold and hot ends of its branches."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, sm
 __all__ = ["HalfCycle", "SmoothedRecording", "half_cycles", "smoothed", "turning_points"]
 
 
-# A swing of less than this share of the whole stroke is a wobble of a branch and not a cycle of its own.
+# A swing of less than this fraction of the whole stroke is a ripple of a branch and not a cycle.
 MIN_SWING = 0.2
-# Samples within this share of the stroke of an end may belong to the dwell there.
+# Samples within this fraction of the stroke from an end may belong to the dwell there.
 END_FRACTION = 0.02
-# A bump of the resistance counts when it is this many times the noise and this share of the whole range.
+# A bump of the resistance counts from this many times the noise and from this fraction of the whole range.
 BUMP_NOISES = 6.0
 BUMP_FRACTION = 0.005
 
 
 @dataclass(frozen=True, eq=False)
 class SmoothedRecording:
-    """A recording smoothed for finding turns: columns of shape (n,), noise left over, size of a real bump."""
+    """A smoothed recording: columns of shape (n,), the noise that remains, and the minimum height of a bump."""
 
     resistance_ohm: FloatArray
     strain: FloatArray
@@ -36,7 +36,7 @@ class SmoothedRecording:
 
 @dataclass(frozen=True)
 class HalfCycle:
-    """Samples ``first`` to ``last`` (both included) between two turns; ``rising`` is heating."""
+    """Samples ``first`` to ``last`` (both included) between two turning points; ``rising`` is heating."""
 
     first: int
     last: int
@@ -45,11 +45,11 @@ class HalfCycle:
 
 def smoothed(resistance_ohm: FloatArray, strain: FloatArray, branches: int) -> SmoothedRecording:
     """Smooth both columns over at most 3 % of one of ``branches`` equal branches."""
-    longest = int(MAX_WINDOW_FRACTION * resistance_ohm.size / max(branches, 1))
+    max_window = int(MAX_WINDOW_FRACTION * resistance_ohm.size / max(branches, 1))
     columns, noises = [], []
     for column in (resistance_ohm, strain):
         noise = noise_level(column)
-        window = smoothing_window(noise, float(np.ptp(column)), longest)
+        window = smoothing_window(noise, float(np.ptp(column)), max_window)
         columns.append(smooth(column, window))
         noises.append(smoothed_noise(noise, window))
     bump = max(BUMP_NOISES * noises[0], BUMP_FRACTION * float(np.ptp(columns[0])))
@@ -80,11 +80,11 @@ def turning_points(values: FloatArray, min_swing: float) -> tuple[list[int], boo
 
 
 def half_cycles(curves: SmoothedRecording, turns: list[int], starts_low: bool) -> list[HalfCycle]:
-    """Cut the recording into heating and cooling runs at turns placed by strain, then set by resistance.
+    """Cut the recording into heating and cooling half cycles at turning points of strain, refined by resistance.
 
-    The strain says that the wire turned, not exactly when: it saturates while the hot wire heats on, rests
-    in a dwell, or sticks in its guide. The resistance keeps moving, so within 2 % of the stroke of each
-    extreme the turn is put where the resistance turns.
+    Strain shows that the wire turned, but not exactly when: it saturates while the hot wire heats further, is constant
+    in a dwell, or sticks in the guide. Resistance keeps changing, so that within 2 % of the stroke of each extreme the
+    turning point is that of the resistance.
     """
     refined = [_refined_turn(curves, turns, k, starts_low ^ bool(k % 2)) for k in range(len(turns))]
     return [
@@ -95,7 +95,7 @@ def half_cycles(curves: SmoothedRecording, turns: list[int], starts_low: bool) -
 
 
 def _refined_turn(curves: SmoothedRecording, turns: list[int], k: int, cold: bool) -> int:
-    """Turn ``k`` set by the resistance, or at a free end of the recording the far side of its dwell."""
+    """Return turning point ``k`` by the resistance, or at an end of the recording the far side of its dwell."""
     sign = 1.0 if cold else -1.0
     inner_first = turns[k - 1] + 1 if k > 0 else 0
     inner_last = turns[k + 1] - 1 if k + 1 < len(turns) else curves.strain.size - 1
@@ -112,14 +112,14 @@ def _refined_turn(curves: SmoothedRecording, turns: list[int], k: int, cold: boo
     first, last = int(near[0]), int(near[-1])
     inside = -sign * curves.resistance_ohm[first : last + 1]
     (passed, excursion), (turned, dip) = _highest_bump(inside), _highest_bump(-inside)
-    # A real excursion beyond C (or back to A) parts the two passes; without one the dip is the turn itself.
+    # An excursion beyond C (or back to A) separates the two passes; without one the dip is the turning point.
     if excursion > curves.min_bump_ohm or excursion > dip:
         return first + passed
     return first + (turned if dip > 0.0 else int(np.argmin(inside)))
 
 
 def _highest_bump(values: FloatArray) -> tuple[int, float]:
-    """Index of the maximum that stands highest above the minima on both its sides, and that height.
+    """Return the index of the maximum with the largest height above the minima on both sides, and that height.
 
     At a hot end, given the resistance, this is the hottest moment between the two passes of C; given the
     negative resistance it is C itself, where a minor loop turns. At a cold end the signs are swapped.

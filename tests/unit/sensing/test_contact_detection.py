@@ -1,4 +1,4 @@
-"""Contact against a heat balance in closed form: power is computed from theta, m, the air and contact, and found again."""
+"""Contact against a heat balance in closed form: power computed from theta, m, the air and contact."""
 
 from __future__ import annotations
 

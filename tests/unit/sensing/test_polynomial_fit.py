@@ -26,7 +26,7 @@ def test_the_least_resistance_is_zero_and_the_most_is_one() -> None:
 
 @pytest.mark.parametrize(("low", "high"), [(17.0, 15.0), (15.0, 15.0), (0.0, 1.0), (1.0, float("nan"))])
 def test_a_senseless_range_of_resistance_is_the_callers_fault(low: float, high: float) -> None:
-    with pytest.raises(CallerError, match="the least below the most"):
+    with pytest.raises(CallerError, match="the minimum below the maximum"):
         normalised_resistance(16.0, low, high)
 
 
