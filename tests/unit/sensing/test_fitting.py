@@ -77,7 +77,7 @@ def test_warnings_speak_of_the_quantity_at_hand_in_its_unit() -> None:
     assert any("force below 0.7" in warning and "N cannot be determined" in warning for warning in force)
     minor = MAKER.record(2000, top=0.7)
     moved = fit_loop(minor.resistance_ohm, 0.2 * minor.strain, quantity="displacement").warnings
-    assert any("displacement above 4.99 mm is unknown; harmless where more drive" in one for one in moved)
+    assert any("displacement above 4.99 mm is unknown; harmless if more drive" in one for one in moved)
     assert not any("strain" in warning for warning in (*force, *moved))
 
 
