@@ -82,7 +82,7 @@ def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
         (lambda d: d.pop("resistance_min_ohm"), "key 'resistance_min_ohm' is missing"),
         (lambda d: d.update(resistance_min_ohm="15"), "resistance_min_ohm: Input should be a valid number"),
         (lambda d: d.update(resistance_min_ohm=float("nan")), "finite"),
-        (lambda d: d.update(resistance_min_ohm=18.0), "least below the most"),
+        (lambda d: d.update(resistance_min_ohm=18.0), "minimum below the maximum"),
         (lambda d: d["heating_coefficients"].append(0.0), "fit both alike"),
         (lambda d: d.update(order=5), "order 5"),
         (lambda d: d.update(unit="m"), "unit 'm'"),
@@ -94,7 +94,9 @@ def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
         (lambda d: d.update(heating_coefficients=[0.1] * 17), "heating_coefficients"),
     ],
 )
-def test_a_damaged_model_is_told_in_one_line(damage: Damage, message: str, model: SensingModel, tmp_path: Path) -> None:
+def test_a_damaged_model_is_reported_in_one_line(
+    damage: Damage, message: str, model: SensingModel, tmp_path: Path
+) -> None:
     path = tmp_path / "model.json"
     model.save(path)
     document = json.loads(path.read_text(encoding="utf-8"))
