@@ -141,7 +141,7 @@ def test_a_model_of_displacement_does_not_pass_for_one_of_strain() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"resistance_max_ohm": 14.0}, "least below the most"),
+        ({"resistance_max_ohm": 14.0}, "minimum below the maximum"),
         ({"heating_coefficients": (0.03, -0.02, 0.0)}, "fit both alike"),
         ({"heating_coefficients": (0.03, 0.05)}, "cannot be inverted"),
         ({"heating_coefficients": (math.nan, -0.03)}, "finite"),

@@ -88,5 +88,5 @@ def test_an_odd_span_is_warned_of_and_a_reversed_one_refused() -> None:
     model = fit_loop(loop.resistance_ohm, loop.strain)
     assert recalibrated(model, 15.0, 17.4).warnings == ()
     assert "0.43 times" in recalibrated(model, 15.0, 16.0).warnings[0]
-    with pytest.raises(CallerError, match="least below the most"):
+    with pytest.raises(CallerError, match="minimum below the maximum"):
         recalibrated(model, 17.0, 15.0)
