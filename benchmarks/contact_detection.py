@@ -20,8 +20,8 @@ import numpy as np
 
 from musclewire.experiment.grip import grip
 from musclewire.experiment.gripper_training import GripperKnowledge, close_fingers, train_gripper, with_object
+from musclewire.rigs.air import Surroundings
 from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
-from musclewire.rigs.surroundings import Surroundings
 from musclewire.sensing.branch_equations import evaluate
 from musclewire.sensing.contact_detection import THRESHOLD, ContactDetector
 from musclewire.signals.recording import Recording

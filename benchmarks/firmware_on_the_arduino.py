@@ -19,7 +19,7 @@ from pathlib import Path
 from emulation.board import EmulatedBoard, firmware_for
 from firmware.build import size_of
 
-from musclewire.rigs.serial.device import Board
+from musclewire.rigs.serial.board import Board
 from musclewire.rigs.serial.line import open_line
 from musclewire.rigs.serial.messages import MessageKind
 

@@ -9,7 +9,7 @@ from emulation.daq_card import Card, Model
 from musclewire.errors import CallerError
 from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
 from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
-from musclewire.rigs.nidaq.rig import COLUMNS
+from musclewire.rigs.nidaq.device import COLUMNS
 from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.signals.exchange import Drive, RawSample
 

@@ -10,10 +10,10 @@ from pydantic import TypeAdapter
 
 from musclewire.errors import CallerError
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.rigs.faults import Fault, Faults
 from musclewire.rigs.mechanism import Mechanism
 from musclewire.rigs.simulated_building import wires_of
 from musclewire.rigs.simulated_configuration import with_settings
+from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.wire.loads import spring_load
 
 __all__ = ["BenchWire", "Converted", "Truth"]
@@ -21,7 +21,7 @@ __all__ = ["BenchWire", "Converted", "Truth"]
 # Step of the simulated wire [s]; it divides every board's tick.
 STEP_S = 1e-3
 NOISE_AHEAD = 4096
-FAULT = TypeAdapter(Fault)
+FAULT = TypeAdapter(SimulatedFault)
 # Faults that occur at a board's pins; the other faults of a rig file belong to the host.
 POSSIBLE = (
     "wire_open",
@@ -74,8 +74,8 @@ class BenchWire:
         self._steps = round(board["tick_period_s"] / STEP_S)
         self._random = np.random.default_rng(seed)
         self._noise: list[float] = []
-        self._faults: list[Fault] = []
-        self._active = Faults(())
+        self._faults: list[SimulatedFault] = []
+        self._active = SimulatedFaults(())
         # If the emulator has a converter of its own, the bench gives it finer steps and leaves the noise to it.
         self._full = 2 ** int(board.get("bench_bits", board["converter_bits"])) - 1
         self._noise_v = float(board.get("bench_noise_v", board["converter_noise_v"]))
@@ -93,12 +93,12 @@ class BenchWire:
             if fault.kind not in POSSIBLE:
                 raise CallerError(f"a board's bench has no fault '{fault.kind}'; it has: {', '.join(POSSIBLE)}")
             self._faults.append(fault.model_copy(update={"at": self.time_s + fault.at}))
-        self._active = Faults(self._faults)
+        self._active = SimulatedFaults(self._faults)
 
     def clear_faults(self) -> None:
         """Repair everything."""
         self._faults.clear()
-        self._active = Faults(())
+        self._active = SimulatedFaults(())
 
     def tick(self, code: int) -> tuple[Converted, Truth]:
         """Hold an output code for one tick; return the conversion at its end, and the truth."""

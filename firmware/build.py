@@ -24,7 +24,7 @@ from musclewire.errors import CallerError, MusclewireError, nearest_hint
 from musclewire.experiment.closed_loop import settings_for
 from musclewire.export.c import write_library
 from musclewire.parameters.validation import validated
-from musclewire.rigs.mounted import MountedWire
+from musclewire.rigs.mounted_wire import MountedWire
 from musclewire.sensing.model import SensingModel, load_model
 
 FIRMWARE = Path(__file__).resolve().parent

@@ -10,11 +10,11 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from musclewire.parameters.validation import unit_of
-from musclewire.rigs.faults import Fault
-from musclewire.rigs.mounted import LimitsTable, MountedWire
+from musclewire.rigs.mounted_wire import LimitsTable, MountedWire
 from musclewire.rigs.nidaq.configuration import DisplacementInput, ForceInput, NiDaqConfiguration, Output, VoltageInput
 from musclewire.rigs.replay import ReplayConfiguration
 from musclewire.rigs.serial.configuration import SerialConfiguration
+from musclewire.rigs.simulated_faults import SimulatedFault
 
 HEAD = """# Rig files of real hardware
 
@@ -81,7 +81,7 @@ def keys_section(model: type[BaseModel], text: str) -> str:
 def fault_rows() -> list[str]:
     """Return a row for each fault of a simulated rig."""
     rows = []
-    for kind in get_args(get_args(Fault)[0]):
+    for kind in get_args(get_args(SimulatedFault)[0]):
         name = get_args(kind.model_fields["kind"].annotation)[0]
         keys = [f"`{key}` ({default_of(field)})" for key, field in kind.model_fields.items() if key != "kind"]
         rows.append(f"| `{name}` | {', '.join(keys)} | {first_line(kind)} |")

@@ -15,8 +15,8 @@ from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.device import Answer, DeviceFacts
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
+from musclewire.rigs.nidaq.device import NiDaqDevice, Silence
 from musclewire.rigs.nidaq.output import GuardedOutput
-from musclewire.rigs.nidaq.rig import NiDaqDevice, Silence
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.exchange import Command
 

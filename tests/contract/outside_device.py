@@ -10,7 +10,7 @@ from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.kinds import DeviceConfiguration, DeviceKind, device_kinds
-from musclewire.rigs.mounted import MountedWire
+from musclewire.rigs.mounted_wire import MountedWire
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 

@@ -11,9 +11,9 @@ from pydantic_core import PydanticUndefined
 from musclewire.controllers import load_rule_base, rule_base_names
 from musclewire.parameters import load_bench, load_wire, names
 from musclewire.parameters.finger_file import finger_names
+from musclewire.rigs.air import Surroundings
 from musclewire.rigs.configuration import RigConfiguration, rig_names
 from musclewire.rigs.load_kinds import load_parts
-from musclewire.rigs.surroundings import Surroundings
 from musclewire.sensing.model_file import ModelFile
 from musclewire.signals.columns import COLUMNS
 

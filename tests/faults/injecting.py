@@ -25,9 +25,9 @@ from musclewire.experiment.run import Decision, run_on_rig
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs.serial.configuration import SerialConfiguration
+from musclewire.rigs.serial.device import SerialDevice
 from musclewire.rigs.serial.frames import Frame, encode_frame
 from musclewire.rigs.serial.messages import MessageKind
-from musclewire.rigs.serial.rig import SerialDevice
 from musclewire.signals.exchange import Command, Drive, RawSample, Target
 from musclewire.signals.recording import Recording
 

@@ -32,7 +32,7 @@ from musclewire.parameters.catalogue import CatalogueRow, catalogue_names, catal
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.parameters.parameter_groups import Bench, Wire
 from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.mounted import LimitsTable
+from musclewire.rigs.mounted_wire import LimitsTable
 from musclewire.rigs.simulated_configuration import with_settings
 from musclewire.signals.recording import Recording
 

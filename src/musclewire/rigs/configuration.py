@@ -35,7 +35,7 @@ def read_rig_file(path: str | Path) -> DeviceConfiguration:
     except CallerError as error:
         raise CallerError(f"rig file {file}: {error}") from None
     configuration: DeviceConfiguration = validated(known.configuration, data, f"rig file {file}")
-    return configuration.beside(file.parent)
+    return configuration.with_files_in(file.parent)
 
 
 def rig_names() -> list[str]:

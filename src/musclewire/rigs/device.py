@@ -18,7 +18,7 @@ __all__ = [
     "Answer",
     "Device",
     "DeviceFacts",
-    "Fault",
+    "DeviceFault",
     "HasOnBoardLoop",
     "HasStage",
     "HasTendonStage",
@@ -75,7 +75,7 @@ class Missing(NamedTuple):
     sample: RawSample | None = None
 
 
-class Fault(NamedTuple):
+class DeviceFault(NamedTuple):
     """A fault of the device that ends the run: the guard switches off, with the table's words for the event.
 
     Parameters
@@ -90,10 +90,10 @@ class Fault(NamedTuple):
     details: str
 
 
-Answer = RawSample | Missing | Fault
+Answer = RawSample | Missing | DeviceFault
 
 # The answer to an exchange that another thread has ended by switching off; the guard reports that.
-SWITCHED_OFF = Fault(Event.DEVICE_LOST, "it was switched off while a sample was awaited")
+SWITCHED_OFF = DeviceFault(Event.DEVICE_LOST, "it was switched off while a sample was awaited")
 
 
 class Device(Protocol):

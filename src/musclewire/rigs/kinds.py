@@ -30,7 +30,7 @@ class DeviceConfiguration(BaseModel):
 
     kind: str
 
-    def beside(self, folder: Path) -> Self:
+    def with_files_in(self, folder: Path) -> Self:
         """Return the configuration with the files that it names taken from a folder; by default its wire file.
 
         Parameters
@@ -95,7 +95,7 @@ device_kinds: Registry[DeviceKind[Any]] = Registry(
     {
         "simulated": "musclewire.rigs.simulated_opening:SIMULATED",
         "replay": "musclewire.rigs.replay:REPLAY",
-        "nidaq": "musclewire.rigs.nidaq.rig:NIDAQ",
-        "serial": "musclewire.rigs.serial.rig:SERIAL",
+        "nidaq": "musclewire.rigs.nidaq.device:NIDAQ",
+        "serial": "musclewire.rigs.serial.device:SERIAL",
     },
 )

@@ -14,7 +14,7 @@ from musclewire.errors import RecordingError, RigError
 from musclewire.parameters.validation import validated
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts
 from musclewire.rigs.kinds import DeviceConfiguration, DeviceKind
-from musclewire.rigs.mounted import LimitsTable, Metres, MountedWire, Newtons, Ohms, Volts
+from musclewire.rigs.mounted_wire import LimitsTable, Metres, MountedWire, Newtons, Ohms, Volts
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.exchange import REFERENCE_COLUMNS, Command, Drive, RawSample, drive_voltage_of
 from musclewire.signals.reading import read_hdf5, read_recording
@@ -58,9 +58,9 @@ class ReplayConfiguration(DeviceConfiguration):
     pretension: Newtons | None = None
     limits: LimitsTable = LimitsTable()
 
-    def beside(self, folder: Path) -> Self:
+    def with_files_in(self, folder: Path) -> Self:
         """Return the configuration with recording and wire file found next to the rig file."""
-        return super().beside(folder).model_copy(update={"recording": str(folder / self.recording)})
+        return super().with_files_in(folder).model_copy(update={"recording": str(folder / self.recording)})
 
 
 class ReplayDevice:

@@ -13,15 +13,14 @@ from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.parameters.parameter_groups import Bench
 from musclewire.physics.heat import convection_range_note
 from musclewire.physics.resistance import series_resistance_ohm
-from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Missing
-from musclewire.rigs.device import Fault as DeviceFault
-from musclewire.rigs.faults import Fault, Faults
+from musclewire.rigs.air import AirModel, Surroundings
+from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
 from musclewire.rigs.load_part import LoadPart, Pull
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.pacing import Pacer
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_building import Spool, force_limit_n, simulated_limits, wires_of
-from musclewire.rigs.surroundings import AirModel, Surroundings
+from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 from musclewire.simulate.wires import SampleMeans
 from musclewire.wire.loads import spring_load
@@ -105,7 +104,7 @@ class SimulatedDevice:
         seed: int = 1,
         real_time: bool = False,
         limits: Mapping[str, float] | None = None,
-        faults: Sequence[Fault] = (),
+        faults: Sequence[SimulatedFault] = (),
     ) -> None:
         """Cool the wire under its pretension and wait at 0 V."""
         wire, alloy, bench, new_wire = spool
@@ -132,7 +131,7 @@ class SimulatedDevice:
             limits=simulated_limits(alloy, wire, self._bench, self._parts, limits).checked(),
             reference_columns=self._instruments_there(),
         )
-        self._faults = Faults(faults) if faults else None
+        self._faults = SimulatedFaults(faults) if faults else None
         self._wire_ohm = self._wire_values["resistance_per_metre_ohm_per_m"] * self._bench["wire_length_m"]
         self._pacer = Pacer(self._bench["sample_period_s"]) if real_time else None
         self._steps = self._steps_of_a_sample()
@@ -314,7 +313,7 @@ class SimulatedDevice:
     def _advance(self, drive_voltage_v: float) -> SampleMeans:
         return self._wires.advance(drive_voltage_v, self._bench["time_step_s"], self._steps)
 
-    def _advance_faulty(self, faults: Faults) -> SampleMeans:
+    def _advance_faulty(self, faults: SimulatedFaults) -> SampleMeans:
         """Advance the wire with its current in the faulty circuit; return the voltages at the terminals."""
         time_s, shunt_ohm = self._wires.state.time_s, self._facts.limits.shunt_resistance_ohm
         output_v = faults.output_v(self._drive_voltage_v, time_s)

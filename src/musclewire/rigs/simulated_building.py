@@ -11,9 +11,9 @@ from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
-from musclewire.rigs.limits import Circuit, limits_of
 from musclewire.rigs.load_part import LoadPart, Pull, SecondWire, Supply
 from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, Mechanism, Tendon
+from musclewire.rigs.wire_limits import WireCircuit, limits_of
 from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
 from musclewire.simulate.wires import OneWire, SimulatedWires, TwoWires
 from musclewire.wire.building import constants_from
@@ -96,7 +96,7 @@ def simulated_limits(
     if bench["sense_voltage_v"] >= maximum_v:
         raise CallerError(f"sense_voltage_v {bench['sense_voltage_v']} V must be below maximum_voltage_v {maximum_v} V")
     step_v = 2.0 * bench["acquisition_range_v"] / 2.0 ** bench["acquisition_bits"]
-    circuit = Circuit(
+    circuit = WireCircuit(
         sense_voltage_v=bench["sense_voltage_v"],
         maximum_voltage_v=maximum_v,
         shunt_resistance_ohm=bench["shunt_resistance_ohm"],

@@ -12,11 +12,11 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.parameter_groups import Bench, Parameter, ParameterGroup, Wire
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import is_wire_file
-from musclewire.rigs.faults import Fault
+from musclewire.rigs.air import Surroundings
 from musclewire.rigs.kinds import DeviceConfiguration
 from musclewire.rigs.load_kinds import Part, Parts
-from musclewire.rigs.mounted import LimitsTable
-from musclewire.rigs.surroundings import Surroundings
+from musclewire.rigs.mounted_wire import LimitsTable
+from musclewire.rigs.simulated_faults import SimulatedFault
 from musclewire.rigs.wire_keys import WireKeys
 from musclewire.signals.units import parse_quantity
 
@@ -81,7 +81,7 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
     load: list[Part] = Field(default_factory=list)
     surroundings: Surroundings = Surroundings()
     limits: LimitsTable = LimitsTable()
-    fault: list[Fault] = Field(default_factory=list)
+    fault: list[SimulatedFault] = Field(default_factory=list)
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> RigConfiguration:
@@ -90,7 +90,7 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
         Parts(load=self.load)
         return self
 
-    def beside(self, folder: Path) -> Self:
+    def with_files_in(self, folder: Path) -> Self:
         """Return a rig file's content with the files it names found next to it, wherever the command was started.
 
         Parameters

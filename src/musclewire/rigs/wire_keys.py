@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from musclewire.rigs.mounted import AirKelvins, Metres, Newtons, Ohms, Seconds, Volts
+from musclewire.rigs.mounted_wire import AirKelvins, Metres, Newtons, Ohms, Seconds, Volts
 
 __all__ = ["SETTINGS", "WireKeys"]
 

@@ -10,18 +10,18 @@ from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError
 from musclewire.parameters.validation import validated
 from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.faults import OLD_KINDS, Faults
 from musclewire.rigs.guarded import ProtectionTripError
+from musclewire.rigs.simulated_faults import OLD_KINDS, SimulatedFaults
 
 WIRE_OHM, SHUNT_OHM = 14.0, 1.0
 
 
-def faulty(**fault: object) -> Faults:
-    return Faults(RigConfiguration(fault=[fault]).fault)
+def faulty(**fault: object) -> SimulatedFaults:
+    return SimulatedFaults(RigConfiguration(fault=[fault]).fault)
 
 
 def test_without_a_fault_the_circuit_is_a_wire_and_a_shunt() -> None:
-    circuit = Faults([]).circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0)
+    circuit = SimulatedFaults([]).circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0)
     assert circuit == pytest.approx((0.2, 2.8, 0.2))
 
 
@@ -109,7 +109,7 @@ def test_a_rig_file_with_a_faults_old_name_still_reads(old: str, new: str) -> No
 
 def test_what_is_left_of_a_slipped_wire_reads_by_its_old_name() -> None:
     old = {"kind": "slipped clamp", "share": 0.5}
-    assert Faults(RigConfiguration(fault=[old]).fault).circuit(  # type: ignore[list-item]
+    assert SimulatedFaults(RigConfiguration(fault=[old]).fault).circuit(  # type: ignore[list-item]
         3.0, WIRE_OHM, SHUNT_OHM, 0.0
     ) == faulty(kind="clamp_slipped", fraction=0.5).circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0)
 

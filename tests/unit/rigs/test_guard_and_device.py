@@ -18,7 +18,7 @@ from musclewire.rigs.abilities import (
     true_state_of,
 )
 from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Fault, Missing
+from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.exchange import Command, Drive, RawSample, Target
@@ -110,9 +110,9 @@ def test_a_sample_that_came_late_is_judged_as_any_other() -> None:
 
 
 @pytest.mark.parametrize(
-    "trouble", [Fault(Event.WIRE_OPEN, "seen by the device"), RigError("gone"), NumericsError("no numbers")]
+    "trouble", [DeviceFault(Event.WIRE_OPEN, "seen by the device"), RigError("gone"), NumericsError("no numbers")]
 )
-def test_a_fault_and_every_trouble_that_a_device_reports_end_off_for_good(trouble: Fault | Exception) -> None:
+def test_a_fault_and_every_trouble_that_a_device_reports_end_off_for_good(trouble: DeviceFault | Exception) -> None:
     device = Scripted(sample(1), trouble)
     rig = GuardedRig(device)
     rig.exchange(1.0)

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.rigs.abilities import true_state_of
+from musclewire.rigs.air import Air, AirModel, Surroundings
 from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.surroundings import Air, AirModel, Surroundings
 from musclewire.signals.exchange import RawSample
 
 DT_S = 0.05

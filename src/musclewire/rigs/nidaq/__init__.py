@@ -3,10 +3,10 @@
     configuration   the schema of rig files of kind nidaq
     channels        arithmetic without a card: scales, and how a sample period is divided
     driver          the few calls of nidaqmx that a rig makes, locally or over gRPC
-    faults          the driver's errors, explained in one line
+    driver_errors   the driver's errors, explained in one line
     guardian        the process that owns the output: it switches off after a killed or stalled host
     output          the host's end of the guardian
-    rig             all of it behind the Rig protocol
+    device          all of it as a device
 
 Nothing here can see the simulator, and nothing imports nidaqmx before a rig is opened.
 """

@@ -24,7 +24,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 
 from musclewire.errors import CallerError
 from musclewire.rigs.kinds import DeviceConfiguration
-from musclewire.rigs.mounted import LivePeriod, MountedWire
+from musclewire.rigs.mounted_wire import LivePeriod, MountedWire
 from musclewire.rigs.nidaq.channels import Layout, Scale, layout_of
 from musclewire.rigs.quantities import measured_in
 

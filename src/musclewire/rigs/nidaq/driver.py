@@ -11,7 +11,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import MissingExtraError
-from musclewire.rigs.nidaq.faults import LATE_WRITE, DaqFaultError, explained
+from musclewire.rigs.nidaq.driver_errors import LATE_WRITE, DaqFaultError, explained
 
 __all__ = ["Card", "InputStream", "OutputLine", "OutputSettings", "nidaqmx_package"]
 

@@ -24,7 +24,7 @@ from typing import NamedTuple
 from musclewire.errors import MusclewireError, RigError
 from musclewire.rigs.nidaq.channels import Scale
 from musclewire.rigs.nidaq.driver import OutputLine, OutputSettings
-from musclewire.rigs.nidaq.faults import DaqFaultError
+from musclewire.rigs.nidaq.driver_errors import DaqFaultError
 
 __all__ = ["BEGIN", "COMMAND", "END", "KEEP", "PUT", "REPLY", "SAFE", "GuardianOrders", "Watch", "main"]
 

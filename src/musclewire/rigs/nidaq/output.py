@@ -12,7 +12,7 @@ from typing import NoReturn
 
 from musclewire.errors import RigError
 from musclewire.rigs.nidaq.driver import OutputLine
-from musclewire.rigs.nidaq.faults import DaqFaultError
+from musclewire.rigs.nidaq.driver_errors import DaqFaultError
 from musclewire.rigs.nidaq.guardian import BEGIN, COMMAND, END, KEEP, PUT, REPLY, SAFE, GuardianOrders
 
 __all__ = ["GuardedOutput", "GuardianLostError", "HostStalledError"]

@@ -1,1 +1,1 @@
-"""Microcontrollers on a serial line: frames, messages, the line, the device, and the rig made of them."""
+"""Microcontrollers on a serial line: frames, messages, the line, the connection to a board, and the device."""

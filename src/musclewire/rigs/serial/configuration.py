@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from musclewire.rigs.kinds import DeviceConfiguration
-from musclewire.rigs.mounted import LivePeriod, MountedWire
+from musclewire.rigs.mounted_wire import LivePeriod, MountedWire
 from musclewire.rigs.quantities import measured_in
 
 __all__ = ["SerialConfiguration"]

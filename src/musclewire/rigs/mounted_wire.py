@@ -9,9 +9,9 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.parameter_groups import Wire
-from musclewire.rigs.limits import Circuit, limits_of
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.quantities import measured_in
+from musclewire.rigs.wire_limits import WireCircuit, limits_of
 
 __all__ = ["LimitsTable", "LivePeriod", "MountedWire"]
 
@@ -142,7 +142,7 @@ class MountedWire(BaseModel):
         The limits, with those that the file sets.
         """
         wire = self.known_wire()
-        circuit = Circuit(
+        circuit = WireCircuit(
             sense_voltage_v=self.sense_voltage,
             maximum_voltage_v=self.maximum_voltage,
             shunt_resistance_ohm=self.shunt,

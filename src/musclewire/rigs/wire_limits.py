@@ -11,7 +11,7 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.parameter_groups import Alloy, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 
-__all__ = ["Circuit", "limits_of"]
+__all__ = ["WireCircuit", "limits_of"]
 
 # A wire's resistance by the maker's ohm per metre is within 15 %, and falls by up to a fifth when it contracts.
 WINDOW_LOW, WINDOW_HIGH = 0.55, 1.5
@@ -27,7 +27,7 @@ MAXIMUM_TEMPERATURE_K = 473.15
 HOT_K = 373.15
 
 
-class Circuit(NamedTuple):
+class WireCircuit(NamedTuple):
     """A wire's circuit and its acquisition, in SI. ``in_series`` and ``in_parallel`` count like wires on the drive."""
 
     sense_voltage_v: float
@@ -44,7 +44,7 @@ class Circuit(NamedTuple):
 
 
 def limits_of(
-    wire: Wire, alloy: Alloy, circuit: Circuit, changed: Mapping[str, float] | None = None
+    wire: Wire, alloy: Alloy, circuit: WireCircuit, changed: Mapping[str, float] | None = None
 ) -> ProtectionLimits:
     """Return the limits of a wire on a circuit, with those the user has set.
 
@@ -83,7 +83,7 @@ def limits_of(
     return limits._replace(**known).checked()
 
 
-def heat_of(wire: Wire, alloy: Alloy, circuit: Circuit) -> tuple[float, float]:
+def heat_of(wire: Wire, alloy: Alloy, circuit: WireCircuit) -> tuple[float, float]:
     """Return heat capacity [J/K] and loss to still air [W/K] of all wires on the drive together."""
     diameter, length = wire.diameter_m.value, circuit.wire_length_m
     wires = circuit.in_series * circuit.in_parallel

@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 from musclewire.controllers.protection import Event, protection_table
 from musclewire.errors import RigError
-from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, Fault, Missing
+from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
 from musclewire.rigs.kinds import DeviceKind
 from musclewire.rigs.nidaq.channels import Span
 from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
 from musclewire.rigs.nidaq.driver import Card, InputStream, OutputSettings
-from musclewire.rigs.nidaq.faults import STALLED, DaqFaultError
+from musclewire.rigs.nidaq.driver_errors import STALLED, DaqFaultError
 from musclewire.rigs.nidaq.guardian import GuardianOrders
 from musclewire.rigs.nidaq.output import GuardedOutput, GuardianLostError, HostStalledError
 from musclewire.rigs.protocol import Metadata
@@ -192,11 +192,11 @@ class NiDaqDevice:
             except OffMeanwhileError:
                 return SWITCHED_OFF
             except HostStalledError as stall:
-                return Fault(Event.COMMAND_MISSING, f"{stall}: the guardian has switched off")
+                return DeviceFault(Event.COMMAND_MISSING, f"{stall}: the guardian has switched off")
             except GuardianLostError as lost:
-                return Fault(Event.DEVICE_LOST, str(lost))
+                return DeviceFault(Event.DEVICE_LOST, str(lost))
             except DaqFaultError as fault:
-                return Fault(Event.COMMAND_MISSING if fault.code == STALLED else Event.DEVICE_LOST, str(fault))
+                return DeviceFault(Event.COMMAND_MISSING if fault.code == STALLED else Event.DEVICE_LOST, str(fault))
         self._periods += span.periods
         sample = self._sample(means_v)
         if span.periods == 1:

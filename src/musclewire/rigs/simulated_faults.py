@@ -19,7 +19,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from musclewire.rigs.quantities import measured_in
 
-__all__ = ["OLD_KINDS", "Circuit", "Fault", "Faults"]
+__all__ = ["OLD_KINDS", "CircuitState", "SimulatedFault", "SimulatedFaults"]
 
 # Earlier names of kinds in rig files, before they were those of the protection's events; they can still be read.
 OLD_KINDS = {
@@ -146,7 +146,7 @@ def by_present_names(given: Any) -> Any:
     return {("fraction" if key == "share" else key): value for key, value in {**given, "kind": kind}.items()}
 
 
-Fault = Annotated[
+SimulatedFault = Annotated[
     BrokenWire
     | ShortCircuit
     | BadContact
@@ -164,7 +164,7 @@ Fault = Annotated[
 ]
 
 
-class Circuit(NamedTuple):
+class CircuitState(NamedTuple):
     """Current through the wire and the voltages at the terminals of wire and shunt."""
 
     wire_current_a: float
@@ -172,10 +172,10 @@ class Circuit(NamedTuple):
     shunt_voltage_v: float
 
 
-class Faults:
+class SimulatedFaults:
     """The faults of one simulated rig: times in, currents and readings out; it keeps the last readings."""
 
-    def __init__(self, faults: Sequence[Fault]) -> None:
+    def __init__(self, faults: Sequence[SimulatedFault]) -> None:
         """Take the faults of a rig file; if two contradict each other, the first one applies."""
         self._faults = tuple(faults)
         self._last_readings_v: tuple[float, float] | None = None
@@ -184,7 +184,7 @@ class Faults:
         """Whether there are any."""
         return bool(self._faults)
 
-    def _now(self, time_s: float) -> list[Fault]:
+    def _now(self, time_s: float) -> list[SimulatedFault]:
         return [fault for fault in self._faults if fault.active(time_s)]
 
     def device_lost(self, time_s: float) -> bool:
@@ -200,24 +200,24 @@ class Faults:
                 return 0.0
         return commanded_v
 
-    def circuit(self, output_v: float, wire_ohm: float, shunt_ohm: float, time_s: float) -> Circuit:
+    def circuit(self, output_v: float, wire_ohm: float, shunt_ohm: float, time_s: float) -> CircuitState:
         """Return current and voltages at an output voltage in the faulty circuit of a wire and a shunt."""
         current_a = output_v / (wire_ohm + shunt_ohm)
         for fault in self._now(time_s):
             if isinstance(fault, BrokenWire):
-                return Circuit(0.0, output_v, 0.0)
+                return CircuitState(0.0, output_v, 0.0)
             if isinstance(fault, ShortCircuit):
                 bridged_ohm = wire_ohm * fault.resistance / (wire_ohm + fault.resistance)
                 current_a = output_v / (bridged_ohm + shunt_ohm)
                 bridged_v = current_a * bridged_ohm
-                return Circuit(bridged_v / wire_ohm, bridged_v, current_a * shunt_ohm)
+                return CircuitState(bridged_v / wire_ohm, bridged_v, current_a * shunt_ohm)
             if isinstance(fault, (BadContact, SlippedClamp)):
                 between_ohm = (
                     wire_ohm + fault.resistance if isinstance(fault, BadContact) else wire_ohm * fault.fraction
                 )
                 current_a = output_v / (between_ohm + shunt_ohm)
-                return Circuit(current_a, current_a * between_ohm, current_a * shunt_ohm)
-        return Circuit(current_a, current_a * wire_ohm, current_a * shunt_ohm)
+                return CircuitState(current_a, current_a * between_ohm, current_a * shunt_ohm)
+        return CircuitState(current_a, current_a * wire_ohm, current_a * shunt_ohm)
 
     def readings_v(self, wire_voltage_v: float, shunt_voltage_v: float, time_s: float) -> tuple[float, float]:
         """Return the readings of wire and shunt [V] after the faults of their channels."""
