@@ -89,7 +89,7 @@ def calibrate(
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
-    """The physical parameters of your wire from recordings of it, with uncertainty."""
+    """Identify the physical parameters of your wire from recordings of it, with uncertainty."""
     from musclewire.identify.physical.advice import next_experiments
     from musclewire.identify.physical.calibrate import calibrate as run_calibrate
     from musclewire.identify.physical.calibrated_wire import save_wire

@@ -23,7 +23,7 @@ __all__ = ["add_export_commands"]
 
 def add_export_commands(app: typer.Typer) -> None:
     """Add the group and its command."""
-    export = typer.Typer(name="export", no_args_is_help=True, help="Take a model and its controller out of Python: c.")
+    export = typer.Typer(name="export", no_args_is_help=True, help="Export a model with its controller: c.")
 
     # A group with a single command would lose its name without this.
     @export.callback()

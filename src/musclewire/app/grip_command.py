@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 __all__ = ["add_grip_command"]
 
-# The gripper learns on another day than it grips: noise and air of its own.
+# The gripper is trained on another day than it grips, with other noise and air.
 LEARNING_SEED_STEP = 1000
 
 
@@ -160,7 +160,7 @@ def knowledge_of(
         require_folder(file)
     chosen = configuration.seed if seed is None else seed
     if not quiet:
-        say("learning: free closings, and grips of a known block with a load cell")
+        say("training: free closings, and grips of a known block with a load cell")
     knowledge = train_gripper(configuration, seed=chosen + LEARNING_SEED_STEP, on_sample=stop_if_asked)
     if file is not None:
         knowledge.save(file)

@@ -36,7 +36,7 @@ def import_recordings(
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
-    """Read recordings of other programs and show what was understood; with -o convert one."""
+    """Read recordings of other programs and show how they were interpreted; with -o convert one."""
     from musclewire.signals import understand
 
     understood = [understand(path, mapping(reading.column)) for path in files]
@@ -147,7 +147,7 @@ def rules(
 
 
 def cite(json: Json = False) -> None:
-    """Say what to cite."""
+    """Print the references to cite."""
     from importlib.metadata import version
 
     from musclewire.parameters.library import read_published

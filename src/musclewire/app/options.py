@@ -64,7 +64,7 @@ def quantity(name: str, unit: str, help: str, low: float = -inf, high: float = i
 OUTPUT = option("--output", "-o", help="File or folder to write.")
 OVERWRITE = option("--overwrite", help="Replace what is already there.")
 PLOT = option("--plot", help="Figure to write (.svg, .png, .pdf).")
-REPORT = option("--report", help="Page to write (.html); next to the output without it.")
+REPORT = option("--report", help="Page to write (.html); by default next to the output.")
 DRAWING = option("--drawing", help="Drawing to cut, 1:1 (.svg, .dxf). Repeatable.")
 JSON = option("--json", help="Print one JSON document on stdout.")
 LIST = option("--list", help="List the names that can be given, and exit.")
@@ -77,8 +77,8 @@ REAL_TIME_PRIORITY = option(
 )
 CPU = option("--cpu", help="On Linux: keep the loop on this processor core.", min=0)
 HOLD = quantity("--hold", "s", "Time for which the sense voltage is held, as '5 s'.", 1.0, 3600.0, "s")
-METER_WIRE = quantity("--meter-wire", "V", "What a meter reads across the wire at the sense voltage.")
-METER_SHUNT = quantity("--meter-shunt", "V", "What a meter reads across the shunt at the sense voltage.")
+METER_WIRE = quantity("--meter-wire", "V", "Reading of a meter across the wire at the sense voltage.")
+METER_SHUNT = quantity("--meter-shunt", "V", "Reading of a meter across the shunt at the sense voltage.")
 WRITE = option("--write", help="Write offsets, and gains by the meter, into the rig file.")
 RIG = option(
     "--rig", help="Rig whose circuit and limits are taken: 'simulated', or a rig file of kind simulated or serial."
@@ -90,7 +90,7 @@ PERIOD = quantity("--period", "s", "Period of the slow sine, as '90 s'.", 1.0, 8
 CYCLES = option("--cycles", help="Cycles at each setting; the last is analysed.", min=1)
 MAX_CYCLES = option("--max-cycles", help="Stop after this many cycles at the latest.", min=2)
 AT = quantity("--at", "N", "A pretension to try, as '1.9 N'. Repeatable.")
-QUANTITY = option("--quantity", help="What is sensed from resistance: strain, displacement or force.")
+QUANTITY = option("--quantity", help="Quantity sensed from resistance: strain, displacement or force.")
 
 # The closed loop and the grip.
 REFERENCE = option(
@@ -116,10 +116,12 @@ CLEARANCE = quantity(
     "--clearance", "m", "How far the endpoint moves (two fingers: both together) before it touches, as '4 mm'."
 )
 NO_OBJECT = option("--no-object", help="Simulate the grip without any object.")
-LEARNED = option("--learned", help="What the gripper has learned (.json): read, or learned and written.")
+LEARNED = option("--learned", help="File of the trained gripper (.json): read, or written after training.")
 
 # Recordings and models.
-COLUMN = option("--column", "-c", help="Say which header holds which column. Repeatable.", metavar="NAME=HEADER[:UNIT]")
+COLUMN = option(
+    "--column", "-c", help="Assign a header of the file to a column. Repeatable.", metavar="NAME=HEADER[:UNIT]"
+)
 LEG_LENGTH = quantity(
     "--leg-length", "m", "Length whose shortening is the strain, as '70 mm': one leg of a V-shaped wire."
 )
@@ -136,18 +138,18 @@ PRETENSION = quantity("--pretension", "N", "Pretension of the wire, both legs of
 SUPPLY = quantity("--supply", "V", "Supply voltage, as '5 V'.")
 CURRENT = quantity("--current", "A", "Current that is held, as '200 mA'; --supply is then its limit.")
 OFF_AFTER = quantity("--off-after", "s", "Time until switching off, as '1 s'.", 0.01, inf, "s")
-DURATION = quantity("--duration", "s", "Duration of the whole run; long enough to cool without it.", 0.0, 86400.0, "s")
+DURATION = quantity("--duration", "s", "Duration of the whole run; by default long enough to cool.", 0.0, 86400.0, "s")
 LOAD = quantity("--load", "N", "Weight, or pretension of the spring, as '1.4 N'.")
-STRESS = quantity("--stress", "Pa", "The load as a stress; '172 MPa' without either.")
+STRESS = quantity("--stress", "Pa", "The load as a stress; without --load and --stress it is '172 MPa'.")
 SPRING = quantity("--spring", "N/m", "A spring to pull, as '588.6 N/m'.")
 AMBIENT = quantity("--ambient", "K", "Temperature of the still air, as '22 degC'.")
 TABLE = option("--table", help="Show current, voltage and shunt of all wires at --wire-length, and exit.")
-PRIORS = option("--priors", help="What is known before, by name or TOML file.")
+PRIORS = option("--priors", help="Priors of the parameters, by name or TOML file.")
 SET = option("--set", help="A number of the bench that no recording states. Repeatable.", metavar="NAME=VALUE")
 EFFORT = option("--effort", help="How long to search: quick, normal or thorough.")
-STARTS = option("--starts", help="Descents from the prior; by the effort without it.", min=1)
-JUMPS = option("--jumps", help="Descents from near the best; by the effort without it.", min=0)
-THREADS = option("--threads", help="Threads of the search; all cores without it.", min=1)
+STARTS = option("--starts", help="Descents from the prior; by default depends on --effort.", min=1)
+JUMPS = option("--jumps", help="Descents from near the best; by default depends on --effort.", min=0)
+THREADS = option("--threads", help="Threads of the search; by default all cores.", min=1)
 
 # Parts to design.
 STIFFNESS = quantity("--stiffness", "N/m", "Size a part of this stiffness, as '386.2 N/m'.")
@@ -166,7 +168,7 @@ PITCH = quantity("--pitch", "m", "Distance between the centre lines of beams, p.
 THICKNESS = quantity("--thickness", "m", "Compute given dimensions: thickness of a beam in the plane of bending, t.")
 DEPTH = quantity("--depth", "m", "Depth of the part out of the plane of bending, b.")
 MAX_DEPTH = quantity("--max-depth", "m", "Largest depth there is room for.")
-CORNER_RADIUS = quantity("--corner-radius", "m", "Inner radius of corners; a quarter of the thickness without it.")
+CORNER_RADIUS = quantity("--corner-radius", "m", "Inner radius of corners; by default a quarter of the thickness.")
 FINGER = option("--finger", help="Take all dimensions from a finger, by name or .toml file.")
 OFFSET = quantity("--offset", "m", "With --thickness: distance of the tendon from the beam's centre line.")
 OVERALL_LENGTH = quantity("--overall-length", "m", "Length along the beam, extension plate included.")
@@ -195,7 +197,7 @@ RigName = Annotated[
     str,
     typer.Argument(
         metavar="RIG",
-        help="'simulated', 'finger', 'gripper', or the path of a TOML rig file. To be copied: 'arduino-uno', "
+        help="'simulated', 'finger', 'gripper', or the path of a TOML rig file. Templates to copy: 'arduino-uno', "
         "'serial-board', 'ni-pci-6229', 'ni-usb-6001'.",
     ),
 ]

@@ -36,7 +36,7 @@ def reproduce(
     seed: Annotated[int, SEED] = 1,
     json: Json = False,
 ) -> None:
-    """Every printed number and figure of the paper, next to ours, in a folder; exit code 1 if a row fails."""
+    """Compare every printed number and figure of the paper with ours, in a folder; exit code 1 if a row fails."""
     started = time.perf_counter()
     from musclewire.app.report.paper_page import write_paper_page
     from musclewire.experiment.reproduce import all_checks, selected

@@ -30,7 +30,7 @@ def protection(
     ] = None,
     json: Json = False,
 ) -> None:
-    """The protection table: what is watched on a heated wire and what happens then; with a rig, its limits."""
+    """Show the protection table: monitored conditions of a heated wire and the responses; with a rig, its limits."""
     from musclewire.controllers.protection import protection_table
 
     table = protection_table()

@@ -102,7 +102,7 @@ def simulate(
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
-    """A drive through a wire: what supply, shunt and current does my wire need?"""
+    """Simulate a drive through a wire: which supply, shunt and current it needs."""
     if list_wires:
         emit_json(wires_json()) if json else show(wires_text())
         return
@@ -166,7 +166,7 @@ def show_table(mounting: MountingOptions, json: bool) -> None:
 
 
 def catalogue(json: Json = False) -> None:
-    """The Flexinol catalogue next to the simulation: contraction after one second, and cooling times."""
+    """Compare the Flexinol catalogue with the simulation: contraction after one second, and cooling times."""
     from musclewire.identify.catalogue_table import compare_catalogue
 
     compared = compare_catalogue()

@@ -77,7 +77,7 @@ def answer_text(answer: SupplySizing) -> str:
         f"{numbers.power_peak_w:.3g} W at most, {numbers.energy_j:.3g} J",
         "  cooling       " + cooling_words(answer),
         "",
-        f"for 90 % of the stroke in one second, {length_mm:g} mm of this wire would want",
+        f"for 90 % of the stroke in one second, {length_mm:g} mm of this wire require",
         f"  current       {amperes(best.current_a)}; then {amperes(best.holding_current_a)} holds it there",
         f"  supply        {answer.supply_needed_v:.2f} V across wire and shunt, plus what the switch drops",
         f"  shunt         {shunt.resistance_ohm:g} ohm, {1e3 * shunt.power_w:.0f} mW: buy one for {shunt.rating_w:g} W",

@@ -13,7 +13,9 @@ __all__ = ["add_design_commands"]
 
 def add_design_commands(app: typer.Typer) -> None:
     """Add the group and its commands."""
-    design = typer.Typer(name="design", no_args_is_help=True, help="Size what a wire pulls: pretensioner, finger.")
+    design = typer.Typer(
+        name="design", no_args_is_help=True, help="Size the parts that a wire pulls: pretensioner, finger."
+    )
     add_command(design, pretensioner)
     add_command(design, finger)
     app.add_typer(design)
