@@ -222,7 +222,7 @@ def chosen_duration_s(request: SupplyRequest, configuration: RigConfiguration, c
         drive,
         request.on_s,
         regulated_current=current_a is not None,
-        longest_s=MAX_COOLING_S / RELAXING_MULTIPLE,
+        max_s=MAX_COOLING_S / RELAXING_MULTIPLE,
     )
     return math.ceil(request.on_s + max(RELAXING_MULTIPLE * relaxing, MIN_COOLING_S))
 

@@ -1,4 +1,4 @@
-"""From recordings to models: what a recording says about a wire's strain and resistance, and the fit of both."""
+"""From recordings to models: strain and resistance of a recorded wire, and the fit of one to the other."""
 
 from musclewire.identify.sensing_model import EstimateReport, estimate, fit
 

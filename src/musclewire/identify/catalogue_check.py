@@ -1,8 +1,8 @@
-"""How a simulated wire does what the vendor's catalogue says: contraction after one second, then cooling in still air.
+"""The test of the vendor's catalogue on a simulated wire: contraction after one second, then cooling in still air.
 
-The vendor's test, as its footnotes tell it: a wire lifts 172 MPa, is heated for one second by the catalogue's current
-and left to cool in still air; the last 0.5 % of deformation is not counted. Here a deformation of 0.5 % is a strain of
-0.005, and the wire has cooled when it is within that of its cold length under the same load. The wire starts cold, at
+The test according to the catalogue's footnotes: a wire under 172 MPa is heated for one second by the catalogue's
+current and cools in still air; the last 0.5 % of deformation is not counted. Here a deformation of 0.5 % is a strain of
+0.005, and the wire counts as cold within that strain of its cold length under the same load. The wire starts cold, at
 rest, at the bench's ambient temperature.
 """
 
@@ -25,9 +25,9 @@ __all__ = ["PULL_STRESS_PA", "UNCOUNTED_STRAIN", "CatalogueRun", "dead_weight_be
 PULL_STRESS_PA = 172e6
 HEATING_S = 1.0
 UNCOUNTED_STRAIN = 0.005
-# Hot enough that no martensite is left in any wire under this load; the stroke is the largest contraction on the way.
+# At this temperature no wire under this load has martensite left; the stroke is the largest contraction up to it.
 HOTTEST_K, STROKE_POINTS = 493.15, 100
-# Thin wires cool fast: a step is this share of the time in which a wire's own heat capacity would cool by a factor e.
+# Thin wires cool fast: a step is this fraction of the thermal time constant without transformation.
 STEP_FRACTION = 0.02
 MIN_STEP_S, MAX_STEP_S = 5e-4, 5e-3
 COOLING_CHUNKS, MAX_COOLING_S = 200, 120.0
@@ -35,9 +35,9 @@ GRAINS = 100.0
 
 
 class CatalogueRun(NamedTuple):
-    """What the catalogue's test of one wire gave; contractions are shares of the cold length under the load.
+    """Result of the catalogue's test of one wire; contractions are fractions of the cold length under the load.
 
-    ``cooling_s`` is None where the wire never got beyond the uncounted last part, or had not cooled after 120 s.
+    ``cooling_s`` is None if the wire never contracted beyond the part that is not counted, or is not cold after 120 s.
     """
 
     stroke: float
@@ -49,9 +49,9 @@ class CatalogueRun(NamedTuple):
 
 
 def dead_weight_bench(bench: Bench, diameter_m: float, stress_pa: float = PULL_STRESS_PA) -> Bench:
-    """Return a bench whose weight pulls a wire of this diameter with this stress, ready for a fast simulation.
+    """Return a bench with a weight that loads a wire of this diameter by this stress, for a fast simulation.
 
-    One leg, no spring and no friction whatever ``bench`` has; its length, shunt and ambient temperature stay.
+    It has one leg, no spring and no friction, and the length, shunt and ambient temperature of ``bench``.
     """
     weight_n = stress_pa * 0.25 * np.pi * diameter_m**2
     numbers = {
@@ -75,17 +75,17 @@ def run_catalogue_test(
     stress_pa: float = PULL_STRESS_PA,
     heating_s: float = HEATING_S,
 ) -> CatalogueRun:
-    """Heat a wire under a dead weight by a held current for one second, let it cool, and measure both.
+    """Heat a wire under a dead weight by a constant current for one second, let it cool, and measure both.
 
-    ``bench`` gives length, shunt and ambient temperature (:func:`dead_weight_bench` gives it the rest). Takes some
-    ten milliseconds. Raises NumericsError where the wire leaves its numbers.
+    Length, shunt and ambient temperature are those of ``bench``, the rest is that of :func:`dead_weight_bench`. A run
+    takes some ten milliseconds. Raises NumericsError if the simulation diverges.
     """
     constants = constants_from(alloy, wire, dead_weight_bench(bench, wire.diameter_m.value, stress_pa))
     step_s = step_for(constants)
     heated, state = heated_by(constants, current_a, heating_s, step_s)
     contraction = state.contraction
     if not np.isfinite(contraction):
-        raise NumericsError(f"the simulated {wire.name} left its numbers at {current_a:g} A")
+        raise NumericsError(f"the simulation of {wire.name} diverges at {current_a:g} A: use a smaller current")
     stroke = full_stroke(constants, stress_pa)
     curve = cooling_curve(constants, state, step_s)
     return CatalogueRun(
@@ -101,28 +101,28 @@ def run_catalogue_test(
 def heated_by(
     constants: WireConstants, current_a: float, heating_s: float, step_s: float
 ) -> tuple[DrivenPath, WireState]:
-    """Return what a held current [A] does to a cold wire in a time [s], in steps of about ``step_s``."""
+    """Return path and final state of a cold wire under a constant current [A], in steps of about ``step_s``."""
     samples = max(round(heating_s / step_s), 1)
     return drive_path(constants, np.full(samples, current_a), dt_s=heating_s / samples, steps=1, regulated_current=True)
 
 
 def step_for(constants: WireConstants) -> float:
-    """Return a time step fine enough for the wire's own cooling."""
+    """Return a time step that resolves the cooling of the wire."""
     loss = constants.convection_factor * constants.surface_m2 * float(constants.convection_table_w_per_m2_k[80])
     return float(np.clip(STEP_FRACTION * constants.heat_capacity_j_per_k / loss, MIN_STEP_S, MAX_STEP_S))
 
 
 def full_stroke(constants: WireConstants, stress_pa: float) -> float:
-    """Return the largest contraction of the wire under this stress when it is heated all the way through."""
+    """Return the largest contraction of the wire under this stress over a complete transformation."""
     kelvin = np.linspace(constants.ambient_temperature_k, HOTTEST_K, STROKE_POINTS)
     path = isobaric_path(constants, stress_pa, kelvin)
     return float((constants.cold_strain - path.strain.min()) / (1.0 + constants.cold_strain))
 
 
 def cooling_curve(constants: WireConstants, state: WireState, step_s: float) -> FloatArray:
-    """Return the contraction step by step after switching off, (n,), until the last part that does not count is left.
+    """Return the contraction step by step after switching off, (n,).
 
-    It goes on until a hundredth of the uncounted part is left, or for 120 s.
+    The curve ends when a hundredth of the part that is not counted is left, or after 120 s.
     """
     pieces: list[FloatArray] = []
     off = np.zeros(COOLING_CHUNKS)
@@ -135,7 +135,7 @@ def cooling_curve(constants: WireConstants, state: WireState, step_s: float) -> 
 
 
 def time_below(curve: FloatArray, step_s: float, start: float, level: float) -> float | None:
-    """Return when a falling curve, given at the ends of steps, passes a level; None where it does not."""
+    """Return when a falling curve, given at the ends of steps, passes a level; None if it does not."""
     if start <= level:
         return None
     below = np.flatnonzero(curve <= level)

@@ -1,7 +1,7 @@
-"""The simulated wires beside the vendor's catalogue, size by size, with the bars they are held to.
+"""The simulated wires compared with the vendor's catalogue, size by size, with acceptance limits.
 
-Held to a bar: 70 C wire, 0.05 to 0.31 mm, where the cell itself is corroborated. Contraction counts by the cell of the
-current, cooling by the cell of the cooling time. Everything else is shown and not judged.
+Limits apply to 70 C wire of 0.05 to 0.31 mm if the cell itself is corroborated: that of the current for contraction,
+that of the cooling time for cooling. All other numbers are shown without a verdict.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ JUDGED_CLASS = "lt"
 JUDGED_SIZES_MM = (0.05, 0.31)
 CONTRACTION_RANGE = (0.8, 1.0)
 COOLING_TOLERANCE = 0.35
-# Rounding of a contraction that is complete must not fail it.
+# A complete contraction must not fail by rounding.
 ROUNDING = 1e-3
 BARS = (
     f"contraction {100 * CONTRACTION_RANGE[0]:.0f} to {100 * CONTRACTION_RANGE[1]:.0f} % of stroke, cooling within "
@@ -28,7 +28,7 @@ BARS = (
 
 
 class JudgedValue(NamedTuple):
-    """One number of ours beside the catalogue's; ``ok`` is None where it is not judged."""
+    """One simulated number next to the catalogue's; ``ok`` is None if no limit applies to it."""
 
     ours: float | None
     low: float
@@ -38,7 +38,7 @@ class JudgedValue(NamedTuple):
 
 
 class CatalogueComparison(NamedTuple):
-    """One wire of the catalogue: its run, and what was made of it."""
+    """One wire of the catalogue: its simulated test and the verdicts."""
 
     wire: str
     row: CatalogueRow
@@ -49,12 +49,12 @@ class CatalogueComparison(NamedTuple):
 
     @property
     def ok(self) -> bool:
-        """Whether nothing that is judged fails."""
+        """Whether all numbers with limits are within them."""
         return self.contraction.ok is not False and self.cooling.ok is not False
 
 
 def compare_catalogue() -> list[CatalogueComparison]:
-    """Return all wires of the catalogue through the vendor's test, thinnest first, LT before HT; deterministic."""
+    """Return the vendor's test of all wires of the catalogue, thinnest first, LT before HT; deterministic."""
     alloy, bench = load_alloy(load_catalogue().wire.alloy), load_bench("dead-weight")
     compared = []
     for row in load_catalogue().row:
@@ -66,7 +66,7 @@ def compare_catalogue() -> list[CatalogueComparison]:
 
 
 def judged(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> CatalogueComparison:
-    """Return a wire's run held to the bars."""
+    """Return a wire's test with its verdicts."""
     low, high = JUDGED_SIZES_MM
     counts = wire_class == JUDGED_CLASS and low <= row.diameter_mm <= high
     time = row.cooling_cell(wire_class)
@@ -90,7 +90,7 @@ def judged(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> 
 def within(
     ours: float | None, low: float, high: float, cell: CatalogueCell, counts: bool, rounding: float
 ) -> JudgedValue:
-    """Return a number with its verdict: None where the cell is not corroborated or the wire does not count."""
+    """Return a number with its verdict: None if the cell is not corroborated or the wire has no limits."""
     if not (counts and cell.corroborated):
         return JudgedValue(ours, low, high, cell, None)
     return JudgedValue(ours, low, high, cell, ours is not None and low <= ours <= high + rounding)

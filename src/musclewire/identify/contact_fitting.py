@@ -1,4 +1,4 @@
-"""What free closings and grips of a known block teach: the reference for contact, and the curve for force."""
+"""Fits to closings of a gripper: the reference for contact from free closings, the force curve from known grips."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from musclewire.signals.recording import Recording
 __all__ = ["KnownGrip", "fit_free_closing", "fit_grip_curve", "thermal_time_s"]
 
 
-# Between these normalised resistances resistance falls steeply enough to tell where a closing is.
+# Between these normalised resistances the slope is steep enough to locate a closing.
 NORMALISED_RANGE = (0.08, 0.95)
 HOLDING_ORDER, ENERGY_ORDER = 3, 2
-# Power and motion are compared over blocks of so many samples: single differences of resistance are mostly noise.
+# Power and motion are compared over blocks of this many samples: single differences of resistance are mostly noise.
 BLOCK_SAMPLES = 5
 MIN_BLOCKS = 30
 CURVE_ORDER, LEVERAGE_ORDER, COST_ORDER = 7, 5, 1
 # Forces below this are too near the load cell's noise to learn compliances from.
 MIN_FORCE_N = 0.05
 MIN_FORCE_SAMPLES = 12
-# What a newton costs, by the detector's account, is learned up to here: half more than the usual grip. The account
-# changes as a closing goes on, and the grip is decided within the first samples after contact.
+# The power per newton, as the detector computes it, is fitted up to this force: half more than the usual grip. It
+# changes in the course of a closing, and the grip is decided within the first samples after contact.
 MAX_COST_FORCE_N = 0.45
-# The thermal time at this wall temperature, in this air: near where a wire under load transforms.
+# The thermal time constant is that at this wall temperature, near the transformation under load, in air of this one.
 WALL_K, AIR_K = 363.15, 295.15
 NOISE_SEARCH = (1e-4, 3e-2)
 SEARCH_STEPS = 30
@@ -57,7 +57,7 @@ class KnownGrip:
 
 @dataclass(frozen=True)
 class Closing:
-    """A closing from the moment the wire begins to contract: normalised resistance, power [W] and more, (n,)."""
+    """A closing from the beginning of contraction: normalised resistance and power [W], (n,), and their rows."""
 
     normalised: FloatArray
     power_w: FloatArray
@@ -66,32 +66,32 @@ class Closing:
 
 
 def thermal_time_s(diameter_m: float, alloy: str = "flexinol") -> float:
-    """Return how long a wire's own heat lasts against convection [s]: rho c d / (4 h), Churchill and Chu."""
+    """Return a wire's thermal time constant by convection [s]: rho c d / (4 h), with h of Churchill and Chu."""
     metal = load_alloy(alloy)
     heat = metal.density_kg_per_m3.value * metal.specific_heat_j_per_kg_k.value * diameter_m / 4.0
     return heat / float(convection_coefficient_w_per_m2_k(WALL_K, AIR_K, diameter_m))
 
 
 def electrical(recording: Recording) -> tuple[FloatArray, FloatArray]:
-    """Return resistance [ohm] and power [W] of the wires, (n_times,); NaN where no current flowed."""
+    """Return resistance [ohm] and power [W] of the wires, (n_times,); NaN for samples without current."""
     reading = resistance_reading(recording)
     resistance = np.where(reading.valid, reading.resistance_ohm, np.nan)
     return resistance, recording["wire_voltage_v"] ** 2 / resistance
 
 
 def fit_free_closing(recordings: Sequence[Recording], alloy: str = "flexinol") -> FreeClosing:
-    """Learn what closing without an object takes: theta and m of P = theta(l) - m(l) dl/dt, and their noise.
+    """Fit the power of closing without an object: theta and m of P = theta(l) - m(l) dl/dt, and the noise.
 
-    The recordings are closings at different speeds, which is what separates theta from m; the air's motion is averaged
-    over them, so take a dozen. Least squares on blocks of samples, each relative to its power. The noise is the least
-    with which the detector's surprises on these closings are no larger than it expects.
+    The recordings are closings at different speeds, which separate theta from m; a dozen of them average over the air's
+    motion. The fit is by least squares on blocks of samples, each relative to its power. The noise is the smallest for
+    which the detector's innovations on these closings are no larger than it expects.
 
     Parameters
     ----------
     recordings
         The closings.
     alloy
-        By name or wire file: density and specific heat, from which the wire's thermal time follows.
+        Name or wire file; its density and specific heat give the thermal time constant.
 
     Returns
     -------
@@ -124,9 +124,9 @@ def fit_free_closing(recordings: Sequence[Recording], alloy: str = "flexinol") -
 
 
 def power_terms(blocks: Sequence[tuple[float, float, float]]) -> tuple[FloatArray, FloatArray]:
-    """Return the polynomials of holding power [W] and energy of motion [J] that explain the power of blocks.
+    """Return the polynomials of holding power [W] and energy of motion [J] fitted to the power of blocks.
 
-    Raises RecordingError if one comes out negative.
+    Raises RecordingError if one is negative.
     """
     place, rate_per_s, power_w = np.array(blocks).T
     basis = np.hstack(
@@ -138,18 +138,18 @@ def power_terms(blocks: Sequence[tuple[float, float, float]]) -> tuple[FloatArra
     across = np.linspace(*NORMALISED_RANGE, 50)
     if min(np.polyval(holding[::-1], across).min(), np.polyval(energy[::-1], across).min()) <= 0.0:
         raise RecordingError(
-            "these closings do not tell holding power from the energy of motion, one comes out negative: record them "
+            "holding power and energy of motion cannot be separated in these closings, one is negative: record them "
             "at speeds that differ more"
         )
     return holding, energy
 
 
 def resistance_range(recordings: Sequence[Recording]) -> tuple[float, float]:
-    """Return the least and most resistance of closings [ohm], means of three samples so that noise is not taken."""
+    """Return the minimum and maximum resistance of closings [ohm], of means over three samples to reduce noise."""
     lows, highs = [], []
     for one in recordings:
         resistance, power_w = electrical(one)
-        # Where little current flows resistance is mostly noise.
+        # At low current resistance is mostly noise.
         sure = resistance[power_w > 0.1 * np.nanmax(power_w)]
         if sure.size < BLOCK_SAMPLES:
             raise RecordingError("a closing has hardly a sample with power: drive the wire")
@@ -160,7 +160,7 @@ def resistance_range(recordings: Sequence[Recording]) -> tuple[float, float]:
 
 
 def closing_of(recording: Recording, low_ohm: float, high_ohm: float) -> Closing:
-    """Return the part of a recording in which the wire contracts, within the range that tells."""
+    """Return the part of a recording in which the wire contracts, within the usable range."""
     resistance, power_w = electrical(recording)
     normalised = (resistance - low_ohm) / (high_ohm - low_ohm)
     top = int(np.nanargmax(np.where(power_w > 0.1 * np.nanmax(power_w), normalised, -np.inf)))
@@ -183,25 +183,25 @@ def blocks_of(closing: Closing) -> list[tuple[float, float, float]]:
 
 
 def trapezoid_mean(values: FloatArray) -> float:
-    """Return the mean over time of equally spaced values, its ends counting half."""
+    """Return the mean over time of equally spaced values by the trapezoidal rule."""
     return float((values.sum() - 0.5 * (values[0] + values[-1])) / (values.size - 1))
 
 
 def noise_of(free: FreeClosing, recordings: Sequence[Recording]) -> float:
-    """Return the least noise of normalised resistance with which surprises are no larger than expected."""
+    """Return the smallest noise of normalised resistance for which innovations are no larger than expected."""
     low, high = NOISE_SEARCH
-    closings = [closing_of(one, free.resistance_min_ohm, free.resistance_max_ohm) for one in recordings]
+    selected = [closing_of(one, free.resistance_min_ohm, free.resistance_max_ohm) for one in recordings]
     for _ in range(SEARCH_STEPS):
         middle = float(np.sqrt(low * high))
         surprises = [
-            surprise for one in closings for surprise in surprises_of(replace(free, normalised_noise=middle), one)
+            surprise for one in selected for surprise in surprises_of(replace(free, normalised_noise=middle), one)
         ]
         low, high = (middle, high) if np.mean(np.square(surprises)) > 1.0 else (low, middle)
     return high
 
 
 def surprises_of(free: FreeClosing, closing: Closing) -> list[float]:
-    """Return the detector's surprises over a closing, each over its expected size."""
+    """Return the detector's normalised innovations over a closing."""
     detector, found = ContactDetector(free, AirDisturbance()), []
     state = detector.start()._replace(highest=1.0)
     span = free.resistance_max_ohm - free.resistance_min_ohm
@@ -216,11 +216,11 @@ def surprises_of(free: FreeClosing, closing: Closing) -> list[float]:
 def fit_grip_curve(
     free_recordings: Sequence[Recording], known: Sequence[KnownGrip], free: FreeClosing, *, fingers: int
 ) -> GripCurve:
-    """Learn how the fingers close and yield and what force costs, from closings with instruments.
+    """Fit closing, compliances and power per force of the fingers to closings with instruments.
 
-    Free closings give the endpoint over resistance, with ``displacement_m`` and ``endpoint_displacement_m``. Grips of
-    blocks of known stiffness, with ``endpoint_force_n``, give the compliances of finger and wire and the power that a
-    newton costs, with each contact at the place at which the detector finds it.
+    Free closings, with ``displacement_m`` and ``endpoint_displacement_m``, give the endpoint over resistance. Grips of
+    blocks of known stiffness, with ``endpoint_force_n``, give the compliances of finger and wire and the power per
+    newton, with contact as the detector finds it.
 
     Parameters
     ----------
@@ -245,7 +245,7 @@ def fit_grip_curve(
     for one in (*free_recordings, *(item.recording for item in known)):
         for name in ("displacement_m", "endpoint_displacement_m"):
             if name not in one:
-                raise RecordingError(f"a grip's force is learned with instruments once: a closing lacks {name}")
+                raise RecordingError(f"grip force is fitted to closings with instruments: one lacks {name}")
     curve = rigid_curve(free_recordings, free, fingers)
     grips = [grip_samples(one, free) for one in known]
     finger, wire = compliances(curve, grips)
@@ -258,7 +258,7 @@ def fit_grip_curve(
 
 
 def rigid_curve(free_recordings: Sequence[Recording], free: FreeClosing, fingers: int) -> GripCurve:
-    """Return how the fingers close over resistance, with compliances still 0 and a newton at 1 W."""
+    """Return the fingers' closing over resistance, with compliances of 0 and 1 W/N as placeholders for their fits."""
     places, connector, endpoint = (np.concatenate(column) for column in zip(
         *(columns_of(one, free) for one in free_recordings), strict=True))  # fmt: skip
     endpoint_over_place = np.polynomial.Polynomial.fit(places, endpoint, CURVE_ORDER).convert()
@@ -289,7 +289,7 @@ def columns_of(recording: Recording, free: FreeClosing) -> tuple[FloatArray, Flo
 
 @dataclass(frozen=True)
 class GripSamples:
-    """The samples of a known grip that carry force: place, contact found, power it has cost [W], force [N], (n,)."""
+    """The samples of a known grip with force: place, detected contact, additional power [W], force [N], (n,)."""
 
     place: FloatArray
     contact: FloatArray
@@ -299,7 +299,7 @@ class GripSamples:
 
 
 def grip_samples(grip: KnownGrip, free: FreeClosing) -> GripSamples:
-    """Return what the detector makes of a known grip, sample by sample: its habits are learned along with the rest."""
+    """Return the detector's results on a known grip, so that the fit includes the detector's own bias."""
     detector = ContactDetector(free)
     state = detector.start()
     resistance, power_w = electrical(grip.recording)
@@ -319,7 +319,7 @@ def grip_samples(grip: KnownGrip, free: FreeClosing) -> GripSamples:
 def compliances(curve: GripCurve, grips: Sequence[GripSamples]) -> tuple[float, float]:
     """Return the compliances of finger and wire [m/N]: least squares of travel since contact over the force.
 
-    D(l) - D(l_c) - f/k = n (c_f + c_w e'^2) f. Raises RecordingError where too few samples carry force.
+    D(l) - D(l_c) - f/k = n (c_f + c_w e'^2) f. Raises RecordingError if too few samples carry force.
     """
     samples = sum(one.force_n.size for one in grips)
     if samples < MIN_FORCE_SAMPLES:
@@ -342,9 +342,9 @@ def compliances(curve: GripCurve, grips: Sequence[GripSamples]) -> tuple[float, 
 
 
 def power_per_newton_w(curve: GripCurve, grips: Sequence[GripSamples]) -> tuple[float, ...]:
-    """Return what a newton at a tendon costs in power by the detector's account [W], a line over where it is.
+    """Return the power per newton at a tendon [W], as the detector computes it: a line over normalised resistance.
 
-    Raises RecordingError where too few samples carry forces of the size of a grip.
+    Raises RecordingError if too few samples carry forces of the size of a grip.
     """
     leverage = np.polynomial.Polynomial(curve.leverage)
     place, force_n, cost_w = (

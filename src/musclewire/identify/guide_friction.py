@@ -9,18 +9,18 @@ from musclewire.signals.recording import Recording
 
 __all__ = ["guide_friction_n"]
 
-# Compared in the middle of the stroke: near its ends the guide has not turned round yet.
+# The middle of the stroke is compared: near its ends the friction has not reversed yet.
 MIDDLE = (0.25, 0.75)
 PLACES = 101
 MIN_SAMPLES = 20
 
 
 def guide_friction_n(recording: Recording) -> float | None:
-    """Return the Coulomb friction at the connector [N]; None where a recording cannot tell.
+    """Return the Coulomb friction at the connector [N]; None if a recording does not identify it.
 
-    At equal displacement the spring pulls alike on the way there and back, so half the difference of the load cell's
-    readings is friction: contracting, the wire pulls spring and friction; returning, the friction helps it. The last
-    rise and fall of the displacement are compared. Needs ``force_n`` and ``displacement_m``.
+    At equal displacement the spring's force is the same on both branches, so half the difference of the load cell's
+    readings is friction: it opposes the wire in contraction and assists it on return. The last rise and fall of the
+    displacement are compared. It requires ``force_n`` and ``displacement_m``.
     """
     if "force_n" not in recording or "displacement_m" not in recording:
         return None
@@ -29,7 +29,7 @@ def guide_friction_n(recording: Recording) -> float | None:
         last = recording["cycle"] == recording["cycle"].max()
         displacement, force = displacement[last], force[last]
     top = int(np.argmax(displacement))
-    low, high = (float(displacement.max()) * share for share in MIDDLE)
+    low, high = (float(displacement.max()) * fraction for fraction in MIDDLE)
     rise = between(displacement[: top + 1], force[: top + 1], low, high)
     fall = between(displacement[top:], force[top:], low, high)
     if min(rise[0].size, fall[0].size) < MIN_SAMPLES:
@@ -48,7 +48,7 @@ def between(
 
 
 def line_through(displacement_m: FloatArray, force_n: FloatArray, places_m: FloatArray) -> FloatArray:
-    """Return force over displacement as a parabola through noisy samples: a load may bend a little."""
+    """Return force over displacement by a parabola fitted to noisy samples, since a load may be slightly nonlinear."""
     centre, half = places_m.mean(), 0.5 * float(np.ptp(places_m))
     fitted = np.polyfit((displacement_m - centre) / half, force_n, 2)
     return np.asarray(np.polyval(fitted, (places_m - centre) / half))

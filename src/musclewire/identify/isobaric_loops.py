@@ -1,4 +1,4 @@
-"""Isobars: strain of a wire against temperature under a constant stress, simulated and summed up."""
+"""Isobars: strain of a wire against temperature under a constant stress, simulated and summarised."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Isobar(NamedTuple):
 
 
 class IsobarSummary(NamedTuple):
-    """Stroke of a loop, and the temperatures at which 10, 50 and 90 % of it are done on either branch."""
+    """Stroke of a loop, and the temperatures at which 10, 50 and 90 % of either branch are complete."""
 
     stress_pa: float
     stroke: float
@@ -56,8 +56,8 @@ def simulated_isobar(
 def summarize_isobar(isobar: Isobar) -> IsobarSummary:
     """Return stroke and transformation temperatures of a loop, measured or simulated.
 
-    The stroke is largest minus smallest strain; a branch is done by 10 % where it has covered a tenth of its own
-    range. Raises RecordingError where the loop has no stroke or does not go up and down in temperature.
+    The stroke is largest minus smallest strain; a branch is complete by 10 % when it has covered a tenth of its
+    own range. Raises RecordingError if the loop has no stroke or temperature does not rise and fall.
     """
     hottest = int(np.argmax(isobar.temperature_k))
     stroke = float(np.ptp(isobar.strain))
@@ -65,33 +65,33 @@ def summarize_isobar(isobar: Isobar) -> IsobarSummary:
         raise RecordingError("an isobar must go from cold to hot and back, and the strain must change on the way")
     heating = crossings(isobar.temperature_k[: hottest + 1], isobar.strain[: hottest + 1])
     cooling = crossings(isobar.temperature_k[hottest:][::-1], isobar.strain[hottest:][::-1])
-    # Cooling runs the other way: its first tenth is where nine tenths of the strain are still to come.
+    # Cooling runs the other way: at its first tenth nine tenths of the strain are still to come.
     return IsobarSummary(isobar.stress_pa, stroke, heating, (cooling[2], cooling[1], cooling[0]))
 
 
 def crossings(temperature_k: FloatArray, strain: FloatArray) -> tuple[float, float, float]:
-    """Return where a branch, in order of temperature, has lost 10, 50 and 90 % of its strain."""
+    """Return the temperatures [K] at which a branch, in order of temperature, has lost 10, 50, 90 % of its strain."""
     lost = (strain.max() - strain) / np.ptp(strain)
     # Noise may pass a level several times: the running maximum passes it once.
     rising = np.maximum.accumulate(lost)
-    first, half, last = (interpolated(temperature_k, rising, share) for share in FRACTIONS)
+    first, half, last = (interpolated(temperature_k, rising, fraction) for fraction in FRACTIONS)
     return first, half, last
 
 
-def interpolated(temperature_k: FloatArray, rising: FloatArray, share: float) -> float:
-    """Return the temperature at which ``rising`` first passes ``share``."""
-    after = int(np.argmax(rising >= share))
+def interpolated(temperature_k: FloatArray, rising: FloatArray, fraction: float) -> float:
+    """Return the temperature at which ``rising`` first passes ``fraction``."""
+    after = int(np.argmax(rising >= fraction))
     if after == 0:
         return float(temperature_k[0])
     before = after - 1
-    part = (share - rising[before]) / (rising[after] - rising[before])
+    part = (fraction - rising[before]) / (rising[after] - rising[before])
     return float(temperature_k[before] + part * (temperature_k[after] - temperature_k[before]))
 
 
 def half_transformation_slope_pa_per_k(summaries: Sequence[IsobarSummary], branch: str) -> float:
     """Return the Clausius-Clapeyron slope [Pa/K] of the half-transformation temperatures; ``branch`` as in a summary.
 
-    The inverse of the slope of temperature over stress in a straight-line fit: stress is what was set exactly.
+    It is the inverse of the slope of temperature over stress in a straight-line fit, since stress is exact.
     """
     stress = [summary.stress_pa for summary in summaries]
     half = [getattr(summary, f"{branch}_k")[1] for summary in summaries]

@@ -1,4 +1,4 @@
-"""What the columns of a recording mean: resistance by Eq. 1, strain, displacement or contraction force."""
+"""Quantities from the columns of a recording: resistance by Eq. 1, strain, displacement or contraction force."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = [
 ]
 
 QUANTITIES = ("strain", "displacement", "force")
-# How columns of each quantity end: target_strain, estimated_displacement_m, target_force_n.
+# Endings of the columns of each quantity: target_strain, estimated_displacement_m, target_force_n.
 COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
 
 
@@ -65,7 +65,7 @@ def resistance_reading(recording: Recording) -> ArrayReading:
 def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatArray | None:
     """Return the measured strain, displacement [m] or contraction force [N] of a recording.
 
-    Displacement is that of what is moved: a finger's endpoint if it was measured, else the wire's connector.
+    Displacement is that of a finger's endpoint if it was measured, else that of the wire's connector.
     Contraction force is F = F_T - F_p, with F_p the recording's pretension or, without one, the smallest force in it.
 
     Parameters
@@ -106,7 +106,7 @@ def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatA
 
 
 def required_quantity(recording: Recording, quantity: str = "strain") -> FloatArray:
-    """Return what :func:`reference_quantity` finds, which must be there.
+    """Return the quantity of :func:`reference_quantity`, which must be in the recording.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def required_quantity(recording: Recording, quantity: str = "strain") -> FloatAr
 
 
 def without_loop(error: RecordingError, recording: Recording) -> RecordingError:
-    """Return why a recording shows no loop: for a wire held at both ends that, otherwise the error as it is."""
+    """Return the error of a recording without a loop: another message for a wire held at both ends."""
     strain, force = (reference_quantity(recording, quantity) for quantity in ("strain", "force"))
     if "blocked" not in recording.facts.load or strain is None or force is None:
         return error

@@ -29,7 +29,7 @@ from musclewire.signals.recording import Recording
 __all__ = ["EstimateReport", "estimate", "fit"]
 
 PAPER_ORDER = 6
-# The estimator that can read a recording as a whole.
+# The estimator that can process a recording as a whole.
 WHOLE_RECORDING = "polynomial"
 WIRE_NOTES = (
     "wire",
@@ -59,7 +59,7 @@ def fit(
     order
         Order of the polynomials: a number, the paper's is 6, or "auto" for the one that cross-validation chooses.
     quantity
-        What the model senses: "strain", "displacement" or "force".
+        The quantity that the model senses: "strain", "displacement" or "force".
     cycle
         "last", "first" or "largest" complete cycle, or its number. By default the last, which is nearest to the loop
         that the wire repeats.
@@ -71,7 +71,7 @@ def fit(
     Raises
     ------
     RecordingError
-        For a recording without a usable loop, or without a fact that it needs (shunt, length).
+        For a recording without a usable loop, or without a fact that the fit requires (shunt, length).
     FitRejectedError
         For a fit that cannot be inverted.
 
@@ -104,7 +104,7 @@ def fit(
 
 
 def not_done(recording: Recording) -> str:
-    """Return in words that the run of a recording did not reach its end, "" where it did or nothing is said of it."""
+    """Return a warning if the run of a recording did not reach its end, "" if it did or the file does not state it."""
     if not recording.facts.was_cut_short:
         return ""
     return f"this recording was not finished, its run ended with '{recording.facts.text_or_none('ended')}'"
@@ -139,21 +139,21 @@ def fit_table(recording: Recording, order: int | str) -> SensingModel:
 
 
 def wire_notes(recording: Recording) -> dict[str, str | float]:
-    """Return what a model should remember of the wire it was fitted to."""
+    """Return the metadata of the wire that a model keeps."""
     found = {name: recording.metadata.get(name) for name in WIRE_NOTES}
     return {name: value for name, value in found.items() if isinstance(value, (str, int, float))}
 
 
 def loop_notes(recording: Recording) -> dict[str, str | float]:
-    """Return the notes of a recorded loop, with the friction of the guide if the loop shows it."""
+    """Return the notes of a recorded loop, with the friction of the guide if the loop identifies it."""
     friction_n = guide_friction_n(recording)
     return wire_notes(recording) | ({} if friction_n is None else {"guide_friction_n": friction_n})
 
 
 def in_sensing_segment(model: SensingModel, recording: Recording, reading: ArrayReading) -> NDArray[np.bool_]:
-    """Return where the wire is between B and C, (n_times,).
+    """Return the samples in which the wire is between B and C, (n_times,).
 
-    Without a voltage there is no power to tell by; then only resistances that no cold wire has count.
+    Without a voltage there is no power to locate B by; then only resistances that no cold wire has count.
     """
     if "wire_voltage_v" not in recording:
         span = model.resistance_max_ohm - model.resistance_min_ohm
@@ -173,7 +173,7 @@ class EstimateReport:
     recording
         The recording with the estimate's columns added.
     valid_share
-        Fraction of samples that count.
+        Fraction of valid samples.
     rms_pct
         Root mean square error [%] of the stroke; None without a reference.
     max_pct
@@ -212,8 +212,8 @@ def estimate(
     recording
         Resistance, or both voltages and the shunt; drive and both voltages for another estimator than the default.
     estimator
-        Name or factory of an estimator. The default, the paper's, reads the whole recording at once and can lose and
-        find the wire's segment again; any other is run through it sample by sample, as a closed loop would.
+        Name or factory of an estimator. The default, the paper's, processes the whole recording at once and can lose
+        and find the wire's segment again; any other runs sample by sample, as in a closed loop.
 
     Returns
     -------
@@ -264,7 +264,7 @@ def at_once(model: SensingModel, recording: Recording) -> dict[str, FloatArray]:
 
 
 def one_by_one(factory: EstimatorFactory, model: SensingModel, recording: Recording) -> dict[str, FloatArray]:
-    """Return the columns of an estimator that follows a recording, its slow part computed in line."""
+    """Return the columns of an estimator that runs sample by sample, its slow part computed in line."""
     times = recording["time_s"]
     period_s = float(np.median(np.diff(times))) if times.size > 1 else 0.0
     made = factory(EstimatorSetup(model, recording.facts.shunt_resistance_ohm, period_s))

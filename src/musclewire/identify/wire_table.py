@@ -1,6 +1,6 @@
-"""Every wire of the catalogue at one length: which current, which voltage, which shunt, and what is safe for long.
+"""Current, voltage, shunt and permanent current of every wire of the catalogue at one length.
 
-Currents, strokes and temperatures are simulated, in still air; the catalogue's own current stands beside them.
+Currents, strokes and temperatures are simulated in still air; the catalogue's own current is listed next to them.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from musclewire.parameters.parameter_groups import Bench, Wire
 __all__ = ["WireRow", "wire_table"]
 
 BENCH = "dead-weight"
-# A tenth of the holding current heats by a hundredth of what holding heats: about a kelvin.
+# A tenth of the holding current heats by a hundredth of the holding power: about a kelvin.
 SENSE_FRACTION = 0.1
 
 
@@ -30,8 +30,8 @@ class WireRow(NamedTuple):
     """One wire at one length under one stress; SI.
 
     ``one_second_current_a`` contracts it by 90 % in a second and must then fall to ``holding_current_a``;
-    ``lasting_current_a`` is the most it takes for ever without going above 150 C. ``supply_v`` is across wire and
-    shunt at the one-second current, ``power_w`` what the wire then takes; ``amplitude_v`` drives the slow sine.
+    ``lasting_current_a`` is the largest permanent current below 150 C. ``supply_v`` is across wire and
+    shunt at the one-second current, ``power_w`` the wire's power at it; ``amplitude_v`` is that of the slow sine.
     """
 
     wire: str
@@ -51,7 +51,7 @@ class WireRow(NamedTuple):
 def wire_table(length_m: float, stress_pa: float, ambient_k: float) -> list[WireRow]:
     """Return all wires of the catalogue, thinnest first, LT before HT.
 
-    Raises NumericsError where no current contracts a wire at this temperature.
+    Raises NumericsError if no current contracts a wire at this temperature.
     """
     return [wire_row(name, length_m, stress_pa, ambient_k) for name in catalogue_names()]
 
@@ -82,7 +82,7 @@ def wire_row(name: str, length_m: float, stress_pa: float, ambient_k: float) -> 
 
 
 def heat_ratio(wire: Wire, held_k: float, ambient_k: float) -> float:
-    """Return the heat given off at the working limit over that at the temperature held; resistance hardly differs."""
+    """Return the heat loss at the working limit over that at the temperature held; resistance hardly differs."""
     return convective_loss_w_per_m(OVERHEATED_K, wire, ambient_k) / convective_loss_w_per_m(held_k, wire, ambient_k)
 
 

@@ -65,7 +65,7 @@ def test_a_hotter_start_takes_longer_to_relax() -> None:
     bench = dead_weight_bench(load_bench("dead-weight"), wire.diameter_m.value)
 
     def relaxing(current_a: float) -> float:
-        return relaxation_time_s(ALLOY, wire, bench, current_a, 1.0, regulated_current=True, longest_s=60.0)
+        return relaxation_time_s(ALLOY, wire, bench, current_a, 1.0, regulated_current=True, max_s=60.0)
 
     assert relaxing(0.01) == 0.0
     assert 0.2 < relaxing(0.22) < relaxing(0.3) < 60.0

@@ -1,8 +1,8 @@
-"""What to measure next: experiments simulated with the wire found, and which parameters each of them would identify.
+"""What to measure next: experiments simulated with the fitted wire, and which parameters each of them would identify.
 
-An experiment that nobody has made yet has no residuals, but its simulation has a derivative, and that is all it takes:
-the information of the experiment, added to that of the recordings and of the prior, says how wide each parameter's
-interval would become (Laplace's approximation, as for the intervals themselves).
+An experiment that has not been made has no residuals, but its simulation has a derivative, which is sufficient: the
+information of the experiment, added to that of the recordings and of the prior, gives the width that each parameter's
+interval would have (Laplace's approximation, as for the intervals themselves).
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ __all__ = ["Advice", "Experiment", "next_experiments", "how_to_identify", "propo
 
 
 MAX_ADVICE = 3
-# Step of a derivative, in prior standard deviations: the edges of grain classes must not pass for information.
+# Step of a derivative, in prior standard deviations: the edges of grain classes must not count as information.
 STEP = 0.1
-# Instruments as people have them: noise of a sample; of resistance as a fraction.
+# Typical instruments: noise of a sample; of resistance as a fraction.
 NOISE = {"strain": 5e-5, "resistance": 3e-4, "force": 5e-3, "temperature": 0.3}
 UNITS = {"strain": "1", "resistance": "ohm", "force": "N", "temperature": "K"}
 PERIOD_S, SAMPLE_S, FAST_SAMPLE_S = 90.0, 0.05, 0.005
@@ -50,7 +50,7 @@ COOLING_S, COOLING_SAMPLE_S = 20.0, 0.02
 
 @dataclass(frozen=True)
 class Experiment:
-    """Something one could measure: its key in the data file, and what it would look like with the wire found."""
+    """A possible experiment: its key in the data file, and its observation simulated with the fitted wire."""
 
     key: str
     observation: Observation
@@ -58,9 +58,9 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Advice:
-    """An experiment worth making: what to do, which parameters it would identify, which narrow by half or more.
+    """A recommended experiment: instructions, the parameters it would identify, and those it would narrow by half.
 
-    ``gain`` is by how much it would narrow all parameters together: the sum of the logarithms of before over after.
+    ``gain`` is its effect on all parameters: the sum of the logarithms of deviation before over after.
     """
 
     title: str
@@ -81,7 +81,7 @@ def texts() -> dict[str, Any]:
 
 
 def how_to_identify(measure: str) -> str:
-    """Return what identifies a parameter on general grounds, by the "measure" of its prior."""
+    """Return the kind of measurement that identifies a parameter, by the "measure" of its prior."""
     return str(texts()["measures"].get(measure, measure))
 
 
@@ -93,7 +93,7 @@ def next_experiments(calibration: Calibration) -> tuple[Advice, ...]:
     Parameters
     ----------
     calibration
-        What was found so far.
+        The calibration from the present recordings.
 
     Returns
     -------
@@ -107,19 +107,19 @@ def next_experiments(calibration: Calibration) -> tuple[Advice, ...]:
             try:
                 slope = slope_of(experiment.observation.refined(), candidates, coordinates, each)
             except MusclewireError:
-                continue  # the wire found cannot be taken through this experiment, so it is not advised
+                continue  # the fitted wire cannot be simulated in this experiment, so it is not recommended
             found.append(advice_of(experiment.key, candidates.names, now, deviations(information + slope.T @ slope)))
     worth = [item for item in found if item.identifies or item.narrows]
     return tuple(sorted(worth, key=lambda item: (-len(item.identifies), -item.gain))[:MAX_ADVICE])
 
 
 def advice_of(key: str, names: tuple[str, ...], now: FloatArray, then: FloatArray) -> Advice:
-    """Return what an experiment is worth, from the deviations in units of the prior's before and after it, (n,)."""
+    """Return the value of an experiment, from the deviations in units of the prior's before and after it, (n,)."""
     text = texts()["experiments"][key]
     unknown = now > IDENTIFIABLE_FRACTION
     identifies = unknown & (then <= IDENTIFIABLE_FRACTION)
     narrows = unknown & ~identifies & (then <= 0.5 * now)
-    # What would be identified best comes first.
+    # The parameter that would be identified best comes first.
     order = np.argsort(then)
     return Advice(
         text["title"],
@@ -131,9 +131,9 @@ def advice_of(key: str, names: tuple[str, ...], now: FloatArray, then: FloatArra
 
 
 def all_parameters(calibration: Calibration) -> tuple[Candidates, FloatArray, FloatArray]:
-    """Return all parameters that have a prior, where the wire found is among them, and what is known of them, (n, n).
+    """Return all parameters with a prior, the fitted wire's coordinates, (n,), and the information on them, (n, n).
 
-    Of those that the recordings could not touch, only the prior is known.
+    For parameters on which the recordings do not depend, it is that of the prior alone.
     """
     problem, result = calibration.problem, calibration.search_result
     groups = (calibration.alloy, calibration.wire, calibration.bench)
@@ -156,10 +156,10 @@ def deviations(information: FloatArray) -> FloatArray:
 
 
 class ExperimentProblem:
-    """An experiment as a problem for derivatives: residuals against what it would measure, (m,)."""
+    """An experiment as a least-squares problem: residuals against its simulated measurement, (m,)."""
 
     def __init__(self, observation: Observation, candidates: Candidates) -> None:
-        """Take an experiment and what is unknown."""
+        """Take an experiment and the unknown parameters."""
         self._observation = observation
         self._candidates = candidates
         self.low, self.high = candidates.low, candidates.high
@@ -169,21 +169,21 @@ class ExperimentProblem:
         return residuals_of(self._observation, self._candidates.wire_values(coordinates))
 
     def refined(self) -> ExperimentProblem:
-        """Return itself: a derivative that decides which experiment to make needs no more digits."""
+        """Return itself: the choice of an experiment needs no finer time step."""
         return self
 
 
 def slope_of(observation: Observation, candidates: Candidates, coordinates: FloatArray, each: Any) -> FloatArray:
-    """Return the derivative of what an experiment would measure, over its uncertainty, by all parameters, (m, n)."""
+    """Return the derivative of an experiment's normalised residuals by all parameters, (m, n)."""
     parallel = ParallelProblem(ExperimentProblem(observation, candidates), each)
     here = parallel.residuals(coordinates)
     if here is None:
-        raise MusclewireError("the wire found cannot be simulated in this experiment")
+        raise MusclewireError("the fitted wire cannot be simulated in this experiment")
     return jacobian(parallel, coordinates, here, STEP, central=True)
 
 
 def proposed(calibration: Calibration) -> Iterator[Experiment]:
-    """Yield the experiments that would add something, as they would look with the wire found."""
+    """Yield the experiments that would add information, simulated with the fitted wire."""
     values = calibration.values
     observations = calibration.problem.observations
     driven = [item for item in observations if isinstance(item, DrivenObservation)]
@@ -217,21 +217,21 @@ def proposed(calibration: Calibration) -> Iterator[Experiment]:
 
 
 def max_force_n(values: WireValues, bench: Mapping[str, float]) -> float:
-    """Return the largest force that twice the pretension and the spring together could pull with."""
+    """Return the largest force of the spring at twice the pretension [N]."""
     leg_m = bench["wire_length_m"] / bench["legs"]
     stretch_n = bench["spring_stiffness_n_per_m"] * values.alloy["strain_saturated"] * leg_m
     return HIGH_FACTOR * bench["pretension_n"] + stretch_n
 
 
 def slow_sine(highest_v: float) -> FloatArray:
-    """Return one period of a slow sine from the sense voltage to the highest, (n,)."""
+    """Return one period of a slow sine from the sense voltage to the highest voltage [V], (n,)."""
     phase = np.linspace(0.0, 2.0 * np.pi, int(PERIOD_S / SAMPLE_S))
     lowest_v = SENSE_FRACTION * highest_v
     return np.asarray(lowest_v + (highest_v - lowest_v) * 0.5 * (1.0 - np.cos(phase)))
 
 
 def fast_step(highest_v: float) -> FloatArray:
-    """Return the highest voltage for a second, then the sense voltage, (n,)."""
+    """Return the highest voltage for a second, then the sense voltage [V], (n,)."""
     time_s = np.arange(0.0, STEP_WHOLE_S, FAST_SAMPLE_S)
     return np.asarray(np.where(time_s < STEP_ON_S, highest_v, SENSE_FRACTION * highest_v))
 
@@ -239,7 +239,7 @@ def fast_step(highest_v: float) -> FloatArray:
 def driven_experiment(
     values: WireValues, bench: Mapping[str, float], drive: FloatArray, period_s: float, channels: tuple[str, ...]
 ) -> DrivenObservation:
-    """Return a drive as an observation of what the wire found would do, with the usual noise."""
+    """Return the simulated response of the fitted wire to a drive as an observation, with typical noise."""
     around = {**bench, "sample_period_s": period_s}
     clean = DrivenObservation("", drive, period_s, around, None, {}).columns(values)
     raw = {name: as_measured(name, clean[name]) for name in channels}
@@ -247,13 +247,13 @@ def driven_experiment(
 
 
 def as_measured(name: str, values: FloatArray) -> RawChannel:
-    """Return simulated values, (n,), as a channel with the usual noise."""
+    """Return simulated values, (n,), as a channel with typical noise."""
     noise = NOISE[name] * (float(np.median(values)) if name == "resistance" else 1.0)
     return RawChannel(UNITS[name], values, np.full(values.size, noise), np.ones(values.size, dtype=bool))
 
 
 def isobars_experiment(values: WireValues) -> IsobaricObservation:
-    """Return three isobars as an observation of what the wire found would do."""
+    """Return three simulated isobars of the fitted wire as an observation."""
     constants = constants_of(values.alloy, values.wire, values.bench)
     loops = []
     for stress in ISOBAR_STRESSES_PA:
@@ -265,7 +265,7 @@ def isobars_experiment(values: WireValues) -> IsobaricObservation:
 
 
 def cooling_experiment(values: WireValues, bench: Mapping[str, float]) -> CoolingObservation:
-    """Return a cooling curve as an observation of what the wire found would do, with the usual noise."""
+    """Return a simulated cooling curve of the fitted wire as an observation, with typical noise."""
     constants = constants_of(values.alloy, values.wire, bench)
     stress = bench["pretension_n"] / (constants.legs * constants.area_m2)
     start_k = (

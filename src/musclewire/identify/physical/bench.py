@@ -1,4 +1,4 @@
-"""What is known of the bench a recording was made on, and what has to be assumed of it."""
+"""The bench of a recording: the numbers known of it, and those that are assumed."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def unit_of(field: FieldInfo) -> str:
     return str(field.json_schema_extra["unit"]) if isinstance(field.json_schema_extra, dict) else ""
 
 
-# What a recording may say of its bench.
+# The numbers of its bench that a recording may state.
 BENCH_KEYS = (
     "wire_length_m",
     "legs",
@@ -36,28 +36,28 @@ BENCH_KEYS = (
     "sample_period_s",
     "start_temperature_k",
 )
-# What a user may say beyond the numbers of a bench: name and unit.
-BESIDE_BENCH = {"diameter_m": "m", "start_temperature_k": "K"}
+# Numbers that a user may state in addition to those of a bench: name and unit.
+OTHER_SETTINGS = {"diameter_m": "m", "start_temperature_k": "K"}
 SETTABLE: dict[str, str] = {
     **{key: unit_of(field) for key, field in Bench.model_fields.items() if key not in ("name", "description")},
-    **BESIDE_BENCH,
+    **OTHER_SETTINGS,
 }
-# Diameters that differ by less than this share are one wire's.
+# Diameters that differ by less than this fraction count as equal.
 SAME_DIAMETER = 0.01
-# A load cell that begins below this share of what it goes through was tared.
+# A load cell that begins below this fraction of its range in the recording was tared.
 TARED_FRACTION = 0.02
 
 
 def checked_settings(given: Mapping[str, float | str]) -> dict[str, float]:
-    """Return what a user said of a bench, in SI: numbers, or text with a unit.
+    """Return the settings of a user in SI; they are numbers, or text with a unit.
 
     Raises CallerError for unknown names, wrong units and impossible numbers.
     """
     found = {}
-    for name, said in given.items():
+    for name, setting in given.items():
         if name not in SETTABLE:
             raise CallerError(f"a bench has no number '{name}'{nearest_hint(name, SETTABLE)}")
-        value = in_si(name, said) if isinstance(said, str) else said
+        value = in_si(name, setting) if isinstance(setting, str) else setting
         field = Bench.model_fields.get(name) or Wire.model_fields.get(name)
         if not np.isfinite(value):
             raise CallerError(f"{name} is {value}: give a finite number")
@@ -71,7 +71,7 @@ def checked_settings(given: Mapping[str, float | str]) -> dict[str, float]:
 
 
 def in_si(name: str, text: str) -> float:
-    """Return a number with its unit in SI. Raises CallerError that names it."""
+    """Return a number with its unit in SI. Raises CallerError that names the setting."""
     try:
         return parse_quantity(text, "" if SETTABLE[name] == "1" else SETTABLE[name])
     except CallerError as error:
@@ -79,10 +79,10 @@ def in_si(name: str, text: str) -> float:
 
 
 def bench_of(recording: Recording, given: Mapping[str, float]) -> dict[str, float]:
-    """Return what is known of a recording's bench: what the user gave, then what the recording says.
+    """Return the known numbers of a recording's bench: those of the user, then those of the recording.
 
-    Without a stiffness it is read off force and displacement. Raises CallerError where length or load cannot be known,
-    RecordingError where two wires made the recording.
+    A stiffness that neither states is fitted to force and displacement. Raises CallerError if length or load remain
+    unknown, RecordingError if two wires made the recording.
     """
     facts = recording.facts
     if facts.wires > 1.0:
@@ -102,7 +102,7 @@ def bench_of(recording: Recording, given: Mapping[str, float]) -> dict[str, floa
 
 
 def lengths(recording: Recording, known: Mapping[str, float]) -> dict[str, float]:
-    """Return overall length and number of legs. Raises CallerError where they cannot be known."""
+    """Return overall length and number of legs. Raises CallerError if they are not known."""
     leg, whole, legs = recording.facts.number_or_none("leg_length_m"), known.get("wire_length_m"), known.get("legs")
     if leg is not None and legs is not None:
         return {"wire_length_m": leg * legs, "legs": legs}
@@ -119,7 +119,7 @@ def lengths(recording: Recording, known: Mapping[str, float]) -> dict[str, float
 
 
 def load_line(recording: Recording, missing: set[str]) -> dict[str, float]:
-    """Return stiffness and pretension as the straight line of force over displacement."""
+    """Return stiffness and pretension by a straight line fitted to force over displacement."""
     if "force_n" not in recording or "displacement_m" not in recording:
         wanted = " and ".join(sorted(missing))
         raise CallerError(
@@ -129,7 +129,7 @@ def load_line(recording: Recording, missing: set[str]) -> dict[str, float]:
     force = recording["force_n"]
     if "pretension_n" in missing and force[0] < TARED_FRACTION * np.ptp(force):
         raise CallerError(
-            f"force_n begins at {force[0]:.3g} N: a load cell that was tared does not tell the pretension: "
+            f"force_n begins at {force[0]:.3g} N: a tared load cell does not show the pretension: "
             "give --set pretension_n='1.9 N'"
         )
     slope, start = np.polyfit(recording["displacement_m"], force, 1)
@@ -137,7 +137,7 @@ def load_line(recording: Recording, missing: set[str]) -> dict[str, float]:
 
 
 def assumed_of_bench(known: Mapping[str, float]) -> list[str]:
-    """Return in words what neither recording nor user said of a bench, and what is taken instead."""
+    """Return the assumptions, in words, for numbers of a bench that neither recording nor user states."""
     usual = load_bench("paper").values()
     found = []
     if "ambient_temperature_k" not in known:
@@ -146,9 +146,9 @@ def assumed_of_bench(known: Mapping[str, float]) -> list[str]:
 
 
 def diameter_of(recordings: Mapping[str, Recording], given: Mapping[str, float]) -> float | None:
-    """Return the one diameter [m] that recordings and user state, None where nobody does.
+    """Return the diameter [m] that recordings and user state, None if none does.
 
-    Raises CallerError where recordings are of different wires.
+    Raises CallerError if the recordings are of wires of different diameters.
     """
     if "diameter_m" in given:
         return given["diameter_m"]
@@ -156,10 +156,10 @@ def diameter_of(recordings: Mapping[str, Recording], given: Mapping[str, float])
     known = {name: value for name, value in stated.items() if value is not None}
     if not known:
         return None
-    (thin, least), (thick, most) = (pick(known.items(), key=lambda pair: pair[1]) for pick in (min, max))
-    if most > (1.0 + SAME_DIAMETER) * least:
+    (thin, thinnest), (thick, thickest) = (pick(known.items(), key=lambda pair: pair[1]) for pick in (min, max))
+    if thickest > (1.0 + SAME_DIAMETER) * thinnest:
         raise CallerError(
-            f"{thin} was made on a wire of {1e6 * least:.0f} um, {thick} on one of {1e6 * most:.0f} um: "
+            f"{thin} was made on a wire of {1e6 * thinnest:.0f} um, {thick} on one of {1e6 * thickest:.0f} um: "
             "calibrate one wire at a time"
         )
-    return float(least)
+    return float(thinnest)

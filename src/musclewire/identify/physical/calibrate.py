@@ -51,31 +51,32 @@ def calibrate(
         (wire_temperature_k, reference_strain, stress_pa), or cooling without voltages (time_s with wire_temperature_k,
         strain or force).
     wire
-        The wire to start from, by name or wire file; it states what is not searched for: diameter, density, limits.
+        The wire to start from, by name or wire file; it gives the numbers that are not searched for: diameter, density,
+        limits.
     priors
-        What is known before, by name, TOML file or loaded; by default bounds and priors from the literature.
+        Priors, by name, TOML file or loaded; the default has bounds and priors from the literature.
     bench
         Numbers of the bench that the recordings do not state, by name, in SI or as text with a unit; also diameter_m
         and start_temperature_k. None if the recordings state all.
     settings
         Seed and effort of the search; None for the settings of a wire with some thirty unknowns.
     journal_path
-        File from which an interrupted search goes on; removed when the search is done. None keeps nothing.
+        File from which an interrupted search continues; removed when the search is complete. None keeps no file.
     on_progress
-        Called after each descent with stage, number, total and the best cost so far.
+        Called after each descent with stage, number, total and the best cost until then.
     on_step
-        Called several times a second; what it raises ends the search.
+        Called several times a second; an exception that it raises ends the search.
 
     Returns
     -------
-    Every parameter with its uncertainty, and how well the observations are met.
+    Every parameter with its uncertainty, and the residuals of the observations.
 
     Raises
     ------
     RecordingError
         If a recording cannot constrain anything.
     CallerError
-        For unknown names, a bench that is not known, or a journal of another search.
+        For unknown names, an incomplete bench, or a journal of another search.
     NumericsError
         If no candidate can be simulated.
     """
@@ -96,7 +97,7 @@ def calibrate(
         result = search(problem, chosen, journal=journal, on_progress=on_progress, on_step=on_step)
     except MusclewireError:
         if journal is not None:
-            journal.remove()  # there is nothing to go on with
+            journal.remove()  # there is nothing to continue from
         raise
     inputs = CalibrationInputs(tuple(named), wire, prior_set, chosen, (*notes, *more_notes))
     calibration = calibration_of(problem, result, start, inputs, started)
@@ -108,7 +109,7 @@ def calibrate(
 def calibration_of(
     problem: PosteriorProblem, result: SearchResult, start: StartingPoint, inputs: CalibrationInputs, started: float
 ) -> Calibration:
-    """Return the calibration that follows from where a search ended."""
+    """Return the calibration that follows from the result of a search."""
     unknowns = len(problem.candidates)
     observed, derivative = result.residuals[:-unknowns], result.jacobian[:-unknowns]
     excess = excess_variance(observed, unknowns)
@@ -131,7 +132,7 @@ def calibration_of(
 
 
 def with_estimates(group: Group, items: Sequence[ParameterEstimate], source: str) -> Group:
-    """Return an alloy, wire or bench with what was found of it; what the data do not identify is marked assumed."""
+    """Return an alloy, wire or bench with its fitted numbers; those that the data do not identify are "assumed"."""
     kind = type(group).__name__.lower()
     changed = {}
     for item in items:
@@ -141,14 +142,14 @@ def with_estimates(group: Group, items: Sequence[ParameterEstimate], source: str
             value=item.value,
             unit=item.unit,
             kind="fitted" if item.identifiable else "assumed",
-            source=source if item.identifiable else "prior; the recordings do not tell it",
+            source=source if item.identifiable else "prior; not identifiable from the recordings",
             note=f"95 % interval {item.interval[0]:.4g} to {item.interval[1]:.4g}",
         )
     return group.model_copy(update=changed)
 
 
 def named_recordings(recordings: Mapping[str, Recording] | Recording | Sequence[Recording]) -> dict[str, Recording]:
-    """Return recordings by name. Raises CallerError where there is none."""
+    """Return recordings by name. Raises CallerError without any recording."""
     if isinstance(recordings, Recording):
         return {"recording": recordings}
     if isinstance(recordings, Mapping):
@@ -167,7 +168,7 @@ def fingerprint(
     wire: str,
     bench: Mapping[str, float],
 ) -> str:
-    """Return a short hash of all that decides how a search runs, the simulator included."""
+    """Return a short hash of all inputs that determine a search, the simulator included."""
     digest = hashlib.sha256(kernel_source_hash().encode())
     for name, recording in recordings.items():
         digest.update(name.encode())

@@ -1,4 +1,4 @@
-"""The wire that a calibration found, as a file."""
+"""The wire of a calibration as a file."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from musclewire.signals.whole_files import write_text_whole
 
 __all__ = ["known_bench", "save_wire"]
 
-# Numbers of a bench that a rig of its own sets, whatever a recording was made with.
+# Numbers of a bench that belong to the recording's rig and not to the wire's bench.
 NOT_KEPT = ("sample_period_s",)
 
 
 def save_wire(calibration: Calibration, path: str | Path, name: str | None = None) -> None:
-    """Write the wire found, its alloy and what is known of the bench as one wire file, whole or not at all.
+    """Write the fitted wire, its alloy and the known numbers of the bench as one wire file, whole or not at all.
 
     Parameters
     ----------
     calibration
-        What was found.
+        The calibration.
     path
         File to write; it ends in .toml, and an existing one is replaced.
     name
@@ -45,25 +45,25 @@ def save_wire(calibration: Calibration, path: str | Path, name: str | None = Non
 
 
 def description(calibration: Calibration) -> str:
-    """Return a sentence that says how a wire was found."""
+    """Return a sentence that states how a wire was fitted."""
     identifiable, whole = len(calibration.identifiable), len(calibration.estimates)
     verdict = "" if calibration.holds else "; the fit does not hold: the model does not follow every channel"
     return (
-        f"Found from {', '.join(calibration.inputs.sources)}, started from {calibration.inputs.wire} with the priors "
+        f"Fitted to {', '.join(calibration.inputs.sources)}, started from {calibration.inputs.wire} with the priors "
         f"{calibration.inputs.priors.name}: {identifiable} of {whole} parameters identifiable from the recordings, "
         f"residuals {calibration.rmse:.2f} of their uncertainty{verdict}"
     )
 
 
 def known_bench(calibration: Calibration) -> dict[str, Parameter]:
-    """Return what was found of the bench, then what all recordings of a drive or of cooling say of it alike."""
+    """Return the fitted numbers of the bench, then those on which all recordings of a drive or of cooling agree."""
     found = {key: item for key, item in calibration.bench.items() if key in calibration.problem.candidates.names}
     stated = [
         item.bench  # type: ignore[attr-defined]
         for item in calibration.problem.observations
         if not isinstance(item, IsobaricObservation)
     ]
-    source = f"stated with {', '.join(calibration.inputs.sources)}, or read off force and displacement"
+    source = f"stated with {', '.join(calibration.inputs.sources)}, or fitted to force and displacement"
     for key in stated[0] if stated else ():
         alike = len({bench.get(key) for bench in stated}) == 1
         if alike and key in Bench.model_fields and key not in found and key not in NOT_KEPT:

@@ -1,4 +1,4 @@
-"""A calibration: every parameter of a wire with its uncertainty, and how well the observations are met.
+"""A calibration: every parameter of a wire with its uncertainty, and the residuals of the observations.
 
 It holds the result and what follows from it. :mod:`calibrate` finds it; :mod:`calibrated_wire` writes it as a wire
 file, :mod:`calibration_report` as a page, :mod:`calibration_figures` draws it, and :mod:`advice` simulates the
@@ -30,9 +30,9 @@ CORRELATED = 0.9
 
 @dataclass(frozen=True)
 class CalibrationInputs:
-    """What a calibration starts from: names of the recordings, the wire to start from, priors, effort.
+    """Inputs of a calibration: names of the recordings, the wire to start from, priors, effort.
 
-    ``notes`` say how the recordings were understood and what had to be assumed.
+    ``notes`` state how the recordings were understood and which assumptions were made.
     """
 
     sources: tuple[str, ...]
@@ -44,30 +44,30 @@ class CalibrationInputs:
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """What a calibration found: every parameter with its uncertainty, and how well the observations are met.
+    """Result of a calibration: every parameter with its uncertainty, and the residuals of the observations.
 
     Parameters
     ----------
     alloy
-        The alloy, with the numbers found.
+        The alloy with its fitted numbers.
     wire
-        The wire, with the numbers found.
+        The wire with its fitted numbers.
     bench
-        The bench, with the numbers found.
+        The bench with its fitted numbers.
     estimates
-        Every parameter that was searched, with its uncertainty.
+        Every fitted parameter with its uncertainty.
     correlation
         Correlation of the estimates, (n, n), in their order.
     problem
-        What was minimised: observations and priors.
+        The least-squares problem: observations and priors.
     search_result
-        Where the search ended.
+        Result of the search.
     excess_variance
-        By which factor the variance of the residuals exceeds what was stated, 1 or more; it widens the intervals.
+        Variance of the residuals over that of their stated uncertainty, 1 or more; it widens the intervals.
     wall_s
-        Time that the calibration took [s].
+        Duration of the calibration [s].
     inputs
-        What it started from.
+        Inputs of the calibration.
     """
 
     alloy: Alloy
@@ -83,7 +83,7 @@ class Calibration:
 
     @property
     def values(self) -> WireValues:
-        """The numbers of the wire found."""
+        """The numbers of the fitted wire."""
         return self.problem.candidates.wire_values(self.search_result.coordinates)
 
     @property
@@ -93,7 +93,7 @@ class Calibration:
 
     @property
     def not_identifiable(self) -> list[ParameterEstimate]:
-        """Parameters that are still mostly what was believed before."""
+        """Parameters whose interval is still mostly the prior's."""
         return [item for item in self.estimates if not item.identifiable]
 
     @property
@@ -103,7 +103,7 @@ class Calibration:
         return float(np.sqrt(np.mean(observed**2)))
 
     def comparisons(self) -> list[tuple[str, ChannelComparison]]:
-        """Return every channel of every observation beside the wire found, with the observation's title."""
+        """Return every channel of every observation with its fit, and the observation's title."""
         return list(self._compared)
 
     @cached_property
@@ -112,7 +112,7 @@ class Calibration:
 
     @property
     def not_followed(self) -> list[tuple[str, ChannelComparison]]:
-        """Channels that the wire found is further off than three times their stated uncertainty (rms)."""
+        """Channels whose residuals exceed three times their stated uncertainty (rms)."""
         return not_followed(self.comparisons())
 
     @property
@@ -122,7 +122,7 @@ class Calibration:
 
     @property
     def not_searched(self) -> list[str]:
-        """Parameters with a prior that these recordings cannot touch; they keep the starting wire's value."""
+        """Parameters with a prior on which these recordings do not depend; they keep the starting wire's value."""
         return [name for name in self.inputs.priors.parameters if name not in self.problem.candidates.names]
 
     @property
@@ -137,7 +137,7 @@ class Calibration:
         return sorted(pairs, key=lambda pair: -abs(pair[2]))
 
     def __str__(self) -> str:
-        """Return what was found, and how well, in lines for a person."""
+        """Return result and residuals as lines of text."""
         return summary(self.inputs.notes, self.comparisons(), self.estimates)
 
     def _repr_html_(self) -> str:
@@ -145,7 +145,7 @@ class Calibration:
         return notebook_table(self.comparisons(), self.estimates)
 
     def as_dict(self) -> dict[str, object]:
-        """Return plain values for JSON, as INTERFACE has them."""
+        """Return plain values for JSON."""
         return {
             "parameters": {item.name: item.as_dict() for item in self.estimates},
             "not_identifiable": [item.name for item in self.not_identifiable],

@@ -1,4 +1,4 @@
-"""Figures of a calibration: what was measured beside what was fitted, and what is left over."""
+"""Figures of a calibration: measurement, fit and residuals."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MAX_UNCERTAIN_FRACTION = 0.12
 
 
 class DisplayUnit(NamedTuple):
-    """How a channel is shown: its name with unit, and factor and offset from SI."""
+    """Axis label of a channel, with factor and offset from SI to the unit displayed."""
 
     label: str
     factor: float
@@ -53,7 +53,7 @@ def channel_axes(calibration: Calibration) -> Axes:
     Parameters
     ----------
     calibration
-        What was found, with the observations it was found from.
+        The calibration with its observations.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def channel_axes(calibration: Calibration) -> Axes:
 
 
 def compared(calibration: Calibration, observation: Observation) -> list[ChannelComparison]:
-    """Return the channels of one observation beside the wire found."""
+    """Return the channels of one observation with their fit."""
     ours = {id(channel) for channel in observation.channels}
     return [pair for _, pair in calibration.comparisons() if id(pair.channel) in ours]
 
@@ -91,7 +91,7 @@ def draw_channels(figure: Figure, pairs: Sequence[ChannelComparison]) -> Axes:
         axis = pair.channel.axis
         top.plot(axis, shown.factor * pair.channel.measured + shown.offset, color=MEASURED, linewidth=3.2,
                  label="measured", solid_capstyle="round")  # fmt: skip
-        top.plot(axis, shown.factor * pair.predicted + shown.offset, color=FITTED, linewidth=1.2, label="wire found")
+        top.plot(axis, shown.factor * pair.predicted + shown.offset, color=FITTED, linewidth=1.2, label="fitted wire")
         top.set(ylabel=shown.label, ylim=limits(shown.factor * pair.predicted + shown.offset))
         draw_residuals(below, axis, pair)
     rows[0].legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderaxespad=0.0, ncols=2)
@@ -101,26 +101,26 @@ def draw_channels(figure: Figure, pairs: Sequence[ChannelComparison]) -> Axes:
 
 
 def limits(predicted: FloatArray) -> tuple[float, float]:
-    """Return limits around a curve that leave room for what is measured, and not for the wildest of its noise."""
+    """Return axis limits around a fitted curve that include the measurement, but not outliers of its noise."""
     low, high = float(predicted.min()), float(predicted.max())
     margin = 0.15 * (high - low) or 1.0
     return low - margin, high + margin
 
 
 def draw_residuals(axes: Axes, axis: FloatArray, pair: ChannelComparison, colour: str = AVERAGE) -> None:
-    """Draw what is left over, with the uncertainty of the channel as a band."""
+    """Draw residuals, with the uncertainty of the channel as a band."""
     name = pair.channel.name.split(" ")[0]
     factor = RESIDUAL_FACTOR[name]
     band = factor * pair.channel.uncertainty
     axes.fill_between(axis, -band, band, color=TARGET, alpha=0.22, linewidth=0)
     axes.axhline(0.0, color="#999999", linewidth=0.7)
     axes.plot(axis, factor * (pair.predicted - pair.channel.measured), color=colour, linewidth=0.9)
-    axes.set_ylabel(f"left over\n[{RESIDUAL_UNIT[name]}]", fontsize=8)
+    axes.set_ylabel(f"residual\n[{RESIDUAL_UNIT[name]}]", fontsize=8)
     axes.tick_params(labelsize=8)
 
 
 def loop_figure(calibration: Calibration, observation: Observation) -> Figure | None:
-    """Draw strain (or force) against resistance, measured and fitted; None where both were not recorded."""
+    """Draw strain (or force) against resistance, measured and fitted; None unless both were recorded."""
     pairs = {pair.channel.name: pair for pair in compared(calibration, observation)}
     other = next((name for name in ("strain", "force") if name in pairs), None)
     if not isinstance(observation, DrivenObservation) or other is None or "resistance" not in pairs:
@@ -129,7 +129,7 @@ def loop_figure(calibration: Calibration, observation: Observation) -> Figure | 
     shown = DISPLAY[other]
     # Bins without a current have no resistance; the others are matched by their times.
     times, here, there = np.intersect1d(resistance.channel.axis, quantity.channel.axis, return_indices=True)
-    # With next to no current there is next to no resistance to see, only its noise.
+    # At very low current the resistance is mostly noise.
     uncertain = resistance.channel.uncertainty > MAX_UNCERTAIN_FRACTION * np.ptp(resistance.predicted)
     figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
     axes, over_drive = figure.subplots(1, 2)
@@ -141,7 +141,7 @@ def loop_figure(calibration: Calibration, observation: Observation) -> Figure | 
             3.2,
             "measured",
         ),
-        (resistance.predicted, quantity.predicted, FITTED, 1.2, "wire found"),
+        (resistance.predicted, quantity.predicted, FITTED, 1.2, "fitted wire"),
     )
     for abscissa, ordinate, colour, width, label in lines:
         axes.plot(abscissa[here], shown.factor * ordinate[there], color=colour, linewidth=width, label=label)
@@ -165,8 +165,8 @@ def isobar_figure(pairs: Sequence[ChannelComparison]) -> Figure:
         top.plot(degc, 100.0 * pair.predicted, color=shade, linewidth=1.2,
                  label=pair.channel.name.removeprefix("strain at "))  # fmt: skip
         below.plot(degc, 100.0 * (pair.predicted - pair.channel.measured), color=shade, linewidth=0.9)
-    top.set(ylabel="strain, elongation [%]", title="Thick and pale: measured; thin: wire found")
+    top.set(ylabel="strain, elongation [%]", title="Thick and pale: measured; thin: fitted wire")
     top.legend(loc="upper right")
     below.axhline(0.0, color="#999999", linewidth=0.7)
-    below.set(xlabel="temperature [°C]", ylabel="left over [%]")
+    below.set(xlabel="temperature [°C]", ylabel="residual [%]")
     return figure

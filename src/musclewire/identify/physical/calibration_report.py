@@ -31,11 +31,11 @@ def write_report(calibration: Calibration, path: str | Path, advice: Sequence[Ad
     Parameters
     ----------
     calibration
-        What was found.
+        The calibration.
     path
         File to write; it ends in .html, and an existing one is replaced.
     advice
-        What to measure next, as :func:`next_experiments` returns it; simulated now if it is None.
+        Experiments to make next, as :func:`next_experiments` returns them; they are simulated now if it is None.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def key_numbers(calibration: Calibration) -> list[Card]:
     verdict = "holds" if calibration.holds else "does not hold"
     return [
         Card("The fit", verdict, worst_channel(calibration), calibration.holds),
-        Card("Left over", f"{calibration.rmse:.2f}", "of its uncertainty, rms"),
+        Card("Residuals", f"{calibration.rmse:.2f}", "of their uncertainty, rms"),
         Card("Identifiable from the recordings", f"{identifiable} of {whole}", "parameters"),
         Card("At a bound of the search", f"{bound}", "parameters", bound == 0),
         Card("Descents that agree", f"{agree} of {len(costs)}", "end within 5 % of the best"),
@@ -86,13 +86,13 @@ def key_numbers(calibration: Calibration) -> list[Card]:
 
 
 def worst_channel(calibration: Calibration) -> str:
-    """Return which channel is furthest off."""
+    """Return the channel with the largest normalised residual."""
     title, pair = max(calibration.comparisons(), key=lambda item: item[1].normalised_rms)
     return f"worst: {pair.channel.name}, {pair.normalised_rms:.2f}" + (f" ({title})" if len(title) < 20 else "")
 
 
 def given(calibration: Calibration) -> str:
-    """Return how the recordings were understood, what was assumed, and the wire started from."""
+    """Return the interpretation of the recordings, the assumptions, and the starting wire."""
     wire = calibration.wire
     lines = [
         *calibration.inputs.notes,
@@ -103,7 +103,7 @@ def given(calibration: Calibration) -> str:
 
 
 def channel_row(title: str, pair: ChannelComparison) -> str:
-    """Return how far a channel is off, as a table row."""
+    """Return the residuals of a channel as a table row."""
     percent = pair.channel.unit == "1"
     off = f"{100.0 * pair.rms:.3g} % strain" if percent else f"{pair.rms:.3g} {pair.channel.unit}"
     judged = "followed" if pair.normalised_rms <= 3.0 else "<b>not followed</b>"
@@ -127,7 +127,7 @@ def figures(calibration: Calibration) -> str:
 
 
 def parameter_rows(calibration: Calibration) -> str:
-    """Return the table's rows: parameters that are identifiable, then those that stay prior, then those at a bound."""
+    """Return the table's rows: identifiable parameters, then those that are mostly prior, then those at a bound."""
     at_bound = [item for item in calibration.estimates if item.at_bound]
     identifiable = [item for item in calibration.identifiable if not item.at_bound]
     prior = [item for item in calibration.not_identifiable if not item.at_bound]
@@ -135,10 +135,10 @@ def parameter_rows(calibration: Calibration) -> str:
         ("Identifiable from the recordings", "interval at most half the prior's", identifiable),
         (
             "Mostly prior",
-            "the recordings narrow it by less than half; what would identify it on general grounds",
+            "the recordings narrow it by less than half; the last column names a measurement that would identify it",
             prior,
         ),
-        ("At a bound of the search", "the best value lies at the edge of what was thought possible", at_bound),
+        ("At a bound of the search", "the best value is at the edge of the range of the search", at_bound),
     )
     return "".join(
         f'<tr class="group"><td colspan="7">{title} <span>({len(items)}): {about}</span></td></tr>'
@@ -161,7 +161,7 @@ def parameter_row(item: ParameterEstimate) -> str:
 
 
 def correlated(calibration: Calibration) -> str:
-    """Return what the recordings identify together rather than apart, and what does not show in them."""
+    """Return the parameters that are identifiable only in combination, and those on which nothing recorded depends."""
     parts = []
     pairs = calibration.correlated
     if pairs:
@@ -175,7 +175,7 @@ def correlated(calibration: Calibration) -> str:
         )
     if calibration.not_searched:
         parts.append(
-            "<h3>Not looked for</h3><p class='plain'>Nothing in these recordings depends on "
+            "<h3>Not fitted</h3><p class='plain'>Nothing in these recordings depends on "
             f"{codes(calibration.not_searched)}: the wire keeps the values of {escape(calibration.inputs.wire)}.</p>"
         )
     return "".join(parts)
@@ -192,8 +192,8 @@ def advice_part(advice: Sequence[Advice]) -> str:
         return "<p>None of the usual experiments would identify a parameter that these recordings do not.</p>"
     found = "".join(advice_card(place, item) for place, item in enumerate(advice, 1))
     return (
-        "<p>Each of the usual experiments was simulated with the wire found, and what it would add was computed from "
-        "its derivative. These would identify most of what is still mostly prior.</p>"
+        "<p>Each of the usual experiments was simulated with the fitted wire, and its information was computed from "
+        "the derivative. These would identify most of what is still mostly prior.</p>"
         f"<div class='advice'>{found}</div>"
     )
 
@@ -210,21 +210,21 @@ def advice_card(place: int, item: Advice) -> str:
 
 
 def how(calibration: Calibration) -> str:
-    """Return how the search went."""
+    """Return the course of the search."""
     settings, result = calibration.inputs.settings, calibration.search_result
     costs = ", ".join(f"{cost:.1f}" for cost in result.costs)
     holds = verdict(calibration.comparisons(), calibration.estimates)
     widened = (
-        f"<p>What is left over varies {calibration.excess_variance:.1f} times as much as the stated uncertainty says: "
+        f"<p>The variance of the residuals is {calibration.excess_variance:.1f} times that of the stated uncertainty: "
         "all intervals were widened to match.</p>"
         if calibration.excess_variance > 1.0
         else ""
     )
     return (
         f"<p>{escape(holds).capitalize()}. {len(result.costs)} descents (at most {settings.starts} from "
-        f"the prior and {settings.jumps} from jumps off the best so far) ended at sums of squares of {costs}; the "
-        f"last, with all digits, at {result.cost:.1f}. Where several agree, the minimum is the only one in sight.</p>"
+        f"the prior and {settings.jumps} from jumps off the best until then) ended at sums of squares of {costs}; the "
+        f"last, with the finest time step, at {result.cost:.1f}. If several agree, no other minimum was found.</p>"
         f"{widened}"
         "<p>Intervals are Laplace's approximation: the curvature of the sum of squares at its minimum, with the prior. "
-        "They hold where the model is right up to the stated uncertainty and no other minimum is near.</p>"
+        "They hold if the model is accurate to the stated uncertainty and no other minimum is near.</p>"
     )

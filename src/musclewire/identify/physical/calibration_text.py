@@ -12,17 +12,17 @@ __all__ = ["channel_line", "not_followed", "notebook_table", "number", "standing
 
 # Channels with the title of the observation that each belongs to.
 Comparisons = Sequence[tuple[str, ChannelComparison]]
-# A channel that is further off than this many of its stated uncertainties is not followed by the model.
+# The model does not follow a channel whose residuals exceed this multiple of its stated uncertainty.
 FOLLOWED_WITHIN = 3.0
 
 
 def not_followed(comparisons: Comparisons) -> list[tuple[str, ChannelComparison]]:
-    """Return the channels that are further off than three times their stated uncertainty (rms)."""
+    """Return the channels whose residuals exceed three times their stated uncertainty (rms)."""
     return [(title, pair) for title, pair in comparisons if pair.normalised_rms > FOLLOWED_WITHIN]
 
 
 def summary(notes: Sequence[str], comparisons: Comparisons, estimates: Sequence[ParameterEstimate]) -> str:
-    """Return what was found, and how well, in lines for a person."""
+    """Return result and residuals as lines of text."""
     lines = [*notes, ""]
     lines += [channel_line(title, pair) for title, pair in comparisons]
     lines += ["", f"{'parameter':<32}{'value':>12} {'+-':>10}  {'unit':<11}", *map(estimate_line, estimates)]
@@ -45,7 +45,7 @@ def verdict(comparisons: Comparisons, estimates: Sequence[ParameterEstimate]) ->
 
 
 def channel_line(title: str, pair: ChannelComparison) -> str:
-    """Return how far a channel is off, in its unit and in its uncertainty."""
+    """Return the residuals of a channel, in its unit and over its uncertainty."""
     unit = "" if pair.channel.unit == "1" else f" {pair.channel.unit}"
     off, what = (100.0 * pair.rms, " %") if unit == "" else (pair.rms, unit)
     return f"{title}: {pair.channel.name} {off:.3g}{what} rms, {pair.normalised_rms:.2f} of its uncertainty"
@@ -57,7 +57,7 @@ def estimate_line(item: ParameterEstimate) -> str:
 
 
 def standing(item: ParameterEstimate) -> str:
-    """Return what a parameter's value is worth: "" if the recordings identify it."""
+    """Return the standing of a parameter's value: "" if the recordings identify it."""
     if item.at_bound:
         return "at a bound"
     return "" if item.identifiable else "mostly prior"

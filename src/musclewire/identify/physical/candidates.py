@@ -1,4 +1,4 @@
-"""A search moves a vector; here is which wire it stands for."""
+"""The wires of a search: the parameters to be fitted as a vector, and the wire that a vector describes."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ class WireValues(NamedTuple):
 class Candidates:
     """Parameters to find, as vectors of standard normal coordinates: 0 is the prior's mean, 1 its deviation.
 
-    One coordinate a parameter, in the order of ``names``; everything else keeps the value of the wire, alloy and bench
-    given.
+    There is one coordinate for each parameter, in the order of ``names``; all other numbers keep the value of the given
+    wire, alloy and bench.
     """
 
     def __init__(self, priors: PriorSet, alloy: Alloy, wire: Wire, bench: Bench, only: list[str] | None = None) -> None:
@@ -40,7 +40,7 @@ class Candidates:
         self.high: FloatArray = (np.array([prior.high for prior in self.priors]) - self._mean) / self._std
 
     def __len__(self) -> int:
-        """Return how many parameters are to be found."""
+        """Return the number of unknown parameters."""
         return len(self.names)
 
     def numbers(self, coordinates: FloatArray) -> FloatArray:
@@ -52,14 +52,14 @@ class Candidates:
         return np.asarray((numbers - self._mean) / self._std)
 
     def wire_values(self, coordinates: FloatArray) -> WireValues:
-        """Return the wire that a vector stands for."""
+        """Return the wire that a vector describes."""
         values = WireValues(dict(self._base.alloy), dict(self._base.wire), dict(self._base.bench))
         for name, prior, number in zip(self.names, self.priors, self.numbers(coordinates), strict=True):
             getattr(values, prior.group)[name] = float(number)
         return values
 
     def draw(self, random: np.random.Generator) -> FloatArray:
-        """Return coordinates drawn from the prior, cut off at the bounds, (n_parameters,)."""
+        """Return coordinates drawn from the prior, truncated at the bounds, (n_parameters,)."""
         found = np.empty(len(self))
         for index in range(len(self)):
             while True:

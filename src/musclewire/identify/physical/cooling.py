@@ -1,4 +1,4 @@
-"""A cooling curve: a wire that was heated, by whatever means, and then left to the air on its load."""
+"""A cooling curve: a wire that was heated by any means and then cools in air under its load."""
 
 from __future__ import annotations
 
@@ -32,23 +32,23 @@ from musclewire.wire.building import constants_of
 __all__ = ["CoolingObservation", "observe_cooling"]
 
 
-# Nothing holds a cooling wire back, so it is fast: larger steps let it warm for a moment as it transforms.
+# A wire without current cools fast: with larger steps it would warm for a moment as it transforms.
 REFINED_STEP_S = 0.001
-# A curve that falls by less shows no rate.
+# A curve that falls by less does not determine a rate.
 MIN_FALL_K, MIN_OVER_NOISE = 5.0, 20.0
-# How far below the stated temperature of the air a curve may end: the accuracy of two thermometers.
+# A curve may end this far below the stated temperature of the air: the accuracy of two thermometers.
 BELOW_AMBIENT_K = 3.0
-# The start is read off a parabola through the first part of the fall, so short that a parabola is right there, where it
-# holds enough samples; else it is the first sample.
+# The start is that of a parabola fitted to the first part of the fall, in which a parabola is accurate; it is the first
+# sample if that part has too few samples.
 EARLY_FRACTION, MIN_EARLY = 0.1, 6
 UNCOUNTED_ZERO = ("strain", "force")
 
 
 class CoolingObservation:
-    """A wire cooling in air: its temperature, and strain or force where they were recorded.
+    """A wire that cools in air: its temperature, and strain or force if they were recorded.
 
-    It begins where slow heating to the first temperature has left it. What strain and force count from is not known:
-    by how much they lie off is taken out, once for each.
+    The initial state is that after slow heating to the first temperature. The zeros of strain and force are unknown, so
+    the mean difference is subtracted from each.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class CoolingObservation:
 
     @property
     def title(self) -> str:
-        """What this is, in a few words."""
+        """Title in a few words."""
         return self._title
 
     @property
@@ -87,7 +87,7 @@ class CoolingObservation:
 
     @property
     def bench(self) -> Mapping[str, float]:
-        """What is known of the bench the recording was made on."""
+        """The known numbers of the bench of the recording."""
         return self._bench
 
     def refined(self) -> CoolingObservation:
@@ -97,7 +97,7 @@ class CoolingObservation:
         return finer
 
     def columns(self, values: WireValues) -> Mapping[str, FloatArray]:
-        """Return whatever could be measured of this wire, sample by sample, by channel."""
+        """Return the simulated channels of this wire, sample by sample."""
         wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
         constants = constants_of(values.alloy, wire, {**values.bench, **self._bench})
         start = heated_state(constants, self._start_k)
@@ -113,7 +113,7 @@ class CoolingObservation:
         }
 
     def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
-        """Return each channel as this wire would have given it, in bins."""
+        """Return the simulated channels of this wire, in bins."""
         columns = self.columns(values)
         found = {}
         for channel in self._channels:
@@ -128,7 +128,7 @@ def observe_cooling(recording: Recording, bench: Mapping[str, float], title: str
     """Return a recording of a wire cooling without current as an observation.
 
     It has ``time_s`` and ``wire_temperature_k``, strain or force; without the temperature ``bench`` must hold
-    ``start_temperature_k``. Raises RecordingError where nothing cools, CallerError where bench or start is not known.
+    ``start_temperature_k``. Raises RecordingError if nothing cools, CallerError if bench or start is not known.
     """
     known = bench_of(recording, bench)
     complete = recording.with_metadata({**known, "leg_length_m": known["wire_length_m"] / known["legs"]})
@@ -148,7 +148,7 @@ def observe_cooling(recording: Recording, bench: Mapping[str, float], title: str
 
 
 def start_of(channels: Mapping[str, RawChannel], known: Mapping[str, float]) -> float:
-    """Return the temperature at which a curve begins: as stated, or read off the curve without its noise."""
+    """Return the temperature at which a curve begins: as stated, or fitted to the beginning of the curve."""
     if "start_temperature_k" in known:
         return known["start_temperature_k"]
     if "temperature" not in channels:
@@ -164,7 +164,7 @@ def start_of(channels: Mapping[str, RawChannel], known: Mapping[str, float]) -> 
 
 
 def refuse_what_does_not_cool(channels: Mapping[str, RawChannel], start_k: float, ambient_k: float) -> None:
-    """Raise RecordingError where a curve does not fall, or falls below the temperature of the air."""
+    """Raise RecordingError if a curve does not fall, or falls below the temperature of the air."""
     if "temperature" in channels:
         values = channels["temperature"].values
         fall, rise = start_k - float(values.min()), float(values.max()) - start_k
@@ -184,10 +184,10 @@ def refuse_what_does_not_cool(channels: Mapping[str, RawChannel], start_k: float
         raise RecordingError("nothing moves by more than its noise: the wire did not transform")
     if start_k < ambient_k + MIN_FALL_K:
         raise RecordingError(
-            f"it begins at {start_k - 273.15:.1f} C, no warmer than the air: a wire at rest says nothing"
+            f"it begins at {start_k - 273.15:.1f} C, no warmer than the air: a wire at rest identifies nothing"
         )
 
 
 def in_contraction(raw: RawChannel) -> RawChannel:
-    """Return a strain that falls while the wire cools; one of elongation is turned over."""
+    """Return strain positive in contraction, which falls while the wire cools; elongation changes its sign."""
     return raw if raw.values[0] >= raw.values[-1] else raw._replace(values=-raw.values)

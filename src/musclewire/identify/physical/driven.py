@@ -1,4 +1,4 @@
-"""A recording of a wire driven by a voltage: loops, steps, cooling after a pulse, whatever the drive was."""
+"""A recording of a wire driven by a voltage: loops, steps, cooling after a pulse, or any other drive."""
 
 from __future__ import annotations
 
@@ -34,22 +34,22 @@ __all__ = ["DrivenObservation", "observe_drive"]
 
 # The last descent and the derivative at the end are simulated with the step that a rig uses.
 REFINED_STEP_S = 0.002
-# A recording of a drive has about this many stretches over which a model is wrong in one way.
+# In a recording of a drive the model's error has about this many independent values.
 STRETCHES = 20
-# A simulated circuit needs some resistance beside the wire's, to read the current off; it falls across next to nothing.
+# A simulated circuit needs some resistance in series with the wire to measure the current; its voltage is negligible.
 MIN_SHUNT_OHM = 1e-3
-# An amplifier's command counts as its output where both agree to this fraction.
+# An amplifier's command counts as its output if both agree to this fraction.
 COMMANDED_FRACTION = 0.02
-# What a transformation changes at the least: strain; resistance, as a fraction; anything, in multiples of its noise.
+# The least changes by a transformation: of strain; of resistance, as a fraction; of any channel, over its noise.
 MIN_STROKE, MIN_RESISTANCE_CHANGE, MIN_OVER_NOISE = 1e-3, 0.01, 20.0
 # Strain that begins further from 0 than this fraction of its stroke was not counted from the cold wire.
 ZERO_FRACTION = 0.05
-# No NiTi's resistivity is outside of this; what is, has a wrong unit, diameter or length.
+# The resistivity of any NiTi lies between these; another one has a wrong unit, diameter or length.
 MIN_RESISTIVITY, MAX_RESISTIVITY = 0.4e-6, 2.0e-6
 
 
 class DrivenObservation:
-    """A wire that rested cold, then was driven: resistance, and whatever instruments the recording has."""
+    """A wire at rest and cold that is then driven: its resistance, and the instruments of the recording."""
 
     def __init__(
         self,
@@ -63,7 +63,7 @@ class DrivenObservation:
     ) -> None:
         """Take a drive on an even clock, (n,), and channels on the same clock.
 
-        ``circuit`` is what the drive is across beside the wire, where that is not the bench's.
+        ``circuit`` holds the series resistances within the drive voltage if they are not the bench's.
         """
         self._title = title
         self._drive = drive_voltage_v
@@ -80,7 +80,7 @@ class DrivenObservation:
 
     @property
     def title(self) -> str:
-        """What this is, in a few words."""
+        """Title in a few words."""
         return self._title
 
     @property
@@ -90,7 +90,7 @@ class DrivenObservation:
 
     @property
     def bench(self) -> Mapping[str, float]:
-        """What is known of the bench the recording was made on."""
+        """The known numbers of the bench of the recording."""
         return self._bench
 
     def drive_at(self, times_s: FloatArray) -> FloatArray:
@@ -100,7 +100,7 @@ class DrivenObservation:
 
     @property
     def highest_drive_v(self) -> float:
-        """The highest voltage of the drive, whatever its sign."""
+        """The highest absolute voltage of the drive [V]."""
         return float(np.abs(self._drive).max())
 
     def refined(self) -> DrivenObservation:
@@ -110,7 +110,7 @@ class DrivenObservation:
         return finer
 
     def path(self, values: WireValues) -> DrivenPath:
-        """Return the simulated wire through the recording's drive, sample by sample."""
+        """Return the simulated path of the wire under the recording's drive, sample by sample."""
         wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
         constants = constants_of(values.alloy, wire, {**values.bench, **self._bench, **self._circuit})
         steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
@@ -118,11 +118,11 @@ class DrivenObservation:
         return path
 
     def columns(self, values: WireValues) -> Mapping[str, FloatArray]:
-        """Return whatever could be measured of this wire, sample by sample, by channel."""
+        """Return the simulated channels of this wire, sample by sample."""
         path = self.path(values)
         bench = {**values.bench, **self._bench, **self._circuit}
         leg_m = bench["wire_length_m"] / bench["legs"]
-        # Without a current there is no resistance to compare, and the recording has none there either.
+        # Without current there is no resistance to compare, in the recording neither.
         current_a = np.maximum(path.shunt_voltage_v / bench["shunt_resistance_ohm"], 1e-9)
         return {
             "resistance": path.wire_voltage_v / current_a,
@@ -132,23 +132,22 @@ class DrivenObservation:
         }
 
     def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
-        """Return each channel as this wire would have given it, in bins."""
+        """Return the simulated channels of this wire, in bins."""
         columns = self.columns(values)
         return {name: binned(columns[name], self._bin)[keep] for name, keep in self._keep.items()}
 
 
 def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) -> DrivenObservation:
-    """Return a driven recording as an observation; ``bench`` holds what the user says of it beyond the recording.
+    """Return a driven recording as an observation; ``bench`` holds the user's numbers of the bench.
 
-    Raises RecordingError where nothing was driven or measured or nothing transformed, CallerError where the bench is
-    not known.
+    Raises RecordingError if nothing was driven, measured or transformed, CallerError if the bench is not known.
     """
     known = bench_of(recording, bench)
     complete = recording.with_metadata({**known, "leg_length_m": known["wire_length_m"] / known["legs"]})
     require_rows(complete)
     drive, circuit = drive_of(complete)
     if float(np.abs(drive).max()) <= 0.0:
-        raise RecordingError("the drive is 0 V throughout: a wire at rest says nothing of its parameters")
+        raise RecordingError("the drive is 0 V throughout: a wire at rest identifies no parameter")
     even, known["sample_period_s"] = even_clock(complete["time_s"])
     channels = channels_of(complete)
     if not channels.keys() & {"resistance", "strain", "force"}:
@@ -156,7 +155,7 @@ def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) 
     refuse_idle(channels)
     if "diameter_m" in bench:
         refuse_other_metal(channels, known["wire_length_m"], bench["diameter_m"])
-    # Samples closer than the steps of a simulation cost time and add nothing: they become one.
+    # Samples closer than the steps of a simulation cost time and add no information: they are averaged.
     group = max(1, int(REFINED_STEP_S / known["sample_period_s"]))
     known["sample_period_s"] *= group
     return DrivenObservation(
@@ -171,7 +170,7 @@ def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) 
 
 
 def refuse_idle(channels: Mapping[str, RawChannel]) -> None:
-    """Raise RecordingError where the wire did not transform."""
+    """Raise RecordingError if the wire did not transform."""
     if "strain" in channels:
         refuse_strain(channels["strain"].values)
     elif "resistance" in channels:
@@ -187,7 +186,7 @@ def refuse_idle(channels: Mapping[str, RawChannel]) -> None:
 
 
 def refuse_strain(strain: FloatArray) -> None:
-    """Raise RecordingError where a strain, (n,), shows no transformation or is not one of contraction from cold."""
+    """Raise RecordingError if a strain, (n,), shows no transformation or is not contraction from the cold wire."""
     stroke, noise = float(np.ptp(strain)), noise_level(strain)
     if stroke < max(MIN_STROKE, MIN_OVER_NOISE * noise):
         raise RecordingError(
@@ -197,7 +196,7 @@ def refuse_strain(strain: FloatArray) -> None:
     cold = float(np.median(strain[:FIRST_ROWS]))
     if cold - strain.min() > strain.max() - cold:
         raise RecordingError(
-            "strain of the wrong sign: it falls from where it begins; contraction counts positive (--invert), and a "
+            "strain of the wrong sign: it falls from its first value; contraction counts positive (--invert), and a "
             "recording must begin with a cold wire"
         )
     if abs(cold) > ZERO_FRACTION * stroke:
@@ -207,13 +206,13 @@ def refuse_strain(strain: FloatArray) -> None:
 
 
 def moves(raw: RawChannel) -> bool:
-    """Tell whether a channel changes by more than its noise."""
+    """Return whether a channel changes by more than its noise."""
     change = float(np.ptp(raw.values[raw.usable]))
     return change > MIN_OVER_NOISE * float(np.median(raw.noise[raw.usable])) + 1e-12
 
 
 def refuse_other_metal(channels: Mapping[str, RawChannel], length_m: float, diameter_m: float) -> None:
-    """Raise RecordingError where resistance, length and diameter together make no NiTi wire."""
+    """Raise RecordingError if the resistivity by resistance, length and diameter is not that of NiTi."""
     if "resistance" not in channels:
         return
     raw = channels["resistance"]
@@ -227,9 +226,9 @@ def refuse_other_metal(channels: Mapping[str, RawChannel], length_m: float, diam
 
 
 def drive_of(recording: Recording) -> tuple[FloatArray, dict[str, float]]:
-    """Return the voltage that drove the circuit, (n,), and what that circuit was beside the wire.
+    """Return the voltage of the circuit, (n,), and the circuit's series resistances if they are not the bench's.
 
-    Measured across the wire alone, the circuit is the wire. Raises RecordingError where nothing says what drove it.
+    For a voltage across the wire alone they are negligible. Raises RecordingError if the drive is not recorded.
     """
     names = recording.columns
     shunt_ohm = recording.facts.number_or_none("shunt_resistance_ohm")
@@ -246,7 +245,7 @@ def drive_of(recording: Recording) -> tuple[FloatArray, dict[str, float]]:
         return np.asarray(names["wire_current_a"] * names["wire_resistance_ohm"]), bare
     if "drive_voltage_v" not in names:
         raise RecordingError(
-            "nothing says what drove the wire: give drive_voltage_v, or wire_voltage_v with shunt_voltage_v or "
+            "the drive of the wire is not recorded: give drive_voltage_v, or wire_voltage_v with shunt_voltage_v or "
             "wire_current_a"
         )
     if shunt_ohm is None:
@@ -257,7 +256,7 @@ def drive_of(recording: Recording) -> tuple[FloatArray, dict[str, float]]:
 
 
 def channels_of(recording: Recording) -> dict[str, RawChannel]:
-    """Return what a recording measured, by the names that a simulation knows too."""
+    """Return the channels of a recording by their names in a simulation."""
     found = {}
     names = set(recording.names)
     if "wire_resistance_ohm" in names or ("wire_voltage_v" in names and names & {"shunt_voltage_v", "wire_current_a"}):
@@ -271,7 +270,7 @@ def resistance_noise(recording: Recording) -> FloatArray:
     other = next((name for name in ("shunt_voltage_v", "wire_current_a") if name in recording), None)
     if "wire_voltage_v" not in recording or other is None:
         return np.full(len(recording), noise_level(recording["wire_resistance_ohm"]))
-    share = np.zeros(len(recording))
+    relative_variance = np.zeros(len(recording))
     for name in ("wire_voltage_v", other):
-        share += (noise_level(recording[name]) / np.maximum(np.abs(recording[name]), 1e-9)) ** 2
-    return np.asarray(np.sqrt(share) * np.abs(resistance_reading(recording).resistance_ohm))
+        relative_variance += (noise_level(recording[name]) / np.maximum(np.abs(recording[name]), 1e-9)) ** 2
+    return np.asarray(np.sqrt(relative_variance) * np.abs(resistance_reading(recording).resistance_ohm))

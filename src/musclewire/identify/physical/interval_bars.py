@@ -8,12 +8,12 @@ __all__ = ["interval_bar", "key_of_bars"]
 
 PRIOR, IDENTIFIED, UNIDENTIFIED, BOUND = "#dfe3e8", "#1f6f8b", "#b9a27a", "#c8553d"
 WIDTH, HEIGHT = 190.0, 16.0
-# Prior standard deviations to either side that a bar shows, and what 95 % of a normal distribution takes.
+# A bar extends over this many prior standard deviations to either side; an interval of 95 % over this many.
 SHOWN_STD, SURE_STD = 3.0, 1.96
 
 
 def interval_bar(item: ParameterEstimate) -> str:
-    """Return prior and posterior 95 % intervals over each other, on the prior's three deviations within its bounds."""
+    """Return prior and posterior 95 % intervals in one bar, three prior deviations to either side within bounds."""
     left = max(item.low, item.prior_mean - SHOWN_STD * item.prior_std)
     right = min(item.high, item.prior_mean + SHOWN_STD * item.prior_std)
     left, right = min(left, item.value), max(right, item.value)
@@ -40,9 +40,9 @@ def box(ends: tuple[float, float], top: float, height: float, colour: str) -> st
 
 
 def key_of_bars() -> str:
-    """Return what the colours mean."""
+    """Return the key of the colours."""
     names = (
-        (PRIOR, "believed before (prior)"),
+        (PRIOR, "prior"),
         (IDENTIFIED, "identifiable from the recordings"),
         (UNIDENTIFIED, "mostly prior"),
         (BOUND, "at a bound"),

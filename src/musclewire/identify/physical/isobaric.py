@@ -20,20 +20,20 @@ from musclewire.wire.building import constants_of
 __all__ = ["IsobaricObservation", "counts_contraction", "in_elongation", "isobars_in", "observe_isobars"]
 
 
-# What a model of this kind is not expected to get right in the strain of an isobar.
+# Error expected of a model of this kind in the strain of an isobar.
 ISOBAR_ERROR = 2e-4
-# Stress that wanders by less than this fraction is one isobar.
+# Stress that varies by less than this fraction belongs to one isobar.
 SAME_STRESS = 0.03
 MIN_POINTS, MIN_STROKE = 20, 1e-3
-# Temperatures that move by less show no loop; a wire breaks far below this stress.
+# A smaller range of temperature shows no loop; a wire breaks far below this stress.
 MIN_RANGE_K, MAX_STRESS_PA = 5.0, 3e9
 
 
 class IsobaricObservation:
     """One wire under several constant stresses, one after the other, with one extensometer.
 
-    The extensometer's zero is not the model's; it is taken out once for all isobars, so that strain between
-    stresses counts.
+    The extensometer's zero is not the model's; it is fitted once for all isobars, so that differences in strain between
+    stresses count.
     """
 
     def __init__(self, title: str, isobars: Sequence[Isobar], model_error: float = ISOBAR_ERROR) -> None:
@@ -54,7 +54,7 @@ class IsobaricObservation:
 
     @property
     def title(self) -> str:
-        """What this is, in a few words."""
+        """Title in a few words."""
         return self._title
 
     @property
@@ -64,7 +64,7 @@ class IsobaricObservation:
 
     @property
     def channels(self) -> Sequence[Channel]:
-        """One channel a stress."""
+        """One channel for each stress."""
         return self._channels
 
     def refined(self) -> IsobaricObservation:
@@ -80,28 +80,28 @@ class IsobaricObservation:
 
 
 def counts_contraction(isobars: Sequence[Isobar]) -> bool:
-    """Return whether strain grows with temperature: contraction positive, as our own recordings have it.
+    """Return whether strain rises with temperature, that is whether contraction is positive, as in our own recordings.
 
-    All loops count at once, the larger ones more: under next to no load there is only thermal expansion.
+    The covariance is summed over all loops, since almost without load there is only thermal expansion.
     """
     return sum(float(np.cov(item.temperature_k, item.strain)[0, 1]) for item in isobars) > 0.0
 
 
 def in_elongation(isobars: Sequence[Isobar]) -> list[Isobar]:
-    """Return isobars, all counted one way or all the other, with strain positive in elongation."""
+    """Return isobars, which all have the same sign of strain, with strain positive in elongation."""
     sign = -1.0 if counts_contraction(isobars) else 1.0
     return [item._replace(strain=sign * item.strain) for item in isobars]
 
 
 def isobars_in(recording: Recording) -> list[Isobar]:
-    """Return the isobars of a recording with temperature, strain and stress, strain counted as it is there.
+    """Return the isobars of a recording with temperature, strain and stress, with the recording's sign of strain.
 
-    Raises RecordingError where temperature is constant, or stress is not over a loop.
+    Raises RecordingError if temperature is constant, or stress is not constant over a loop.
     """
     temperature_k, stress_pa = recording["wire_temperature_k"], recording["stress_pa"]
     if np.ptp(temperature_k) < MIN_RANGE_K:
         raise RecordingError(
-            f"the temperature moves by {np.ptp(temperature_k):.2g} K: an isobar goes from cold to hot and back"
+            f"the temperature changes by {np.ptp(temperature_k):.2g} K: an isobar goes from cold to hot and back"
         )
     if not (stress_pa.min() >= 0.0 and stress_pa.max() < MAX_STRESS_PA):
         raise RecordingError(
@@ -123,7 +123,7 @@ def isobars_in(recording: Recording) -> list[Isobar]:
 
 
 def observe_isobars(isobars: Sequence[Isobar], title: str) -> IsobaricObservation:
-    """Return isobars as one observation. Raises RecordingError where none of them shows a transformation."""
+    """Return isobars as one observation. Raises RecordingError if none of them shows a transformation."""
     strokes = [float(np.ptp(item.strain)) for item in isobars]
     if max(strokes) < MIN_STROKE:
         raise RecordingError(

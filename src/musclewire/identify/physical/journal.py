@@ -1,4 +1,4 @@
-"""The journal of a search: where each descent ended, so that an interrupted search goes on where it stopped."""
+"""The journal of a search: where each descent ended, so that an interrupted search continues from there."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ __all__ = ["Journal"]
 
 
 class Journal:
-    """One line of numbers a descent in a text file, behind a first line that says which search it belongs to."""
+    """A text file with one line of numbers for each descent, after a first line that identifies the search."""
 
     def __init__(self, path: Path, fingerprint: str) -> None:
-        """Open a journal, or begin one. A file that belongs to another search is refused with CallerError."""
+        """Open or create a journal. Raises CallerError for a file that belongs to another search."""
         self._path = path
         self._remembered: list[list[float]] = []
         self._position = 0
@@ -29,11 +29,11 @@ class Journal:
 
     @property
     def remembered(self) -> int:
-        """How many descents an earlier run left."""
+        """Number of descents of an earlier run."""
         return len(self._remembered)
 
     def next(self) -> list[float] | None:
-        """Return the numbers of the next descent, None where the earlier run got no further."""
+        """Return the numbers of the next descent, None after the last one of the earlier run."""
         if self._position >= len(self._remembered):
             return None
         self._position += 1
@@ -47,12 +47,12 @@ class Journal:
             os.fsync(file.fileno())
 
     def remove(self) -> None:
-        """Delete the journal of a search that is done."""
+        """Delete the journal of a completed search."""
         self._path.unlink(missing_ok=True)
 
 
 def read_journal(path: Path, fingerprint: str) -> list[list[float]]:
-    """Return the lines of a journal; a last line cut off in writing is dropped."""
+    """Return the lines of a journal; an incomplete last line is dropped."""
     try:
         lines = path.read_text("utf-8").splitlines()
         belongs = json.loads(lines[0])["search"] == fingerprint

@@ -1,4 +1,4 @@
-"""Columns of a recording as channels of an observation: on an even clock, in bins, with noise and a model's error."""
+"""Columns of a recording as channels of an observation: on an even clock, in bins, with noise and model error."""
 
 from __future__ import annotations
 
@@ -28,15 +28,14 @@ __all__ = [
 
 
 MAX_BINS = 400
-# What a model of this kind is not expected to get right, whatever the noise: fraction of the leg in displacement,
+# Error expected of a model of this kind in addition to noise: fraction of the leg in displacement,
 # fraction of the resistance, fraction of the largest contraction force, kelvins (a sensor on a thin wire cools it).
 MODEL_ERROR = {"strain": 1e-4, "resistance": 3e-4, "force": 3e-3, "temperature": 0.5}
-# A curve that goes one way, an isobar or a cooling curve, has about this many stretches over which a model is wrong in
-# one way.
+# In a monotonic curve, an isobar or a cooling curve, the model's error has about this many independent values.
 CURVE_STRETCHES = 10
-# Larger steps are as right on the whole, but the edges they leave in the residuals mislead a descent.
+# Larger steps are as accurate on average, but they make residuals discontinuous, which misleads a descent.
 MAX_STEP_S = 0.005
-# A clock whose steps differ by more than this fraction of their median is laid on an even one.
+# A clock whose steps differ by more than this fraction of their median is resampled to an even one.
 EVEN_CLOCK = 0.02
 FIRST_ROWS, MIN_ROWS = 9, 30
 
@@ -64,13 +63,13 @@ class RawChannel(NamedTuple):
 
 
 def require_rows(recording: Recording) -> None:
-    """Raise RecordingError for a recording too short to say anything."""
+    """Raise RecordingError for a recording too short to calibrate from."""
     if len(recording) < MIN_ROWS:
         raise RecordingError(f"has {len(recording)} rows, a calibration needs {MIN_ROWS} or more")
 
 
 def even_clock(time_s: FloatArray) -> tuple[NDArray[np.intp], float]:
-    """Return which row stands for each tick of an even clock, and its period [s]."""
+    """Return the row for each tick of an even clock, and its period [s]."""
     steps = np.diff(time_s)
     period_s = float(np.median(steps))
     if np.abs(steps - period_s).max() <= EVEN_CLOCK * period_s:
@@ -81,7 +80,7 @@ def even_clock(time_s: FloatArray) -> tuple[NDArray[np.intp], float]:
 
 
 def bin_size(samples: int) -> int:
-    """Return how many samples go into a bin, so that there are at most 400 bins."""
+    """Return the number of samples in a bin, such that there are at most 400 bins."""
     return max(1, -(-samples // MAX_BINS))
 
 
@@ -90,7 +89,7 @@ def binned_channel(
 ) -> tuple[Channel, NDArray[np.bool_]]:
     """Return a channel in bins of ``size`` samples, and which bins it keeps: those whose samples are all usable.
 
-    ``time_s`` is the clock of the samples, (n,), ``stretches`` how many errors of the model's there are in all.
+    ``time_s`` is the clock of the samples, (n,), ``stretches`` the number of independent values of the model's error.
     """
     keep = binned(raw.usable.astype(float), size) > 0.999
     deviation = np.sqrt(binned(raw.noise**2, size) / size)
@@ -106,7 +105,7 @@ def binned_channel(
 
 
 def model_error(name: str, measured: FloatArray) -> float:
-    """Return what the model is not expected to get right in a channel, in its unit."""
+    """Return the error expected of the model in a channel, in its unit."""
     if name == "resistance":
         return MODEL_ERROR[name] * float(np.median(measured[measured > 0.0]))
     if name == "force":
@@ -115,7 +114,7 @@ def model_error(name: str, measured: FloatArray) -> float:
 
 
 def instruments_of(recording: Recording) -> dict[str, RawChannel]:
-    """Return strain, contraction force and temperature, as far as a recording has them."""
+    """Return those of strain, contraction force and temperature that a recording has."""
     found = {}
     if "reference_strain" in recording or "displacement_m" in recording:
         found["strain"] = raw_channel("1", required_quantity(recording, "strain"))
@@ -127,12 +126,12 @@ def instruments_of(recording: Recording) -> dict[str, RawChannel]:
 
 
 def raw_channel(unit: str, values: FloatArray) -> RawChannel:
-    """Return a column of an instrument with the noise it shows, all of it usable."""
+    """Return a column of an instrument with the noise estimated from it; all samples are usable."""
     return RawChannel(unit, values, np.full(values.size, noise_level(values)), np.ones(values.size, dtype=bool))
 
 
 def contraction_force_n(recording: Recording) -> FloatArray:
-    """Return force beyond the pretension, (n,); a cell that was tared shows just that."""
+    """Return force in excess of the pretension [N], (n,), which a tared load cell measures directly."""
     force, pretension = recording["force_n"], recording.facts.pretension_n
     first = float(np.median(force[:FIRST_ROWS]))
     tared = abs(first - pretension) > abs(first)

@@ -1,9 +1,9 @@
-"""What was observed of a wire, and how a candidate's simulation differs from it.
+"""Observations of a wire, and their residuals against the simulation of a candidate.
 
-An observation simulates a candidate through its own history and compares channel by channel, each in its own unit
-over its own uncertainty: the noise that the channel shows, and beside it what a model of this kind is not expected to
-get right. Noise is white; a model's error is not. It is counted once for a stretch of neighbouring points, as if they
-were one: else the sheer number of points would make intervals narrow that are not.
+An observation simulates a candidate through the recorded history and compares channel by channel, each normalised by
+its uncertainty: the noise of the channel, and the error expected of a model of this kind. Noise is white; a model's
+error is correlated. It counts once for a stretch of neighbouring points, as if they were one: otherwise the number of
+points alone would make intervals too narrow.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class ChannelComparison:
-    """A channel beside what a candidate gives for it, (n,)."""
+    """A channel and its simulation with a candidate, (n,)."""
 
     channel: Channel
     predicted: FloatArray
@@ -51,11 +51,11 @@ class ChannelComparison:
 
 
 class Observation(Protocol):
-    """Something measured on a wire, with a way to simulate it."""
+    """A measurement on a wire that can be simulated."""
 
     @property
     def title(self) -> str:
-        """What this is, in a few words, for people."""
+        """Title in a few words, for people."""
         ...
 
     @property
@@ -64,11 +64,11 @@ class Observation(Protocol):
         ...
 
     def refined(self) -> Observation:
-        """Return the same observation, simulated with all digits."""
+        """Return the same observation, simulated with the finest time step."""
         ...
 
     def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
-        """Return each channel as this wire would have given it.
+        """Return the simulated channels of a wire.
 
         Parameters
         ----------
@@ -88,7 +88,7 @@ class Observation(Protocol):
 
 
 def compare(observation: Observation, values: WireValues) -> list[ChannelComparison]:
-    """Return every channel of an observation beside a candidate's."""
+    """Return every channel of an observation with the simulation of a candidate."""
     predicted = observation.simulate(values)
     return [ChannelComparison(channel, predicted[channel.name]) for channel in observation.channels]
 
@@ -102,12 +102,12 @@ def residuals_of(observation: Observation, values: WireValues) -> FloatArray:
 
 
 def binned(values: FloatArray, size: int) -> FloatArray:
-    """Return means over groups of ``size`` rows, (n // size,); what is left over at the end is dropped."""
+    """Return means over groups of ``size`` rows, (n // size,); remaining rows at the end are dropped."""
     count = values.shape[0] // size
     return np.asarray(values[: count * size].reshape(count, size).mean(axis=1))
 
 
 def with_model_error(noise: FloatArray | float, error: float, points: int, stretches: int) -> FloatArray:
-    """Return the uncertainty of each of ``points`` points, (n,), with a model's error that is one for a stretch."""
+    """Return the uncertainty of each of ``points`` points, (n,), with a model error that counts once for a stretch."""
     together = max(points / stretches, 1.0)
     return np.asarray(np.sqrt(np.square(noise) + error**2 * together) * np.ones(points))

@@ -1,4 +1,4 @@
-"""Observations of a wire and what was known before, as one vector of residuals."""
+"""Observations of a wire and the prior as one vector of residuals."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class PosteriorProblem:
     """Residuals of the observations and of the prior: their least squares are the maximum a posteriori."""
 
     def __init__(self, candidates: Candidates, observations: Sequence[Observation]) -> None:
-        """Take what is unknown and what was observed."""
+        """Take the unknown parameters and the observations."""
         self.candidates = candidates
         self.observations = tuple(observations)
 
@@ -32,7 +32,7 @@ class PosteriorProblem:
         return self.candidates.high
 
     def refined(self) -> PosteriorProblem:
-        """Return the same problem, simulated with all digits."""
+        """Return the same problem, simulated with the finest time step."""
         return PosteriorProblem(self.candidates, [item.refined() for item in self.observations])
 
     def observed_residuals(self, coordinates: FloatArray) -> FloatArray:

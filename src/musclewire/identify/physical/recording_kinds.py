@@ -1,4 +1,4 @@
-"""What each recording is to a calibration: a driven wire, isobars, or a cooling curve; and the wire it starts from."""
+"""The kinds of recordings of a calibration: a driven wire, isobars, or a cooling curve; and the starting wire."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from musclewire.signals.recording import Recording
 __all__ = ["StartingPoint", "observations_of", "start_of", "observable_parameters"]
 
 ELECTRICAL = ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
-# Parameters that do not show in a kind of observation, by what their names contain.
+# Parameters on which a kind of observation does not depend, by parts of their names.
 ELECTRICITY, HEAT, GUIDE = ("resistivity",), ("specific_heat", "latent_heat", "convection"), ("guide_friction",)
-# The highest voltage allowed lies above the highest one recorded by this factor.
+# The highest voltage allowed exceeds the highest one recorded by this factor.
 VOLTAGE_HEADROOM = 1.125
 
 
 class StartingPoint(NamedTuple):
-    """Alloy, wire and bench that a search starts from; what it does not look for stays as it is here."""
+    """Alloy, wire and bench that a search starts from; numbers that it does not fit keep their value."""
 
     alloy: Alloy
     wire: Wire
@@ -45,7 +45,7 @@ class StartingPoint(NamedTuple):
 def start_of(
     recordings: Mapping[str, Recording], wire: str, given: Mapping[str, float]
 ) -> tuple[StartingPoint, list[str]]:
-    """Return what a search starts from, with the diameter and drive of the recordings, and what had to be assumed.
+    """Return the start of a search, with the diameter and drive of the recordings, and the assumptions made.
 
     Raises CallerError for an unknown wire, or recordings of different ones.
     """
@@ -63,7 +63,7 @@ def start_of(
 
 
 def of_diameter(wire: Wire, diameter_m: float) -> Wire:
-    """Return a wire drawn to another diameter; forces and resistance go with its section."""
+    """Return a wire drawn to another diameter; forces and resistance follow from its cross section."""
     ratio = (diameter_m / wire.diameter_m.value) ** 2
     if ratio == 1.0:
         return wire
@@ -80,7 +80,7 @@ def of_diameter(wire: Wire, diameter_m: float) -> Wire:
 
 
 def of_drive(wire: Wire, highest_v: float) -> Wire:
-    """Return a wire whose drive voltages are those it was recorded with."""
+    """Return a wire with the drive voltages of its recordings."""
     source = "the highest drive in the recordings"
     amplitude = Parameter(value=highest_v, unit="V", kind="measured", source=source)
     limit = Parameter(value=VOLTAGE_HEADROOM * highest_v, unit="V", kind="assumed", source=f"an eighth above {source}")
@@ -93,7 +93,7 @@ def observations_of(
     """Return recordings, by name, as observations, and notes on how they were understood.
 
     All isobars among them become one observation, with one zero of strain. Raises RecordingError for a recording that
-    cannot constrain anything, CallerError where its bench is not known; both name the recording.
+    cannot constrain anything, CallerError if its bench is not known; both name the recording.
     """
     found: list[Observation] = []
     isobars: list[Isobar] = []
@@ -124,29 +124,29 @@ def observations_of(
 
 
 def is_isobaric(recording: Recording) -> bool:
-    """Tell whether a recording is of temperature, strain and stress, without a drive."""
+    """Return whether a recording has temperature, strain and stress, and no drive."""
     return set(ISOBAR_TABLE) <= set(recording.names) and not any(column in recording for column in ELECTRICAL)
 
 
 def isobar_text(isobars: list[Isobar]) -> str:
-    """Say what a recording of isobars was understood as."""
+    """Return stresses and temperatures of isobars in words."""
     stresses = ", ".join(f"{item.stress_pa / 1e6:.4g}" for item in isobars)
     low, high = (pick(pick(item.temperature_k) for item in isobars) - 273.15 for pick in (min, max))
     return f"isobar{'s' if len(isobars) > 1 else ''} at {stresses} MPa, {low:.0f} to {high:.0f} C"
 
 
 def refuse_tables(recording: Recording) -> None:
-    """Raise RecordingError for what has no clock and is no isobar."""
+    """Raise RecordingError for a table of branches, which has no clock."""
     if recording.is_branch_table:
         raise RecordingError(
-            "strain against resistance without a drive and a clock holds nothing of heat, stress and temperature: "
+            "strain against resistance without drive and clock holds no information on heat, stress and temperature: "
             "calibrate from the recording it was taken from"
         )
 
 
 @contextmanager
 def named_errors(name: str) -> Iterator[None]:
-    """Let what is wrong with a recording begin with its name."""
+    """Put the name of the recording at the head of error messages."""
     try:
         yield
     except (RecordingError, CallerError) as error:
@@ -157,16 +157,16 @@ def named_errors(name: str) -> Iterator[None]:
 def observable_parameters(priors: PriorSet, observations: list[Observation]) -> list[str]:
     """Return the parameters on which these observations depend at all.
 
-    Isobars know neither heat nor electricity, a cooling curve knows no electricity, and where nothing slides there is
-    no friction to find.
+    Isobars depend on neither heat nor electricity, a cooling curve does not depend on electricity, and without sliding
+    nothing depends on friction.
     """
-    silent: tuple[str, ...] = ()
+    excluded: tuple[str, ...] = ()
     if not any(isinstance(item, DrivenObservation) for item in observations):
-        silent += ELECTRICITY
+        excluded += ELECTRICITY
     if all(isinstance(item, IsobaricObservation) for item in observations):
-        silent += HEAT + GUIDE
+        excluded += HEAT + GUIDE
     elif all(isinstance(item, IsobaricObservation | CoolingObservation) for item in observations) and not any(
         channel.name in ("strain", "force") for item in observations for channel in item.channels
     ):
-        silent += GUIDE
-    return [name for name in priors.parameters if not any(word in name for word in silent)]
+        excluded += GUIDE
+    return [name for name in priors.parameters if not any(word in name for word in excluded)]

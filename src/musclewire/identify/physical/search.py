@@ -1,11 +1,11 @@
-"""A global search, then a local one, for the vector that explains what was observed.
+"""A global, then a local search for the vector that fits the observations.
 
-Global: from many starts, a least-squares descent in which the observations count for little at first and for more and
-more on the way (graduated least squares, a homotopy in the noise). With blunt data the valley is wide and smooth; it
-narrows around where the descent already is. Starts are the prior's mean, draws from the prior, then jumps from the best
-so far. Local: once more from the best, simulated with all digits; the derivative at the end gives the uncertainty.
+Global: least-squares descents from several starts. The uncertainty of the observations is large at first and
+decreases step by step (graduated least squares, a homotopy in the noise). At large uncertainty the valley is wide and
+smooth; it narrows around the current vector. Starts are the prior's mean, draws from the prior, then jumps from the best
+vector. Local: once more from the best, with the finest time step; the final derivative gives the uncertainty.
 Each descent is SciPy's trust-region reflective least squares with bounds (Branch, Coleman and Li 1999,
-doi 10.1137/S1064827595289108). Derivatives are simulated on threads: the simulator lets go of the interpreter.
+doi 10.1137/S1064827595289108). Derivatives are simulated on threads: the simulator releases the interpreter's lock.
 """
 
 from __future__ import annotations
@@ -40,17 +40,17 @@ __all__ = [
 OnProgress = Callable[[str, int, int, float], None]
 OnStep = Callable[[], None]
 
-# A candidate that cannot be simulated is as far off as this, in every residual.
+# A candidate that cannot be simulated has this value in every residual.
 IMPOSSIBLE = 1e4
 # Steps of a derivative, in prior standard deviations: below, the edges of grain classes show; above, curvature does.
-# A global search strides over the edges, which stop a descent far above the minimum (at 0.01, twice its cost); the last
-# descent takes large steps first, then smaller ones. What the edges add to the derivative at the end would pass for
-# information and make intervals narrower than they are.
+# A global search steps over the edges, which stop a descent far above the minimum (at 0.01, twice its cost); the last
+# descent takes large steps first, then smaller ones. Edges in the final derivative would count as information and make
+# intervals too narrow.
 SEARCH_STEP, LAST_STEPS, FINAL_STEP = 0.05, (0.1, 0.03), 0.05
-# How many times too large the observations' uncertainty is taken, descent by descent.
+# Factors on the observations' uncertainty, descent by descent.
 START_SCALES = (100.0, 30.0, 10.0, 3.0, 1.0)
 JUMP_SCALES = (10.0, 3.0, 1.0)
-# So many descents that end within this share of the best cost found the minimum; no more are made.
+# No more descents are made after this many that end within this fraction of the best cost.
 AGREEING, AGREEMENT = 3, 1e-3
 # Spread of starts and jumps, in prior standard deviations.
 START_SPREAD, JUMP_SPREAD = 0.8, 0.5
@@ -79,7 +79,7 @@ class LeastSquaresProblem(Protocol):
 
         Returns
         -------
-        Residuals of the observations, then of the prior, (n_observed + n,); not finite for an impossible vector.
+        Residuals of the observations, then of the prior, (n_observed + n,); not finite if the simulation diverges.
 
         Raises
         ------
@@ -89,13 +89,13 @@ class LeastSquaresProblem(Protocol):
         ...
 
     def refined(self) -> LeastSquaresProblem:
-        """Return the same problem with all the digits a simulation has, for the end of a search."""
+        """Return the same problem with the finest time step, for the end of a search."""
         ...
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How hard to search; the defaults suit a wire with some thirty unknowns."""
+    """Effort of a search; the defaults suit a wire with some thirty unknowns."""
 
     seed: int = 1
     starts: int = 4
@@ -105,14 +105,14 @@ class Settings:
     threads: int | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a search that would not search."""
+        """Raise CallerError for a search without starts, evaluations or threads."""
         if self.starts < 1 or self.jumps < 0 or min(self.evaluations_each, self.evaluations_last) < 1:
             raise CallerError(f"a search needs one start or more and no less than 0 jumps: {self.starts}, {self.jumps}")
         if self.threads is not None and self.threads < 1:
             raise CallerError(f"a search needs a thread or more, got {self.threads}")
 
 
-# How hard to search, by a word: one descent to see whether a fit is possible; the default; and for a last word.
+# Effort by name: one descent to see whether a fit is possible; the default; for a final result.
 EFFORTS: Mapping[str, Settings] = {
     "quick": Settings(starts=1, jumps=0, evaluations_each=5, evaluations_last=5),
     "normal": Settings(),
@@ -121,7 +121,7 @@ EFFORTS: Mapping[str, Settings] = {
 
 
 def settings_of_effort(effort: str) -> Settings:
-    """Return the settings of a search that a word stands for.
+    """Return the settings of a search by the name of its effort.
 
     Parameters
     ----------
@@ -144,10 +144,10 @@ def settings_of_effort(effort: str) -> Settings:
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
-    """Where a search ended: vector (n,), residuals (m,), their derivative (m, n), and what it cost to get there.
+    """Result of a search: vector (n,), residuals (m,), their derivative (m, n), and the number of simulations.
 
-    ``costs`` are the sums of squares at which the descents ended, in their order: where several agree, the minimum is
-    the only one in sight.
+    ``costs`` are the sums of squares at which the descents ended, in their order: if several agree, no other minimum
+    was found.
     """
 
     coordinates: FloatArray
@@ -175,25 +175,25 @@ class ParallelProblem:
         self._on_step = on_step or (lambda: None)
 
     def residuals(self, coordinates: FloatArray) -> FloatArray | None:
-        """Return residuals at a vector, None where its wire is impossible."""
+        """Return residuals at a vector, None if its wire cannot be simulated."""
         self._on_step()
         self.simulations += 1
         return residuals_or_none(self.problem, coordinates)
 
     def several(self, vectors: Sequence[FloatArray]) -> list[FloatArray | None]:
-        """Return residuals at several vectors, at a time."""
+        """Return residuals at several vectors, simulated in parallel."""
         self._on_step()
         self.simulations += len(vectors)
         return self._each(lambda vector: residuals_or_none(self.problem, vector), vectors)
 
     def inside(self, coordinates: FloatArray) -> FloatArray:
-        """Return a vector moved off the bounds, where a descent may begin."""
+        """Return a vector moved off the bounds, from which a descent may begin."""
         margin = 1e-4 * (self.problem.high - self.problem.low)
         return np.clip(coordinates, self.problem.low + margin, self.problem.high - margin)
 
 
 def residuals_or_none(problem: LeastSquaresProblem, coordinates: FloatArray) -> FloatArray | None:
-    """Return residuals, None where they cannot be simulated (numbers that ran away)."""
+    """Return residuals, None if the simulation diverges."""
     try:
         residuals = problem.residuals(coordinates)
     except NumericsError:
@@ -216,25 +216,25 @@ def search(
     on_progress: OnProgress | None = None,
     on_step: OnStep | None = None,
 ) -> SearchResult:
-    """Return the best vector found, repeatable for one seed whatever the number of threads.
+    """Return the best vector found, repeatable for one seed with any number of threads.
 
     Parameters
     ----------
     problem
         Residuals of a vector, and its bounds.
     settings
-        How hard to search.
+        Seed and effort.
     journal
-        Where finished descents are noted: an interrupted search continues after the last of them. None for no journal.
+        Journal of finished descents: an interrupted search continues after the last of them. None for no journal.
     on_progress
-        Called after each descent with the stage's name, how many descents are done, of how many, and the best sum of
-        squares; what it raises ends the search.
+        Called after each descent with the stage's name, the number of finished descents and of all, and the best sum of
+        squares; an exception that it raises ends the search.
     on_step
-        Called many times during a descent; what it raises ends the search.
+        Called many times during a descent; an exception that it raises ends the search.
 
     Returns
     -------
-    The vector, its residuals, their derivative, and what it took to find it.
+    The vector, its residuals, their derivative, and the number of simulations.
 
     Raises
     ------
@@ -273,7 +273,7 @@ def descents(
     size = parallel.problem.low.size
     ends: list[tuple[float, FloatArray]] = []
     for number in range(settings.starts + settings.jumps):
-        # Each start has its own stream, so that what a journal remembers does not shift the rest.
+        # Each start has its own stream, so that descents read from a journal do not change the others.
         random = np.random.default_rng([settings.seed, number])
         remembered = journal.next() if journal is not None else None
         if remembered is not None:
@@ -299,7 +299,7 @@ def one_descent(
     random: np.random.Generator,
     size: int,
 ) -> tuple[float, FloatArray]:
-    """Descend from the prior's mean, from a draw, or from a jump off the best end so far."""
+    """Descend from the prior's mean, from a draw, or from a jump off the best end."""
     jump = random.standard_normal(size)
     if number < settings.starts:
         vector = START_SPREAD * jump if number else np.zeros(size)
@@ -357,7 +357,7 @@ def jacobian(
 ) -> FloatArray:
     """Return the derivative of residuals by coordinates, (m, n), by differences within the bounds.
 
-    ``here`` are the residuals at ``coordinates``. Beside a wire that cannot be, no slope is known and none is claimed.
+    ``here`` are the residuals at ``coordinates``. A column whose vectors cannot be simulated is zero.
     """
     low, high = parallel.problem.low, parallel.problem.high
     vectors = []

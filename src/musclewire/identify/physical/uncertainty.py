@@ -1,4 +1,4 @@
-"""How well the observations identify each parameter, beside what was known before."""
+"""Uncertainty of each parameter after the observations, compared with its prior."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from musclewire.identify.physical.candidates import Candidates
 __all__ = ["ParameterEstimate", "covariance", "estimates", "excess_variance"]
 
 
-# An interval at most half its prior's is knowledge from the data; a wider one is mostly the prior's.
+# A parameter is identifiable if its interval is at most half its prior's; a wider one is mostly the prior's.
 IDENTIFIABLE_FRACTION = 0.5
 NEAR_BOUND = 0.02
 
 
 @dataclass(frozen=True)
 class ParameterEstimate:
-    """One parameter: value and standard deviation in SI after and before the data, and what to measure for it."""
+    """One parameter: value and standard deviation in SI after and before the data, and the measurement for it."""
 
     name: str
     group: str
@@ -39,13 +39,13 @@ class ParameterEstimate:
 
     @property
     def at_bound(self) -> bool:
-        """Whether the value leans on a bound of the search, so that its interval means little."""
+        """Whether the value is at a bound of the search, so that its interval means little."""
         margin = NEAR_BOUND * self.prior_std
         return self.value - self.low < margin or self.high - self.value < margin
 
     @property
     def interval(self) -> tuple[float, float]:
-        """The 95 % interval, not cut off at the bounds."""
+        """The 95 % interval, not truncated at the bounds."""
         return self.value - 1.96 * self.std, self.value + 1.96 * self.std
 
     def as_dict(self) -> dict[str, object]:
@@ -63,9 +63,9 @@ class ParameterEstimate:
 
 
 def excess_variance(residuals: FloatArray, unknowns: int) -> float:
-    """Return by how much residuals vary more than their uncertainty says; at least 1.
+    """Return the variance of normalised residuals, at least 1.
 
-    ``residuals``, (m,), are those of the observations without the prior's. Where the model cannot follow the data, or
+    ``residuals``, (m,), are those of the observations without the prior's. If the model cannot follow the data, or
     noise is correlated, the stated uncertainty is too small, and so would be every interval.
     """
     freedom = max(residuals.size - unknowns, 1)
@@ -75,7 +75,7 @@ def excess_variance(residuals: FloatArray, unknowns: int) -> float:
 def covariance(jacobian: FloatArray, excess: float = 1.0) -> FloatArray:
     """Return the covariance of coordinates, (n, n), after data with this ``jacobian``, (m, n), and a unit prior.
 
-    Laplace's approximation: the posterior is taken as normal around the fit, with the curvature of the residuals.
+    By Laplace's approximation the posterior is normal around the fit, with the curvature of the residuals.
     """
     information = jacobian.T @ jacobian / excess + np.eye(jacobian.shape[1])
     return np.asarray(np.linalg.inv(information))

@@ -197,7 +197,7 @@ def test_it_prints_something_useful_and_plots(tmp_path: Path) -> None:
     write_report(calibration, tmp_path / "mine.html")
     page = (tmp_path / "mine.html").read_text("utf-8")
     assert page.count("<svg") > len(calibration.estimates)
-    for word in ("What to measure next", "Identifiable from the recordings", "Mostly prior", "left over"):
+    for word in ("What to measure next", "Identifiable from the recordings", "Mostly prior", "residuals"):
         assert word in page
     assert "$" not in page.replace("$x$", "")
     with pytest.raises(CallerError, match=r"a report is an \.html file"):

@@ -178,7 +178,7 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
             only(loop, "time_s", "displacement_m", wire_resistance_ohm=np.linspace(17.0, 15.0, len(loop))),
             "shunt_resistance_ohm",
         ),
-        "nothing says what drove the wire",
+        "the drive of the wire is not recorded",
     ),
     "a wire that was never heated": (
         lambda loop: loop.with_columns(
@@ -228,7 +228,7 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
                 "stress_pa": [1e8] * 40,
             }
         ),
-        "the temperature moves by 0 K",
+        "the temperature changes by 0 K",
     ),
     "isobars that show nothing": (
         lambda _: Recording(
