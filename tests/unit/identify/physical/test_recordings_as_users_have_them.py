@@ -171,7 +171,7 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
         lambda _: Recording(
             {"resistance_ohm": [17.0, 16.0], "strain_heating": [0.0, 0.01], "strain_cooling": [0.0, 0.02]}
         ),
-        "without a drive and a clock",
+        "without drive and clock",
     ),
     "resistance over time without a drive": (
         lambda loop: without(
