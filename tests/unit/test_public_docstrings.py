@@ -144,7 +144,9 @@ def test_what_pages_name_is_found_and_keys_are_not() -> None:
 def test_a_name_after_its_file_is_found_and_a_field_leads_to_its_class() -> None:
     assert resolved("identify.sensing_model:fit") is resolved("mw.fit")
     assert resolved("sensing.model:SensingModel.plot") is resolved("SensingModel.plot")
-    assert resolved("parameters.schema:Alloy.r_phase_strain") is resolved("musclewire.parameters.schema.Alloy")
+    assert resolved("parameters.parameter_groups:Alloy.r_phase_strain") is resolved(
+        "musclewire.parameters.parameter_groups.Alloy"
+    )
     assert resolved("wire.state:WireState.grains") is resolved("musclewire.wire.state.WireState")
     assert resolved("sensing.model:Nothing") is None
 
