@@ -95,7 +95,7 @@ def diagram(table: ProtectionTable) -> str:
 
     What leads from every state to the same one (``arm``) is drawn only from the states that drive nothing.
     """
-    driven = [state for state in State if table.drives[state] is not Drive.NONE]
+    driven = [state for state in State if table.output_drives[state] is not Drive.NONE]
     edges: dict[tuple[str, str], list[str]] = {}
     inner: dict[tuple[str, str], list[str]] = {}
     for signal in Signal:

@@ -283,7 +283,7 @@ def test_the_table_in_the_header_is_python_s(exported: Callable[[str], Exported]
     weight = int(defined["EFFECT_WEIGHT"])
     pairs = [then for row in table.transitions for then in row]
     assert [divmod(number, weight) for number in array(header, "TRANSITIONS")] == [(e, s) for s, e in pairs]
-    assert array(header, "OUT") == list(table.drives)
+    assert array(header, "OUT") == list(table.output_drives)
     assert defined["SENSE_AFTER_US"] == str(round(1e6 * table.sense_after_s))
     assert defined["TRIP_AFTER_US"] == str(round(1e6 * table.trip_after_s))
     rows = {row.number: row for row in table.event}

@@ -1,7 +1,7 @@
-"""What a controller is: target and estimate in, state in; command, state and what it wants recorded out.
+"""The interface of controllers: target, estimate and state in; command, state and the numbers to record out.
 
-A controller has no clock, knows no rig and keeps nothing to itself: all it remembers is its state, which the loop hands
-back. ``tests/contract/test_controller_contract.py`` holds every implementation to what is said here.
+A controller has no clock, knows no rig and keeps nothing to itself: its only memory is its state, which the loop passes
+back. ``tests/contract/test_controller_contract.py`` tests every implementation for this.
 
 Another controller is one file with a factory, a ``ControllerFactory``, and a name for it: a line in ``CONTROLLERS``
 here, or from outside ``CONTROLLERS.register("name", factory)`` or an entry point of the group "musclewire.controllers".
@@ -28,16 +28,16 @@ class Controller(Protocol):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns that it wants recorded, one for each number in ``ControlStep.recorded``."""
+        """Names of the columns that it records, one for each number in ``ControlStep.recorded``."""
         ...
 
     @property
     def limits(self) -> DriveLimits:
-        """The range of the drive voltage [V]; no command of its own leaves it."""
+        """The range of the drive voltage [V]; every command is within it."""
         ...
 
     def start(self, drive_voltage_v: float) -> Any:
-        """Return the state that takes over from a drive which is out already.
+        """Return the state that takes over from a drive that is already applied.
 
         Parameters
         ----------
@@ -59,11 +59,11 @@ class Controller(Protocol):
         Parameters
         ----------
         state
-            What ``start`` or the last ``step`` returned.
+            The state that ``start`` or the last ``step`` returned.
         target
-            Where the quantity should be, in its SI unit.
+            Target of the quantity, in its SI unit.
         estimate
-            Where it is, of the same quantity.
+            Estimate of the same quantity.
         dt_s
             Time [s] since the last step, above 0.
 
@@ -90,7 +90,7 @@ class ControllerSetup:
     limits
         Range of the drive voltage [V].
     error_unit
-        How much of the controlled quantity goes with one percent strain, in the quantity's SI unit; so one set of gains
+        Amount of the controlled quantity that corresponds to one percent strain, in its SI unit; so one set of gains
         serves strain, displacement and force. The default is that of strain.
     settings
         The controller's own settings, as the caller gave them; None for its defaults.

@@ -1,4 +1,4 @@
-"""What the drive may be while the wire is being sensed."""
+"""The permitted range of the drive while the wire is sensed."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class DriveLimits:
     Parameters
     ----------
     sense_voltage_v
-        Least drive [V], at which the resistance can still be measured.
+        Minimum drive [V], at which the resistance can still be measured.
     maximum_voltage_v
-        Greatest drive [V].
+        Maximum drive [V].
 
     Raises
     ------
@@ -56,7 +56,7 @@ class DriveLimits:
         Parameters
         ----------
         drive_voltage_v
-            A drive [V], also an infinite one.
+            A drive [V], which may be infinite.
 
         Returns
         -------
@@ -68,5 +68,5 @@ class DriveLimits:
             If the drive is NaN.
         """
         if math.isnan(drive_voltage_v):
-            raise NumericsError("the drive voltage is NaN; look for the step that made it")
+            raise NumericsError("the drive voltage is NaN: find the step that produced it")
         return min(max(drive_voltage_v, self.sense_voltage_v), self.maximum_voltage_v)

@@ -1,7 +1,7 @@
 """Fuzzy inference: from the error and its change to the three gain ratios of the paper's Eq. 6.
 
-Inputs are ratios in [-1, 1] (clipped), outputs ratios in [0, 1]. What the rules say and how they are
-combined is in ``rules``; the compiled arithmetic is in ``kernels`` and is loaded on first use, because Numba
+Inputs are ratios in [-1, 1] (clipped), outputs ratios in [0, 1]. The rules and the ways to combine them are
+in ``rules``; the compiled arithmetic is in ``kernels`` and is loaded on first use, because Numba
 takes a moment to import.
 """
 
@@ -31,12 +31,12 @@ ALPHA_WEAKEST, ALPHA_STRONGEST = 5.0, 2.0  # the range of Zhao's alpha; a smalle
 
 
 class FuzzyRatios(NamedTuple):
-    """K_p', K_I' and K_D' of Eq. 6: where in its range each gain is.
+    """K_p', K_I' and K_D' of Eq. 6: the place of each gain in its range.
 
     Parameters
     ----------
     kp
-        Of the proportional gain, 0 (least) to 1 (greatest).
+        Of the proportional gain, 0 (minimum) to 1 (maximum).
     ki
         Of the integral gain, 0 to 1.
     kd
@@ -90,7 +90,7 @@ def infer_ratios(rule_base: RuleBase, error_ratio: float, change_ratio: float) -
     from musclewire.controllers import kernels
 
     if math.isnan(error_ratio) or math.isnan(change_ratio):
-        raise NumericsError(f"fuzzy inputs are {error_ratio} and {change_ratio}; NaN has no place in a rule table")
+        raise NumericsError(f"fuzzy inputs are {error_ratio} and {change_ratio}; NaN is in no rule table")
     return FuzzyRatios(*kernels.infer(packed_rules(rule_base), float(error_ratio), float(change_ratio)))
 
 
@@ -127,7 +127,7 @@ def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: Arr
         shapes = f"{np.shape(error_ratio)} and {np.shape(change_ratio)}"
         raise CallerError(f"error_ratio and change_ratio have shapes {shapes}, which do not broadcast") from None
     if np.isnan(errors).any() or np.isnan(changes).any():
-        raise NumericsError("fuzzy inputs hold NaN, which has no place in a rule table")
+        raise NumericsError("fuzzy inputs hold NaN, which is in no rule table")
     ratios = np.empty((3, errors.size))
     kernels.infer_many(
         packed_rules(rule_base),
@@ -139,7 +139,7 @@ def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: Arr
 
 
 def input_grades(rule_base: RuleBase, ratio: float) -> dict[str, float]:
-    """Return the grade of one input in [-1, 1] in each input set; a rule base without sets gives none."""
+    """Return the grade of one input in [-1, 1] in each input set; a rule base without sets has none."""
     from musclewire.controllers import kernels
 
     if not rule_base.input_sets:

@@ -19,7 +19,7 @@ Four decisions the paper leaves open:
   target steps are part of it, as in the paper's Fig. 10.
 - Anti-windup is inherent: the state holds the drive as it was clamped, and nothing else integrates. So the
   drive leaves a limit at the latest in the very tick in which the error changes its sign, however long it had
-  been there. (Later only if the measured value brakes hard in that tick: the derivative part then wants
+  been there. (Later only if the measured value brakes hard in that tick: the derivative part then requires
   more.)
 - A missing measurement is bridged by ``hold``: the drive stays, the rates are forgotten. The next step still
   sees the whole change of the error since, so its proportional part catches up, while its derivative starts
@@ -94,7 +94,7 @@ class FuzzyPidSettings(StrictModel):
     Raises
     ------
     CallerError
-        For an unknown key (the message names the nearest), a range upside down, or a number that is not positive.
+        For an unknown key (the message names the nearest), an inverted range, or a number that is not positive.
 
     References
     ----------
@@ -126,7 +126,7 @@ class FuzzyPidSettings(StrictModel):
 
 
 class ControllerState(NamedTuple):
-    """All the controller remembers; errors and measurements in the controlled quantity's own unit.
+    """The controller's state; errors and measurements in the unit of the controlled quantity.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ class FuzzyPid:
     """Fuzzy-tuned PID with drive limits.
 
     It holds no state: ``start`` makes one, ``step`` and ``hold`` return the next. Building it compiles the tick (or
-    loads it from the cache), so that no step has to wait for that.
+    loads it from the cache), so that no step waits for it.
 
     Parameters
     ----------
@@ -257,7 +257,7 @@ class FuzzyPid:
         state
             The state before.
         target
-            The target, in the unit whose percent-strain worth is ``error_unit``.
+            The target, in the unit of ``error_unit``.
         measured
             The measured value, in the same unit.
         dt_s
@@ -328,7 +328,7 @@ class FuzzyPidController:
         self.settings, self.limits = law.settings, law.limits
 
     def start(self, drive_voltage_v: float) -> Drive:
-        """Return the state before the first estimate: the drive [V] that is out, within the limits."""
+        """Return the state before the first estimate: the applied drive [V], within the limits."""
         return Drive(self.limits.clamp(float(drive_voltage_v)))
 
     def step(

@@ -1,8 +1,8 @@
 """The arithmetic of one controller tick, compiled: memberships, inference, Eq. 6 and the velocity-form PID.
 
-Everything stands in this one file, in strict IEEE arithmetic and without allocation of unknown size, so that
-a C translation can equal it to the bit. What a rule base or a set of settings says arrives as a structured array of
-length 1, whose fields ``RULES`` and ``SETTINGS`` name: every array handed over from Python costs about 60 ns of the
+Everything is in this one file, in strict IEEE arithmetic and without allocation of unknown size, so that
+a C translation can equal it to the bit. Rule base and settings are passed as a structured array of
+length 1 each, whose fields ``RULES`` and ``SETTINGS`` name: every array passed from Python costs about 60 ns of the
 tick, so there are two and not nine. (A field is read as ``row["name"]``, which Numba and plain NumPy both understand.)
 ``fuzzy.packed_rules`` and ``fuzzy_pid.packed_settings`` fill them.
 """
@@ -87,7 +87,7 @@ def product_weighted_sum(rule: Row, error_grades: FloatArray, change_grades: Flo
     """Return (kp, ki, kd) ratios after Zhao, Tomizuka, Isaka 1993, doi 10.1109/21.260670.
 
     A rule fires with mu, the product of its two grades. Inverting mu_S = -ln(x)/4 and mu_B = -ln(1-x)/4
-    gives what Small and Big mean at that mu; the integral table holds its ratio already.
+    gives the values of Small and Big at that mu; the integral table holds its ratio already.
     """
     kp_table, ki_table, kd_table = rule["kp_table"], rule["ki_table"], rule["kd_table"]
     kp = ki = kd = 0.0

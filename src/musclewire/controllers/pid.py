@@ -2,8 +2,8 @@
 
     du = input_scale * [ K_p (e_k - e_(k-1)) + K_I dt e_k - K_D (r_k - r_(k-1)) ]   volts
 
-with the error e in percent strain and r the filtered rate of the measured value. What ``fuzzy_pid`` says of the reasons
-(velocity form, derivative on the measured value, no windup, missing measurements) holds here too. It is plain Python: a
+with the error e in percent strain and r the filtered rate of the measured value. The reasons in ``fuzzy_pid``
+(velocity form, derivative on the measured value, no windup, missing measurements) apply here too. It is plain Python: a
 tick takes about as long as the call of a compiled one.
 """
 
@@ -37,7 +37,7 @@ class PidSettings(StrictModel):
     input_scale
         Volts per error unit at a gain of one; the default is that of the fuzzy-tuned PID.
     error_unit
-        How much of the controlled quantity goes with one percent strain, in its SI unit.
+        Amount of the controlled quantity that corresponds to one percent strain, in its SI unit.
     derivative_filter_s
         Time constant [s] of the rate filter, four samples of 50 ms; 0 for none.
 
@@ -56,7 +56,7 @@ class PidSettings(StrictModel):
 
 
 class PidState(NamedTuple):
-    """All a plain PID remembers; ``rates_known`` is False after a sample without current."""
+    """The state of a plain PID; ``rates_known`` is False after a sample without current."""
 
     drive_voltage_v: float
     error: float
@@ -84,7 +84,7 @@ class PidController:
         self._gains = (settings.kp, settings.ki, settings.kd)
 
     def start(self, drive_voltage_v: float) -> Drive:
-        """Return the state before the first estimate: the drive [V] that is out, within the limits."""
+        """Return the state before the first estimate: the applied drive [V], within the limits."""
         return Drive(self.limits.clamp(float(drive_voltage_v)))
 
     def step(self, state: Drive | PidState, target: float, estimate: QuantityEstimate, dt_s: float) -> ControlStep:

@@ -26,9 +26,9 @@ def plot_rule_surfaces(rule_base: RuleBase, axes: Sequence[Axes] | None = None) 
     Parameters
     ----------
     rule_base
-        What to draw.
+        The rule base to draw.
     axes
-        Three matplotlib axes to draw on; a new figure is made without them.
+        Three matplotlib axes to draw on; those of a new figure by default.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def plot_rule_surfaces(rule_base: RuleBase, axes: Sequence[Axes] | None = None) 
         panel.set_yticks(np.linspace(-1.0, 1.0, 5))
     panels[0].set_ylabel("rate of the error / change range")
     bar = panels[0].figure.colorbar(filled, ax=list(panels), ticks=np.linspace(0.0, 1.0, 6), shrink=0.9)
-    bar.set_label("ratio: 0 least gain, 1 greatest")
+    bar.set_label("ratio: 0 minimum gain, 1 maximum")
     return panels
 
 

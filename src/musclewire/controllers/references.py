@@ -1,7 +1,7 @@
 """Target trajectories as pure functions of time.
 
 ``staircase`` is the paper's step experiment (Fig. 11, Table 2): 1.5, 1.8, ... 3.0 % strain and back, six
-seconds each. Targets are in the unit of whatever is controlled: strain as a fraction, metres or newtons.
+seconds each. Targets are in the unit of the controlled quantity: strain as a fraction, metres or newtons.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ __all__ = [
 ]
 
 Direction: TypeAlias = Literal["rise", "return"]
-# A clock that adds up ticks may fall a rounding error short of the moment of a step; it means that moment.
+# A clock that adds up ticks may be a rounding error before the time of a step; that counts as the time of the step.
 CLOCK_TOLERANCE_S = 1e-9
 
 
@@ -38,7 +38,7 @@ class Reference(Protocol):
 
     @property
     def duration_s(self) -> float:
-        """How long it lasts [s]."""
+        """Duration [s]."""
 
     def target_at(self, time_s: float) -> float:
         """Return the target at one time.
@@ -80,9 +80,9 @@ class Step:
     direction
         "rise" or "return".
     start_s
-        When it begins [s], included.
+        Its start [s], included.
     stop_s
-        When it ends [s], not included.
+        Its end [s], not included.
     """
 
     index: int
@@ -103,7 +103,7 @@ class Staircase:
     levels
         Targets: strain as a fraction, displacement [m] or force [N].
     hold_s
-        How long each is held [s].
+        Duration of each [s].
 
     Raises
     ------
@@ -194,7 +194,7 @@ class SampledReference:
     time_s
         Rising times [s], shape (n,).
     target
-        The target from each on, shape (n,): strain as a fraction, displacement [m] or force [N].
+        The target from each time on, shape (n,): strain as a fraction, displacement [m] or force [N].
     """
 
     time_s: FloatArray
@@ -265,9 +265,9 @@ def staircase(
     increment
         From level to level, in the same unit; the paper's is 0.3 %.
     hold_s
-        How long each level is held [s]; the paper's 6 s.
+        Duration of each level [s]; 6 s in the paper.
     return_trip
-        Whether it also comes down again, as in the paper.
+        Whether it also returns to the first level, as in the paper.
 
     Returns
     -------
@@ -343,12 +343,14 @@ def sampled_reference(time_s: ArrayLike, target: ArrayLike) -> SampledReference:
 
 
 def _checked_time(time_s: float) -> float:
+    """Return a time; CallerError if it is not finite."""
     if not math.isfinite(time_s):
         raise CallerError(f"asked for the target at time {time_s} s; give a finite time")
     return time_s
 
 
 def _zero_order_hold(starts_s: FloatArray, levels: FloatArray, time_s: ArrayLike) -> FloatArray:
+    """Return the level that holds at each time."""
     times = np.asarray(time_s, dtype=np.float64)
     if not np.isfinite(times).all():
         raise CallerError("asked for the target at a time that is not finite; give finite times")

@@ -1,4 +1,4 @@
-"""Rule bases as data: what the fuzzy tables say, from TOML files, checked before use.
+"""Rule bases as data: the fuzzy tables, from TOML files, checked before use.
 
 A rule base maps two inputs in [-1, 1], the error and its change, to three ratios in [0, 1], one for each
 gain range of the paper's Eq. 6. The paper prints no rules, so several published sets come with the package,
@@ -69,7 +69,7 @@ class MembershipSet(StrictModel):
     """One fuzzy set on the universe -3..3.
 
     ``triangle`` has three points (foot, peak, foot). ``z`` falls from 1 at its first point to 0 at its
-    second, ``s`` rises from 0 to 1, both along two parabolas, like the functions of those names elsewhere.
+    second, ``s`` rises from 0 to 1, both along two parabolas, like the functions of these names in other libraries.
     """
 
     shape: Literal["triangle", "z", "s"]
@@ -139,13 +139,13 @@ class RuleBase(StrictModel):
     name
         Its name on the command line.
     title
-        What it is, in a few words.
+        Description in a few words.
     source
         The publication.
     licence
-        Under which it may be passed on.
+        Licence of the tables.
     notes
-        What a reader should know of it.
+        Remarks for the reader.
     mirrored
         Makes both directions alike by reading one half of the tables only: "positive-error" at (|e|, sign(e) de),
         "negative-error" at (-|e|, -sign(e) de), with sign(0) = 0. "no" reads the tables as printed.
@@ -176,7 +176,7 @@ class RuleBase(StrictModel):
 
 
 def rule_base_names() -> tuple[str, ...]:
-    """Return the names of the rule bases that come with the package, the default first."""
+    """Return the names of the package's rule bases, the default first."""
     names = sorted(path.name.removesuffix(".toml") for path in _folder().iterdir() if path.name.endswith(".toml"))
     return (DEFAULT_RULE_BASE, *(name for name in names if name != DEFAULT_RULE_BASE))
 
@@ -187,7 +187,7 @@ def load_rule_base(name: str | Path = DEFAULT_RULE_BASE) -> RuleBase:
     Parameters
     ----------
     name
-        A name out of :func:`rule_base_names`, or a TOML file: a ``Path``, or a text that ends in .toml. The default is
+        One of :func:`rule_base_names`, or a TOML file: a ``Path``, or a text that ends in .toml. The default is
         the rule base that the closed loop uses.
 
     Returns
@@ -219,7 +219,7 @@ def parse_rule_base(text: str, where: str = "rule base") -> RuleBase:
     text
         The TOML text.
     where
-        Begins every error message: the file, for one.
+        Begins every error message: the file, for example.
 
     Returns
     -------

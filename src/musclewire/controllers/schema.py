@@ -12,7 +12,7 @@ __all__ = ["StrictModel", "caller_error"]
 
 
 class StrictModel(BaseModel):
-    """A frozen record that takes no unknown key; what is wrong is reported as ``CallerError``."""
+    """A frozen record without unknown keys; errors are reported as ``CallerError``."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -26,7 +26,7 @@ class StrictModel(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _unknown_keys_name_the_nearest(cls, values: Any) -> Any:
-        # Pydantic would say only "extra inputs are not permitted"; a typo deserves the word that was meant.
+        # Pydantic would report only "extra inputs are not permitted"; for a typo the nearest key is more useful.
         if isinstance(values, dict):
             for key in values:
                 if key not in cls.model_fields:
@@ -35,7 +35,7 @@ class StrictModel(BaseModel):
 
 
 def caller_error(where: str, error: ValidationError) -> CallerError:
-    """Return the first complaint of ``error`` as one line that starts with ``where``."""
+    """Return the first of the errors in ``error`` as one line that starts with ``where``."""
     first = error.errors(include_url=False)[0]
     place = ".".join(str(part) for part in first["loc"])
     message = first["msg"].removeprefix("Value error, ")

@@ -1,4 +1,4 @@
-"""What keeps a heated wire safe: one table of states, signals and events, and the functions that follow it."""
+"""Protection of a heated wire: one table of states, signals and events, and the functions that follow it."""
 
 from musclewire.controllers.protection.protect import (
     ProtectionState,

@@ -1,8 +1,8 @@
 """The protection's arithmetic: state in, state out, the same steps as the C library and the firmware.
 
 Which state follows which is in the table (``data/protection.toml``) and nowhere else: ``after`` is the only function
-that changes the state. The others say which signal something is. No function has a clock: the time that a reading
-stands for is an argument. Whoever owns the output asks ``allowed_drive_v`` before every change. All voltages in volts,
+that changes the state. The others decide which signal applies. No function has a clock: the time that a reading
+covers is an argument. The owner of the output calls ``allowed_drive_v`` before every change. All voltages in volts,
 times in seconds.
 """
 
@@ -47,11 +47,11 @@ DRIVEN_FRACTION = 0.5
 STUCK_FRACTION = 0.1
 # Less than this fraction of the drive at wire and shunt: the supply is missing, not merely sagging.
 SUPPLY_FRACTION = 0.5
-# A resistance below this fraction of the window's lower end is a bridge, not another wire.
+# A resistance below this fraction of the window's lower end is a short circuit, not another wire.
 SHORT_FRACTION = 0.5
 # The drive must move by this fraction of the maximum voltage before an unmoved channel without noise counts as frozen.
 MOVED_FRACTION = 0.05
-# So many equal readings in a row, and for so long [s]: chance repeats a number once or twice.
+# Number of equal readings in a row, and their duration [s]: by chance a number repeats only once or twice.
 FROZEN_READINGS = 8.0
 FROZEN_S = 0.3
 # A commanded maximum may have been rounded on its way.
@@ -63,7 +63,7 @@ Each = TypeVar("Each")
 
 
 class Conditions(NamedTuple, Generic[Each]):
-    """Something for each event that is seen in a reading and must last, in the order in which they are judged.
+    """One item for each event that is seen in a reading and must last, in the order of evaluation.
 
     The names are those of the events. This is their only list: whether each is seen, how long it has been seen, its
     event, and the order in the C library all follow from it.
@@ -87,7 +87,7 @@ NOTHING_LASTS: Conditions[float] = Conditions(*(0.0 for _ in Conditions._fields)
 
 
 class ProtectionState(NamedTuple):
-    """All the protection remembers.
+    """The state of the protection.
 
     ``lasting_s`` is how long each condition has been seen; ``missing_s`` how long a reading or command has been
     missing; ``settled_ohm`` the last resistance that was no jump, 0 for none; ``wire_repeats`` and ``shunt_repeats``
@@ -117,7 +117,7 @@ def after(
     event: Event = Event.NONE,
     missing_s: float = 0.0,
 ) -> ProtectionState:
-    """Return the state after a signal: what the table names for it, with its effect.
+    """Return the state after a signal: as the table defines it, with its effect.
 
     A signal may carry a drive voltage (the commanded one; the sense voltage when arming or resting), the event that is
     its cause, and how long something has been missing.
@@ -172,15 +172,15 @@ def tripped_by(state: ProtectionState, event: Event) -> ProtectionState:
 
 
 def closed(state: ProtectionState) -> ProtectionState:
-    """Return the state after the rig has let go of its output for good; what has tripped keeps saying why."""
+    """Return the state after the rig has closed its output; a trip keeps its cause."""
     return after(state, Signal.CLOSE, protection_table())
 
 
 def rested(state: ProtectionState, limits: ProtectionLimits) -> ProtectionState:
     """Return the state after a pause at the sense voltage or less, in which no reading was taken.
 
-    What was held before the pause is not put out again after it, and a wire that has cooled meanwhile has not jumped.
-    What was missing stays missing until a reading is back; the temperature is kept, which errs on the hot side.
+    A drive held before the pause is not applied again after it, and the resistance of a wire that has cooled meanwhile
+    is no jump. Missing readings stay missing until one arrives; the temperature is kept, which is on the safe side.
     """
     return after(state, Signal.REST, protection_table(), drive_voltage_v=limits.sense_voltage_v)
 
@@ -200,8 +200,8 @@ def protect_command(
 
 
 def allowed_drive_v(state: ProtectionState, limits: ProtectionLimits) -> float:
-    """Return the only drive voltage that may be out in this state."""
-    drive = protection_table().drives[state.state]
+    """Return the only drive voltage that may be applied in this state."""
+    drive = protection_table().output_drives[state.state]
     if drive is Drive.COMMANDED:
         return state.drive_voltage_v
     return limits.sense_voltage_v if drive is Drive.SENSE else 0.0
@@ -241,7 +241,7 @@ def protect_reading(
 ) -> ProtectionState:
     """Return the state after one reading that stands for ``dt_s`` seconds at ``drive_voltage_v``."""
     rules = table or protection_table()
-    if rules.drives[state.state] is Drive.NONE:
+    if rules.output_drives[state.state] is Drive.NONE:
         return state
     missing = missing_event(limits, drive_voltage_v, wire_voltage_v, shunt_voltage_v)
     if missing is not Event.NONE:
@@ -267,7 +267,7 @@ def judged(state: ProtectionState, seen: Conditions[bool], dt_s: float, table: P
 def missing_event(
     limits: ProtectionLimits, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float
 ) -> Event:
-    """Return why a reading is none: not finite, a drive that does not arrive, a wire without current; else none."""
+    """Return why a reading is missing: not finite, no supply, or no current in the wire; none otherwise."""
     if not (isfinite(wire_voltage_v) and isfinite(shunt_voltage_v)):
         return Event.READING_NOT_FINITE
     if drive_voltage_v < DRIVEN_FRACTION * limits.sense_voltage_v:
@@ -300,7 +300,7 @@ def conditions(
     shunt_voltage_v: float,
     dt_s: float,
 ) -> tuple[Conditions[bool], ProtectionState]:
-    """Return which conditions hold for a reading (``HEALTHY`` if none does), and the state with what it has shown."""
+    """Return which conditions hold for a reading (``HEALTHY`` if none does), and the updated state."""
     measured, resistance = measured_resistance(limits, drive_voltage_v, wire_voltage_v, shunt_voltage_v)
     outside = not limits.resistance_low_ohm <= resistance <= limits.resistance_high_ohm
     settled = state.settled_ohm
@@ -317,7 +317,7 @@ def conditions(
     stuck = wire_voltage_v + shunt_voltage_v > drive_voltage_v + STUCK_FRACTION * limits.maximum_voltage_v
     frozen = measured and is_frozen(state, limits, drive_voltage_v, dt_s)
     hot = state.temperature_k > limits.maximum_temperature_k
-    # The record costs as much as all of the above: it is built only where something is wrong.
+    # The record costs as much as all of the above: it is built only if a condition holds.
     if not (saturated or reversed_ or short or current or power or stuck or jumped or outside or frozen or hot):
         return HEALTHY, state
     seen = Conditions(
@@ -340,7 +340,7 @@ def measured_resistance(
 ) -> tuple[bool, float]:
     """Return whether a reading has a resistance, and the resistance [ohm].
 
-    A reading without current has none: one inside the window stands for "not wrong".
+    A reading without current has none: a value inside the window then means "no fault".
     """
     minimum_v = limits.minimum_current_a * limits.shunt_resistance_ohm
     if not (drive_voltage_v >= DRIVEN_FRACTION * limits.sense_voltage_v and abs(shunt_voltage_v) >= minimum_v):
@@ -357,7 +357,7 @@ def with_reading(
     dt_s: float,
     settled_ohm: float,
 ) -> ProtectionState:
-    """Return the state with what a reading has shown: the temperature by its power, and what repeats."""
+    """Return the state updated by a reading: the temperature from its power, and repeated values."""
     power_w = wire_voltage_v * (shunt_voltage_v / limits.shunt_resistance_ohm)
     wire_repeats = state.wire_repeats + 1.0 if wire_voltage_v == state.wire_voltage_v else 0.0
     shunt_repeats = state.shunt_repeats + 1.0 if shunt_voltage_v == state.shunt_voltage_v else 0.0

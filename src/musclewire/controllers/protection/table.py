@@ -41,14 +41,14 @@ class ProtectionLimits(NamedTuple):
         minimum_current_a: below this a driven wire counts as open.
         maximum_current_a: above this is over-current.
         maximum_power_w: above this is over-power.
-        resistance_low_ohm: least resistance this wire can have, whatever its state.
-        resistance_high_ohm: most resistance it can have.
+        resistance_low_ohm: minimum resistance of this wire in any state.
+        resistance_high_ohm: its maximum resistance.
         jump_share: change of resistance from one reading to the next, as a fraction of it, that no heating explains.
         wire_range_v: end of the range of the channel at the wire.
         shunt_range_v: end of the range of the channel at the shunt.
         readings_noisy: whether noise moves every reading, so that equal numbers in a row mean a frozen channel; 1 or 0.
         heat_capacity_j_per_k: m c of the wire.
-        heat_loss_w_per_k: G, what the wire gives to the air.
+        heat_loss_w_per_k: G, heat loss of the wire to the air per kelvin.
         ambient_temperature_k: temperature of the air.
         maximum_temperature_k: highest estimated temperature allowed.
     """
@@ -71,7 +71,7 @@ class ProtectionLimits(NamedTuple):
     maximum_temperature_k: float
 
     def checked(self) -> ProtectionLimits:
-        """Return the limits themselves. Raises CallerError where they cannot belong to a wire."""
+        """Return the limits themselves. Raises CallerError if they cannot belong to a wire."""
         for name, value in self._asdict().items():
             may_be_infinite = name.startswith("maximum_") and name != "maximum_voltage_v"
             if not (value > 0.0 or name == "readings_noisy") or (not isfinite(value) and not may_be_infinite):
@@ -126,7 +126,7 @@ class Signal(IntEnum):
 
 
 class Effect(IntEnum):
-    """What a transition does beside the change of state; the numbers are those of the table."""
+    """What a transition does in addition to the change of state; the numbers are those of the table."""
 
     NOTHING = 0
     ARM = 1
@@ -281,7 +281,7 @@ class ProtectionTable(BaseModel):
         )
 
     @cached_property
-    def drives(self) -> tuple[Drive, ...]:
+    def output_drives(self) -> tuple[Drive, ...]:
         """Which drive may be out in each state, by the state's number."""
         return tuple(Drive[row.drive.upper()] for row in sorted(self.state, key=lambda row: row.number))
 
@@ -306,7 +306,7 @@ def _transition(then: Then) -> Transition:
 
 
 def _require_same(rows: Sequence[Row], kind: type[IntEnum], without: tuple[str, ...] = ()) -> None:
-    """Raise ValueError where names and numbers of some rows are not those of an enumeration, each once."""
+    """Raise ValueError unless names and numbers of the rows are those of an enumeration, each once."""
     found = sorted((row.name.upper(), row.number) for row in rows)
     if found != sorted((item.name, item.value) for item in kind if item.name not in without):
         raise ValueError(f"the table's {kind.__name__.lower()}s are not those of the code")

@@ -207,7 +207,9 @@ def _machine() -> list[Constant]:
         _integer("EFFECT_WEIGHT", EFFECT_WEIGHT, "a transition is its effect times this, plus the state that follows"),
         Constant("TRANSITIONS", transitions, "integer", table=True, meaning="by state, then by signal"),
         *(_integer(f"OUT_{drive.name}", drive.value) for drive in Drive),
-        Constant("OUT", tuple(float(drive) for drive in table.drives), "integer", table=True, meaning="by state"),
+        Constant(
+            "OUT", tuple(float(drive) for drive in table.output_drives), "integer", table=True, meaning="by state"
+        ),
     ]
 
 
