@@ -48,7 +48,7 @@ LIMITS = ProtectionLimits(
 )
 SOUND = (32.0 / 17.0, 2.0 / 17.0)
 TABLE = protection_table()
-OFF = tuple(state for state in State if TABLE.drives[state] is Drive.NONE)
+OFF = tuple(state for state in State if TABLE.output_drives[state] is Drive.NONE)
 ON = tuple(state for state in State if state not in OFF)
 
 # How each state comes about by the public functions alone.
@@ -135,7 +135,7 @@ def test_what_is_missing_never_puts_out_more_than_before() -> None:
     for state in State:
         for signal in (Signal.MISSING, Signal.MISSING_LONG, Signal.MISSING_TOO_LONG, Signal.REST):
             following = TABLE.transitions[state][signal].state
-            assert more[TABLE.drives[following]] <= more[TABLE.drives[state]]
+            assert more[TABLE.output_drives[following]] <= more[TABLE.output_drives[state]]
 
 
 def test_armed_and_degraded_both_put_out_the_sense_voltage_and_only_one_follows_a_command() -> None:
