@@ -22,6 +22,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # for emulation/, which is not installed
+
 from emulation.exported_library.cost import emulated, library_figures, linked
 from emulation.exported_library.on_this_machine import (
     MAX_DIFFERENCE,
