@@ -17,7 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from musclewire.controllers import FuzzyPidSettings, sampled_reference, staircase
+    from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, sampled_reference, staircase
     from musclewire.errors import MusclewireError
     from musclewire.experiment.closed_loop import control
     from musclewire.experiment.open_loop import characterize
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
     from musclewire.identify import estimate, fit
     from musclewire.identify.physical.calibrate import calibrate
     from musclewire.rigs.configuration import open_rig
-    from musclewire.sensing import SensingModel, load_model
+    from musclewire.rigs.kinds import DEVICES
+    from musclewire.rigs.load_kinds import LOAD_PARTS
+    from musclewire.sensing import ESTIMATORS, SensingModel, load_model
     from musclewire.signals import Recording, read_recording
 
 __all__ = [
@@ -48,6 +50,10 @@ __all__ = [
     "Recording",
     "SensingModel",
     "FuzzyPidSettings",
+    "ESTIMATORS",
+    "CONTROLLERS",
+    "DEVICES",
+    "LOAD_PARTS",
     "MusclewireError",
 ]
 
@@ -71,6 +77,8 @@ _HOMES = {
     "FuzzyPidSettings": "musclewire.controllers",
     "CONTROLLERS": "musclewire.controllers",
     "ESTIMATORS": "musclewire.sensing",
+    "DEVICES": "musclewire.rigs.kinds",
+    "LOAD_PARTS": "musclewire.rigs.load_kinds",
     "MusclewireError": "musclewire.errors",
 }
 

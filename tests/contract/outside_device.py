@@ -9,7 +9,7 @@ from typing import Literal
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.kinds import DeviceConfiguration, DeviceKind, device_kinds
+from musclewire.rigs.kinds import DEVICES, DeviceConfiguration, DeviceKind
 from musclewire.rigs.mounted_wire import MountedWire
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
@@ -89,7 +89,7 @@ class FirstOrderDevice:
 
 
 # All that a package does to add its kind. An entry point of the group "musclewire.devices" does it without a call.
-device_kinds.register("first order", DeviceKind(FirstOrderConfiguration, FirstOrderDevice))
+DEVICES.register("first order", DeviceKind(FirstOrderConfiguration, FirstOrderDevice))
 
 
 def opened_by_its_rig_file(folder: Path) -> GuardedRig:

@@ -13,7 +13,7 @@ from musclewire.parameters import load_bench, load_wire, names
 from musclewire.parameters.finger_file import finger_names
 from musclewire.rigs.air import Surroundings
 from musclewire.rigs.configuration import RigConfiguration, rig_names
-from musclewire.rigs.load_kinds import load_parts
+from musclewire.rigs.load_kinds import LOAD_PARTS
 from musclewire.sensing.model_file import ModelFile
 from musclewire.signals.columns import COLUMNS
 
@@ -67,15 +67,15 @@ def test_every_key_of_every_part_of_a_load_is_listed_with_its_default() -> None:
     }
     assert listed == {
         (name, key): shown[field.default]
-        for name in load_parts.names()
-        for key, field in load_parts.find(name).model_fields.items()
+        for name in LOAD_PARTS.names()
+        for key, field in LOAD_PARTS.find(name).model_fields.items()
         if key != "part"
     }
 
 
 def test_the_units_of_the_parts_are_those_they_are_read_in() -> None:
     """One of the printed unit is one in SI; a key without a unit is a name."""
-    kinds = {name: load_parts.find(name) for name in load_parts.names()}
+    kinds = {name: LOAD_PARTS.find(name) for name in LOAD_PARTS.names()}
     for row in rows_with("Part key"):
         key, kind = code_words(row["Part key"])[0], kinds[code_words(row["Part"])[0]]
         given = {name: 1.0 for name, field in kind.model_fields.items() if field.is_required()}

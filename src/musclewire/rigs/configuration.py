@@ -9,7 +9,7 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.kinds import DeviceConfiguration, device_kinds
+from musclewire.rigs.kinds import DEVICES, DeviceConfiguration
 from musclewire.rigs.simulated_configuration import RigConfiguration
 
 __all__ = [
@@ -31,7 +31,7 @@ def read_rig_file(path: str | Path) -> DeviceConfiguration:
     data = read_toml(file, "rig file", "; use the word 'simulated' for the simulated rig")
     kind = str(data.get("kind", SIMULATED))
     try:
-        known = device_kinds.find(kind)
+        known = DEVICES.find(kind)
     except CallerError as error:
         raise CallerError(f"rig file {file}: {error}") from None
     configuration: DeviceConfiguration = validated(known.configuration, data, f"rig file {file}")
@@ -133,7 +133,7 @@ def open_rig(
     for name, value in changed.items():
         if value is not None:
             raise CallerError(f"{where}: '{name}' changes a simulated rig; on a real one, change the rig file")
-    opened = GuardedRig(device_kinds.find(configuration.kind).open(configuration))
+    opened = GuardedRig(DEVICES.find(configuration.kind).open(configuration))
     if real_time and not opened.paced:
         opened.close()
         raise CallerError(f"{where} has no clock: leave out --real-time (real_time)")

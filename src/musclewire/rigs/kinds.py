@@ -14,7 +14,7 @@ from musclewire.parameters.wire_file import is_wire_file
 from musclewire.registry import Registry
 from musclewire.rigs.device import Device
 
-__all__ = ["DeviceConfiguration", "DeviceKind", "device_kinds"]
+__all__ = ["DeviceConfiguration", "DeviceKind", "DEVICES"]
 
 
 class DeviceConfiguration(BaseModel):
@@ -23,7 +23,7 @@ class DeviceConfiguration(BaseModel):
     Parameters
     ----------
     kind
-        Name of the device's kind in ``device_kinds``.
+        Name of the device's kind in ``DEVICES``.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -89,7 +89,7 @@ class DeviceKind(Generic[Settings]):
 
 
 # A kind is loaded only when a rig file names it.
-device_kinds: Registry[DeviceKind[Any]] = Registry(
+DEVICES: Registry[DeviceKind[Any]] = Registry(
     "kind of rig",
     "musclewire.devices",
     {

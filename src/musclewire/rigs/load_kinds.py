@@ -10,9 +10,9 @@ from musclewire.parameters.tagged_tables import TaggedTable
 from musclewire.registry import Registry
 from musclewire.rigs.load_part import LoadPart
 
-__all__ = ["Part", "Parts", "load_parts"]
+__all__ = ["Part", "Parts", "LOAD_PARTS"]
 
-load_parts: Registry[type[LoadPart]] = Registry(
+LOAD_PARTS: Registry[type[LoadPart]] = Registry(
     "part of a load",
     "musclewire.load_parts",
     {
@@ -28,7 +28,7 @@ load_parts: Registry[type[LoadPart]] = Registry(
     },
 )
 
-Part = Annotated[LoadPart, TaggedTable(load_parts, "part")]
+Part = Annotated[LoadPart, TaggedTable(LOAD_PARTS, "part")]
 
 
 class Parts(BaseModel):

@@ -14,7 +14,7 @@ import pytest
 from musclewire import registry
 from musclewire.errors import CallerError
 from musclewire.rigs.configuration import open_rig, read_rig_file
-from musclewire.rigs.load_kinds import load_parts
+from musclewire.rigs.load_kinds import LOAD_PARTS
 from musclewire.rigs.load_part import FloatArray, Length, LoadPart, Stiffness
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.exchange import Drive
@@ -44,8 +44,8 @@ class RubberBand(LoadPart):
 
 @pytest.fixture
 def _registered(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(load_parts, "_registered", {})
-    load_parts.register("rubber band", RubberBand)
+    monkeypatch.setattr(LOAD_PARTS, "_registered", {})
+    LOAD_PARTS.register("rubber band", RubberBand)
 
 
 @pytest.fixture
@@ -106,12 +106,12 @@ def test_without_registration_it_is_unknown_and_our_names_cannot_be_taken(tmp_pa
     with pytest.raises(CallerError, match="there is no part 'rubber band'"):
         read_rig_file(rig_file(tmp_path, RUBBER))
     with pytest.raises(CallerError, match="already a part of a load named 'spring'"):
-        load_parts.register("spring", RubberBand)
+        LOAD_PARTS.register("spring", RubberBand)
 
 
-@pytest.mark.parametrize("name", load_parts.names())
+@pytest.mark.parametrize("name", LOAD_PARTS.names())
 def test_every_part_of_ours_says_what_it_adds_in_one_class(name: str) -> None:
-    kind = load_parts.find(name)
+    kind = LOAD_PARTS.find(name)
     assert issubclass(kind, LoadPart)
     given = {"part": name, "stiffness": 100.0, "finger": "lan-fan-2010", "force": 0.1, "clearance": 1e-3}
     part = kind.model_validate({key: value for key, value in given.items() if key in kind.model_fields})
