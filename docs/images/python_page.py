@@ -80,7 +80,7 @@ def arguments(item: Any) -> str:
 
 
 def first_line(item: ModuleType | Any) -> str:
-    """Return the summary of a docstring, in Markdown; of a registry the names in it."""
+    """Return the summary of a docstring, in Markdown; of a registry our own kinds, not those a test has added."""
     if isinstance(item, Registry):
-        return f"Known by name: {', '.join(f'`{name}`' for name in item.names())}; `register` adds one."
+        return f"Known by name: {', '.join(f'`{name}`' for name in item.own_names())}; `register` adds one."
     return " ".join((inspect.getdoc(item) or "").split("\n\n")[0].split()).replace("``", "`")

@@ -59,6 +59,10 @@ class Registry(Generic[Kind]):
             raise CallerError(f"there is already {self.article()} {self.what} named '{name}': give yours another name")
         self._registered[name] = kind
 
+    def own_names(self) -> tuple[str, ...]:
+        """Return the names of musclewire's own kinds."""
+        return tuple(self._places)
+
     def names(self) -> tuple[str, ...]:
         """Return all known names: our own first, then registered ones, then those of entry points."""
         return tuple(dict.fromkeys([*self._places, *self._registered, *self._offered()]))

@@ -22,7 +22,7 @@ from musclewire.controllers.protection import Event
 from musclewire.errors import MissingExtraError, RigError
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs.nidaq import rig as rig_module
+from musclewire.rigs.nidaq import device as device_module
 
 NAMES = ("ni-pci-6229", "ni-usb-6001")
 
@@ -100,7 +100,7 @@ def test_a_driven_wire_goes_off_when_the_samples_come_too_late() -> None:
 
 @pytest.mark.emulated
 def test_readings_that_were_overwritten_are_a_stalled_host(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rig_module, "BUFFER_S", 0.2)
+    monkeypatch.setattr(device_module, "BUFFER_S", 0.2)
     with at_seam("ni-usb-6001", paced=True) as rig:
         rig.exchange(rig.sense_voltage_v)
         time.sleep(0.5)
