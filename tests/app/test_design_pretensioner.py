@@ -52,7 +52,7 @@ def the_page_says_so(found: dict[str, Any]) -> None:
         f"pitch {1e3 * geometry['pitch_m']:.2f} mm, {1e3 * geometry['thickness_m']:.2f} mm thick",
         f"{found['stiffness_n_per_m']:.1f} N/m",
         f"{found['stiffness_guided_n_per_m']:.1f} N/m",
-        f"{1e3 * found['travel_m']:.2f} mm in all and {1e-6 * found['stress_max_pa']:.1f} MPa",
+        f"{1e3 * found['travel_m']:.2f} mm in total and {1e-6 * found['stress_max_pa']:.1f} MPa",
         f"{1e3 * found['safe_travel_m']:.2f} mm",
         f"{100 * found['finger_share']:.0f} % of the contraction force",
     ):

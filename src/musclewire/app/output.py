@@ -75,7 +75,7 @@ def progress_bar(task: str, total_s: float, quiet: bool = False) -> Iterator[Adv
 
 @contextmanager
 def step_bar(unit: str, quiet: bool = False) -> Iterator[OnStage]:
-    """Show a bar over the steps of a search; yields what takes stage, steps done, steps in all and best cost so far.
+    """Show a bar over the steps of a search; yields what takes stage, steps done, total steps and best cost so far.
 
     On a pipe each step is a line. Nothing is shown where ``quiet``.
     """
