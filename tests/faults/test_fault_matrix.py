@@ -19,7 +19,8 @@ from tests.faults.table import FaultRow, fault_matrix
 from musclewire.errors import RigError
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.guarded import ProtectionTripError
-from musclewire.rigs.serial import device, frames
+from musclewire.rigs.serial import board as board_module
+from musclewire.rigs.serial import frames
 from musclewire.signals import read_recording
 
 MATRIX = fault_matrix()
@@ -174,7 +175,7 @@ def test_another_version_of_the_protocol_is_refused_before_anything_is_driven(
     since = time.monotonic()
     with monkeypatch.context() as other:
         other.setattr(frames, "PROTOCOL_VERSION", 2)
-        other.setattr(device, "PROTOCOL_VERSION", 2)
+        other.setattr(board_module, "PROTOCOL_VERSION", 2)
         with pytest.raises(RigError, match=r"version|no answer"):
             open_rig(mounted(board.port_url, row, CLOCK_PATIENCE_S))
     assert judged_s(board, since, row) == 0.0
