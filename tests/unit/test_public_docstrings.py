@@ -148,6 +148,8 @@ def test_a_name_after_its_file_is_found_and_a_field_leads_to_its_class() -> None
         "musclewire.parameters.parameter_groups.Alloy"
     )
     assert resolved("wire.state:WireState.grains") is resolved("musclewire.wire.state.WireState")
+    assert resolved("parameters.parameter_groups:Alloy.r_phase_strain") is not None
+    assert resolved("wire.state:WireState.grains") is not None
     assert resolved("sensing.model:Nothing") is None
 
 
