@@ -47,7 +47,7 @@ def rig_that_waits_for_its_thread(done: list[int]) -> PacedRig:
         requested = 0 if samples < 4 else (samples - 4) // 10 + 1
         wait_for(lambda: len(done) >= requested)
         if samples % 10 == 8:  # the next sample is one at which a correction is due
-            time.sleep(0.03)
+            time.sleep(0.2)
 
     return PacedRig(on_exchange=wait)
 
