@@ -157,7 +157,8 @@ def loop_json(recording: Recording) -> dict[str, Any]:
         # The recording is sound and kept; it only shows no loop, which is worth knowing now.
         return {**dict.fromkeys(keys), "problem": str(error)}
     fractions = (gaps.strain_gap, gaps.displacement_gap, gaps.force_gap, gaps.segments.strain_max)
-    return {key: None if one is None else 100 * one for key, one in zip(keys, fractions, strict=True)}
+    found = {key: None if one is None else 100 * one for key, one in zip(keys, fractions, strict=True)}
+    return {**found, "no_force_gap": gaps.no_force_gap} if gaps.no_force_gap else found
 
 
 def loop_text(answer: Mapping[str, Any]) -> str:
@@ -167,7 +168,8 @@ def loop_text(answer: Mapping[str, Any]) -> str:
         gaps.pop()
     gaps.append(("force", answer["force_gap_pct"]))
     said = (f"{name} gap {gap:.3f} %" for name, gap in gaps if gap is not None)
-    return ", ".join([*said, f"stroke {answer['stroke_pct']:.2f} %"])
+    why = [f"no force gap: {answer['no_force_gap']}"] if "no_force_gap" in answer else []
+    return "\n".join([", ".join([*said, f"stroke {answer['stroke_pct']:.2f} %"]), *why])
 
 
 def pretension(
@@ -219,7 +221,7 @@ SWEEP_KEYS = ("pretension_n", "strain_gap_pct", "force_gap_pct", "displacement_g
 def sweep_json(sweep: PretensionSweep) -> dict[str, Any]:
     """Return a sweep of the pretension under the keys of the interface."""
     return {
-        "rows": [{key: getattr(row, key) for key in SWEEP_KEYS} for row in sweep.rows],
+        "rows": [{key: getattr(row, key) for key in (*SWEEP_KEYS, "no_force_gap")} for row in sweep.rows],
         "best_pretension_n": sweep.best.pretension_n,
         "failures": list(sweep.failures),
     }
@@ -232,7 +234,8 @@ def sweep_text(sweep: PretensionSweep, quantity: str) -> str:
         gaps = {name: row.gap_pct(name) for name in dict.fromkeys((quantity, "strain", "force"))}
         shown = (f"{name} gap {'-' if gap is None else format(gap, '6.3f')} %" for name, gap in gaps.items())
         lines.append(f"{row.pretension_n:6.2f} N   {'   '.join(shown)}")
-    return "\n".join([*lines, f"best: {sweep.best.pretension_n:.2f} N"])
+    why = [f"no force gap: {reason}" for reason in dict.fromkeys(row.no_force_gap for row in sweep.rows) if reason]
+    return "\n".join([*lines, *why, f"best: {sweep.best.pretension_n:.2f} N"])
 
 
 def train(

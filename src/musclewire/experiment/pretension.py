@@ -44,13 +44,15 @@ class PretensionRow:
     strain_gap_pct
         Gap of strain, of its largest value [%] (Eq. 2).
     force_gap_pct
-        Gap of force [%]; None without a load cell.
+        Gap of force [%]; None without a load cell or without a spring.
     displacement_gap_pct
         Gap of displacement [%] (Eq. 9); None without its instrument.
     stroke_pct
         Strain from cold to hot [%].
     recording
         The loop.
+    no_force_gap
+        Why there is no gap of force; "" if there is one.
     """
 
     pretension_n: float
@@ -59,9 +61,10 @@ class PretensionRow:
     displacement_gap_pct: float | None
     stroke_pct: float
     recording: Recording
+    no_force_gap: str = ""
 
     def gap_pct(self, quantity: str) -> float | None:
-        """Return the gap of strain, force or displacement; None if the recording lacks the instrument."""
+        """Return the gap of strain, force or displacement; None if there is none in the recording."""
         gaps = {
             "strain": self.strain_gap_pct,
             "force": self.force_gap_pct,
@@ -244,6 +247,8 @@ def check_rows(rows: Sequence[PretensionRow], failures: Sequence[str], quantity:
     if not rows:
         raise RecordingError(f"no pretension gave a usable loop; the last: {failures[-1] if failures else 'none'}")
     if all(row.gap_pct(quantity) is None for row in rows):
+        if quantity == "force" and rows[0].no_force_gap:
+            raise RecordingError(f"there is no gap of force, {rows[0].no_force_gap}: sweep for another quantity")
         raise RecordingError(f"this rig has no instrument for {quantity}: sweep for another quantity")
 
 
@@ -256,4 +261,5 @@ def row_of(pretension_n: float, gaps: LoopGaps, recording: Recording) -> Pretens
         displacement_gap_pct=None if gaps.displacement_gap is None else 100.0 * gaps.displacement_gap,
         stroke_pct=100.0 * gaps.segments.strain_max,
         recording=recording,
+        no_force_gap=gaps.no_force_gap,
     )

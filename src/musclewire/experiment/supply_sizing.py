@@ -31,6 +31,7 @@ from musclewire.identify.electrical_sizing import (
 from musclewire.parameters.catalogue import CatalogueRow, catalogue_names, catalogue_row, class_of
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.parameters.parameter_groups import Bench, Wire
+from musclewire.parameters.seeds import require_seed
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.mounted_wire import LimitsTable
 from musclewire.rigs.simulated_configuration import with_settings
@@ -200,6 +201,7 @@ def section_m2(wire: Wire) -> float:
 
 def require_plausible(request: SupplyRequest) -> None:
     """Raise CallerError for impossible numbers."""
+    require_seed(request.seed)
     if request.load_n is not None and request.stress_pa is not None:
         raise CallerError("give the load or the stress, not both: one follows from the other")
     positive = {"length": request.length_m, "shunt": request.shunt_ohm, "supply": request.supply_v,

@@ -4,13 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify.recordings import reference_quantity, required_quantity, resistance_reading, without_loop
 from musclewire.sensing.gaps import hysteresis_gap
 from musclewire.sensing.segments import LoopSegments, find_segments
+from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 
 __all__ = ["LoopGaps", "loop_gaps"]
+
+# A force rises with the contraction if it rises by more than this many standard deviations of the load cell's noise,
+NOISES = 4.0
+# and by more than this part of the difference between the branches: under a weight a rubbing guide makes a loop, too.
+MIN_SLOPE = 0.1
+# seen on so much of the motion to either side of its middle.
+INNER = 0.3
 
 
 @dataclass(frozen=True)
@@ -24,15 +35,19 @@ class LoopGaps:
     strain_gap
         Gap of strain.
     force_gap
-        Gap of force; None if the recording has no load cell.
+        Gap of force; None if the recording has no load cell, or the load no spring: then the contraction force is that
+        of friction and noise, and there is nothing to compare the gap with.
     displacement_gap
         Gap of displacement; None if the recording has no displacement.
+    no_force_gap
+        Why there is no gap of force; "" if there is one.
     """
 
     segments: LoopSegments
     strain_gap: float
     force_gap: float | None
     displacement_gap: float | None
+    no_force_gap: str = ""
 
 
 def loop_gaps(recording: Recording, *, cycle: int | str = "last") -> LoopGaps:
@@ -47,7 +62,8 @@ def loop_gaps(recording: Recording, *, cycle: int | str = "last") -> LoopGaps:
 
     Returns
     -------
-    The gaps as fractions, None for a quantity without its instrument.
+    The gaps as fractions, None for a quantity without its instrument and for a force that does not rise with the
+    contraction.
 
     Raises
     ------
@@ -75,9 +91,27 @@ def loop_gaps(recording: Recording, *, cycle: int | str = "last") -> LoopGaps:
         branches = [(resistance[part][valid[part]], values[part][valid[part]]) for part in (heating, cooling)]
         return hysteresis_gap(branches[0], branches[1])
 
+    force = reference_quantity(recording, "force")
+    no_force_gap = "no load cell" if force is None else force_is_level(force, strain, heating, cooling)
     return LoopGaps(
         segments=segments,
         strain_gap=hysteresis_gap(segments.heating, segments.cooling),
-        force_gap=gap_of("force"),
+        force_gap=None if no_force_gap else gap_of("force"),
         displacement_gap=gap_of("displacement"),
+        no_force_gap=no_force_gap,
     )
+
+
+def force_is_level(force: FloatArray, strain: FloatArray, heating: slice, cooling: slice) -> str:
+    """Return in words that a force does not rise with the contraction, as without a spring; "" if it does."""
+    strains, forces = (np.concatenate([column[heating], column[cooling]]) for column in (strain, force))
+    on_cooling = np.arange(strains.size) >= heating.stop - heating.start
+    # Near the turns of the motion friction turns, too, which looks like a spring.
+    inner = np.abs(strains - 0.5 * (strains.max() + strains.min())) <= INNER * np.ptp(strains)
+    # One line for each branch, of the same slope: their distance is what friction of the guide adds to the loop.
+    lines = np.column_stack([np.ones(strains.size), strains, on_cooling])[inner]
+    slope, between_n = np.linalg.lstsq(lines, forces[inner], rcond=None)[0][1:]
+    rise_n = float(slope * np.ptp(strains))
+    if rise_n > max(NOISES * noise_level(force), MIN_SLOPE * abs(float(between_n))):
+        return ""
+    return f"the force does not rise with the contraction ({rise_n:+.3f} N over the loop), as under a weight"

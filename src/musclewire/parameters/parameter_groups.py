@@ -6,14 +6,21 @@ error, and so is an unknown key: a typo must not become a silent default.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from math import ceil, floor
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
-__all__ = ["Alloy", "Kind", "Parameter", "ParameterGroup", "Bench", "Wire", "checked"]
+from musclewire.errors import nearest_hint
+
+__all__ = ["Alloy", "Kind", "Parameter", "ParameterGroup", "Bench", "Wire", "checked", "key_hint"]
 
 Kind = Literal["measured", "datasheet", "fitted", "derived", "assumed"]
+
+# Keys that files of earlier versions have, and what became of them.
+REMOVED = {"grains": "the transformation temperatures are distributed continuously now, so delete this key"}
 
 
 class Parameter(BaseModel):
@@ -42,7 +49,7 @@ class Parameter(BaseModel):
     note: str = ""
 
 
-Range = Literal["positive", "not negative", "any"]
+Range = Literal["positive", "not negative", "any", "whole"]
 
 
 def parameter(unit: str, description: str, allowed: Range = "positive") -> Any:
@@ -59,6 +66,14 @@ def checked(key: str, item: Parameter, field: FieldInfo) -> None:
         raise ValueError(f"{key} is {item.value:g} {item.unit}, it must be above 0")
     if declared["allowed"] == "not negative" and item.value < 0.0:
         raise ValueError(f"{key} is {item.value:g} {item.unit}, it must be 0 or more")
+    if declared["allowed"] == "whole" and (item.value < 1.0 or item.value % 1.0):
+        near = " or ".join(f"{number:g}" for number in whole_numbers_near(item.value))
+        raise ValueError(f"{key} is {item.value:g}, it must be a whole number of 1 or more, as {near}")
+
+
+def whole_numbers_near(value: float) -> list[int]:
+    """Return the whole numbers of 1 or more around a value."""
+    return sorted({max(floor(value), 1), max(ceil(value), 1)})
 
 
 class ParameterGroup(BaseModel):
@@ -83,6 +98,11 @@ class ParameterGroup(BaseModel):
         """Return all parameters in the order of the schema."""
         pairs = ((key, getattr(self, key)) for key in type(self).model_fields)
         return [(key, item) for key, item in pairs if isinstance(item, Parameter)]
+
+
+def key_hint(key: str, known: Iterable[str]) -> str:
+    """Return the end of a message about an unknown key: what became of it, else the nearest key, else all keys."""
+    return f"; {REMOVED[key]}" if key in REMOVED else nearest_hint(key, known)
 
 
 class Alloy(ParameterGroup):
@@ -156,7 +176,7 @@ class Bench(ParameterGroup):
     """The test bench around a wire: mechanics, circuit, acquisition, reference instruments."""
 
     wire_length_m: Parameter = parameter("m", "overall length of the V-shaped wire")
-    legs: Parameter = parameter("1", "wires in parallel that share the force: 2 for a V")
+    legs: Parameter = parameter("1", "wires in parallel that share the force: 2 for a V", "whole")
     spring_stiffness_n_per_m: Parameter = parameter("N/m", "bias spring", "not negative")
     pretension_n: Parameter = parameter("N", "F_p, both legs together, set by the linear stage", "not negative")
     guide_friction_n: Parameter = parameter("N", "Coulomb friction of the guide", "not negative")
@@ -166,9 +186,9 @@ class Bench(ParameterGroup):
     lead_resistance_ohm: Parameter = parameter("ohm", "leads and clamps outside the measured voltages", "not negative")
     amplifier_resolution_v: Parameter = parameter("V", "step of the output converter behind the buffer amplifier")
     acquisition_range_v: Parameter = parameter("V", "half of the input range")
-    acquisition_bits: Parameter = parameter("1", "resolution of the input converter")
+    acquisition_bits: Parameter = parameter("1", "resolution of the input converter", "whole")
     acquisition_noise_v: Parameter = parameter("V", "input noise, rms per reading", "not negative")
-    acquisition_readings: Parameter = parameter("1", "readings averaged into one sample")
+    acquisition_readings: Parameter = parameter("1", "readings averaged into one sample", "whole")
     sample_period_s: Parameter = parameter("s", "time between samples")
     displacement_noise_m: Parameter = parameter("m", "LVDT noise, rms per sample", "not negative")
     force_noise_n: Parameter = parameter("N", "load cell noise, rms per sample", "not negative")
@@ -180,4 +200,4 @@ class Bench(ParameterGroup):
     )
     ambient_temperature_k: Parameter = parameter("K", "temperature of the still air around the wire")
     time_step_s: Parameter = parameter("s", "step of the simulation")
-    grains: Parameter = parameter("1", "grain classes of the simulated ensemble")
+    grains: Parameter = parameter("1", "grain classes of the simulated ensemble", "whole")

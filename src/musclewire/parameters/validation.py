@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from math import inf, isfinite
 from types import UnionType
 from typing import Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
 
@@ -10,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters.parameter_groups import key_hint
 from musclewire.parameters.tagged_tables import TaggedTable
 
 __all__ = ["first_problem", "validated"]
@@ -27,7 +29,7 @@ IN_WORDS = {
     "float_parsing": "must be a number",
     "int_type": "must be a whole number",
     "int_parsing": "must be a whole number",
-    "int_from_float": "must be a whole number",
+    "int_from_float": "must be a whole number, as {near}",
     "bool_type": "must be true or false",
     "bool_parsing": "must be true or false",
     "string_type": "must be text in quotes",
@@ -64,7 +66,7 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
     problem = next((found for found in problems if found["type"] == "extra_forbidden"), problems[0])
     place = ".".join(str(part) for part in problem["loc"])
     if problem["type"] == "extra_forbidden":
-        return f"unknown key '{place}'{nearest_hint(str(problem['loc'][-1]), known_keys(model, problem['loc']))}"
+        return f"unknown key '{place}'{key_hint(str(problem['loc'][-1]), known_keys(model, problem['loc']))}"
     if problem["type"] in ("union_tag_invalid", "union_tag_not_found"):
         return tag_problem(place, {name: str(text) for name, text in problem["ctx"].items()})
     if problem["type"] == "missing":
@@ -92,8 +94,20 @@ def in_words(problem: Mapping[str, Any], model: type[BaseModel]) -> str | None:
     if words is None:
         return None
     unit = unit_of(field)
-    said = words.format(key=key, u=f" {unit}" if unit else "", **problem.get("ctx", {}))
+    near = nearest_whole(problem["input"], field)
+    said = words.format(key=key, u=f" {unit}" if unit else "", near=near, **problem.get("ctx", {}))
     return f"{said}, not {shown(problem['input'])}"
+
+
+def nearest_whole(value: Any, field: FieldInfo | None) -> int | None:
+    """Return the whole number nearest to a number that is none, as far as the key allows it; None for other values."""
+    if not isinstance(value, float) or not isfinite(value):
+        return None
+    annotated = (item for kind in get_args(field.annotation) for item in get_args(kind)[1:]) if field else ()
+    rules = [rule for item in (field, *annotated) if isinstance(item, FieldInfo) for rule in item.metadata]
+    low = max((rule.ge for rule in rules if hasattr(rule, "ge")), default=-inf)
+    high = min((rule.le for rule in rules if hasattr(rule, "le")), default=inf)
+    return int(min(max(round(value), low), high))
 
 
 def brackets_hint(key: str, field: FieldInfo | None) -> str:

@@ -26,8 +26,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, model_validator
 
-from musclewire.errors import nearest_hint
-from musclewire.parameters.parameter_groups import Alloy, Bench, Parameter, Wire, checked
+from musclewire.parameters.parameter_groups import Alloy, Bench, Parameter, Wire, checked, key_hint
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 
@@ -56,7 +55,7 @@ class WireFile(BaseModel):
         fields = {key: field for key, field in Bench.model_fields.items() if key not in HEAD}
         for key, item in self.bench.items():
             if key not in fields:
-                raise ValueError(f"unknown key 'bench.{key}'{nearest_hint(key, fields)}")
+                raise ValueError(f"unknown key 'bench.{key}'{key_hint(key, fields)}")
             checked(f"bench.{key}", item, fields[key])
         return self
 

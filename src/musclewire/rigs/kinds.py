@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from musclewire.errors import CallerError
+from musclewire.parameters.validation import first_problem
 from musclewire.parameters.wire_file import is_wire_file
 from musclewire.registry import Registry
 from musclewire.rigs.device import Device
@@ -24,11 +25,23 @@ class DeviceConfiguration(BaseModel):
     ----------
     kind
         Name of the device's kind in ``DEVICES``.
+
+    Raises
+    ------
+    CallerError
+        For an unknown key, suggesting the nearest, and for a value that a key does not allow.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     kind: str
+
+    def __init__(self, **values: Any) -> None:
+        """Check and keep the values. Raises CallerError that names the first wrong key in one line."""
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise CallerError(first_problem(error, type(self))) from None
 
     def with_files_in(self, folder: Path) -> Self:
         """Return the configuration with the files that it names taken from a folder; by default its wire file.

@@ -8,8 +8,8 @@ from typing import Literal, Self, TypeVar
 
 from pydantic import Field, model_validator
 
-from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters.parameter_groups import Bench, Parameter, ParameterGroup, Wire
+from musclewire.errors import CallerError
+from musclewire.parameters.parameter_groups import Bench, Parameter, ParameterGroup, Wire, key_hint
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import is_wire_file
 from musclewire.rigs.air import Surroundings
@@ -122,7 +122,7 @@ def with_settings(wire: Wire, bench: Bench, settings: Mapping[str, float | str],
     changed: dict[str, Parameter] = {}
     for key, given in settings.items():
         if key not in known:
-            raise CallerError(f"{where}: unknown setting '{key}'{nearest_hint(key, known)}")
+            raise CallerError(f"{where}: unknown setting '{key}'{key_hint(key, known)}")
         value = parse_quantity(given, known[key].unit) if isinstance(given, str) else float(given)
         changed[key] = known[key].model_copy(
             update={"value": value, "kind": "assumed", "source": where, "note": "set by the user"}

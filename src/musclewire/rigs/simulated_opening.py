@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from musclewire.errors import CallerError
 from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
+from musclewire.parameters.seeds import require_seed
 from musclewire.rigs.kinds import DeviceKind
 from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.rigs.simulated_building import Spool
@@ -24,6 +25,7 @@ def open_simulated(
     settings: Mapping[str, float | str],
 ) -> SimulatedDevice:
     """Return the open simulated rig of a rig file, changed as ``open_rig`` says."""
+    drawn_from = require_seed(configuration.seed if seed is None else seed, f"{where}: seed")
     name = wire or configuration.wire
     named = load_wire(name)
     around = load_bench(bench or configuration.bench)
@@ -40,7 +42,7 @@ def open_simulated(
         Spool(chosen, load_alloy(chosen.alloy), around, configuration.new_wire),
         parts=configuration.load,
         surroundings=configuration.surroundings,
-        seed=configuration.seed if seed is None else seed,
+        seed=drawn_from,
         real_time=real_time,
         limits=configuration.limits.changed(),
         faults=configuration.fault,

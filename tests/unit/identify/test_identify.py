@@ -5,6 +5,7 @@ import pytest
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment.open_loop import characterize
+from musclewire.experiment.pretension import pretension_sweep
 from musclewire.identify import estimate, fit
 from musclewire.identify.loop_gaps import loop_gaps
 from musclewire.identify.recordings import reference_quantity, resistance_reading
@@ -54,6 +55,47 @@ def test_the_force_gap_differs_from_the_strain_gap_because_the_guide_rubs(loop: 
     assert gaps.force_gap is not None
     assert abs(gaps.force_gap - gaps.strain_gap) > 0.002
     assert gaps.displacement_gap == pytest.approx(gaps.strain_gap, rel=1e-9)
+
+
+def with_force(loop: Recording, stiffness_n_per_m: float, friction_n: float) -> Recording:
+    """The loop with the force of a given spring and of a guide that rubs from its first micrometre on."""
+    moved = loop["displacement_m"]
+    noise = np.random.default_rng(1).normal(0.0, 2e-3, moved.size)
+    heats = np.arange(moved.size) % 1800 < 900
+    return loop.with_columns(force_n=1.9 + stiffness_n_per_m * moved + friction_n * np.where(heats, 1.0, -1.0) + noise)
+
+
+@pytest.mark.parametrize("friction_n", [0.0, 0.02, 0.15, 1.0])
+def test_a_force_that_does_not_rise_with_the_contraction_has_no_gap(loop: Recording, friction_n: float) -> None:
+    gaps = loop_gaps(with_force(loop, 0.0, friction_n))
+    assert gaps.force_gap is None
+    assert gaps.no_force_gap.startswith("the force does not rise with the contraction")
+    assert gaps.strain_gap == loop_gaps(loop).strain_gap
+
+
+@pytest.mark.parametrize("friction_n", [0.0, 0.02, 0.15])
+def test_a_soft_spring_is_a_spring_though_the_guide_rubs(loop: Recording, friction_n: float) -> None:
+    gaps = loop_gaps(with_force(loop, 20.0, friction_n))
+    assert gaps.force_gap is not None
+    assert gaps.no_force_gap == ""
+
+
+def test_a_recording_without_load_cell_says_why_it_has_no_gap_of_force(loop: Recording) -> None:
+    columns = {name: loop[name] for name in loop.names if name != "force_n"}
+    gaps = loop_gaps(Recording(columns, loop.metadata))
+    assert (gaps.force_gap, gaps.no_force_gap) == (None, "no load cell")
+
+
+def test_a_rig_without_a_spring_has_a_gap_of_strain_only() -> None:
+    with open_rig(bench="dead-weight") as rig:
+        gaps = loop_gaps(characterize(rig, cycles=1))
+    assert gaps.force_gap is None
+    assert gaps.strain_gap > 0.0
+
+
+def test_a_sweep_for_the_gap_of_force_without_a_spring_says_why_there_is_none() -> None:
+    with open_rig(bench="dead-weight") as rig, pytest.raises(RecordingError, match="as under a weight: sweep for an"):
+        pretension_sweep(rig, [1.4], quantity="force", cycles=1)
 
 
 def test_a_model_remembers_its_wire(loop: Recording) -> None:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from musclewire.errors import CallerError
 from musclewire.parameters import Parameter, load_alloy, load_bench, load_wire
 from musclewire.parameters.finger_file import finger_file_text, load_finger
+from musclewire.parameters.parameter_groups import key_hint
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import wire_file_text
 from musclewire.rigs.abilities import true_state_of
@@ -96,6 +97,11 @@ def test_an_unknown_setting_is_answered_with_the_nearest() -> None:
         ('bench = "papers"', "there is no bench called 'papers'; did you mean 'paper'?"),
         ('seed = "many"', "seed: must be a whole number, not 'many'"),
         ("seed = -1", "seed: must be 0 or more, not -1"),
+        ("seed = 1.5", "seed: must be a whole number, as 2, not 1.5"),
+        ("legs = 2.5", "legs: must be a whole number, as 2, not 2.5"),
+        ("legs = 0.4", "legs: must be a whole number, as 1, not 0.4"),
+        ("[settings]\nlegs = 2.5", "legs is 2.5, it must be a whole number of 1 or more, as 2 or 3"),
+        ("[settings]\nacquisition_readings = 0.5", "it must be a whole number of 1 or more, as 1"),
         ('kind = "real"', "there is no kind of rig 'real'; did you mean 'serial'?"),
         ('new_wire = "perhaps"', "new_wire: must be true or false, not 'perhaps'"),
         (
@@ -119,6 +125,10 @@ def test_an_unknown_setting_is_answered_with_the_nearest() -> None:
 )
 def test_a_mistake_in_a_rig_file_is_one_line_with_a_hint(rig_file, text: str, hint: str) -> None:
     assert hint in refusal(rig_file(text))
+
+
+def test_a_key_of_an_earlier_version_is_answered_by_what_became_of_it() -> None:
+    assert key_hint("grains", ["legs", "pretension_n"]).endswith("so delete this key")
 
 
 def test_a_name_that_is_no_rig_is_answered_in_whole_sentences() -> None:

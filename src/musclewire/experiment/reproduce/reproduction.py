@@ -11,6 +11,7 @@ from musclewire.experiment.reproduce.paper_checks import PaperCheck, Reproductio
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.experiment.run import OnSample
 from musclewire.parameters.known_failures import known_failures
+from musclewire.parameters.seeds import require_seed
 
 __all__ = ["Reproduction", "all_checks", "reproduce"]
 
@@ -59,6 +60,7 @@ def reproduce(
     with its number and the count before it is measured. Raises CallerError if no name begins with ``only``.
     """
     started = time.perf_counter()
+    require_seed(seed)
     chosen = selected(all_checks(), only)
     runs, known = Runs(seed, on_sample), known_failures()
     rows = []

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.export.c.reference import Outcome, ReferenceTick
+from musclewire.parameters.seeds import require_seed
 
 __all__ = ["FAULTS", "Tick", "exercise"]
 
@@ -74,7 +75,7 @@ def exercise(
 
     ``fault_probability`` is the probability of a fault at each tick. The same seed gives the same ticks.
     """
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(require_seed(seed))
     bench = _Bench(reference, random)
     start, tripped_for = True, 0
     fault, fault_left = "", 0

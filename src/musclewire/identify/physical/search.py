@@ -22,6 +22,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError, nearest_hint
 from musclewire.identify.physical.journal import Journal
+from musclewire.parameters.seeds import require_seed
 
 __all__ = [
     "EFFORTS",
@@ -105,7 +106,8 @@ class Settings:
     threads: int | None = None
 
     def __post_init__(self) -> None:
-        """Raise CallerError for a search without starts, evaluations or threads."""
+        """Raise CallerError for an impossible seed, and for a search without starts, evaluations or threads."""
+        require_seed(self.seed)
         if self.starts < 1 or self.jumps < 0 or min(self.evaluations_each, self.evaluations_last) < 1:
             raise CallerError(f"a search needs one start or more and no less than 0 jumps: {self.starts}, {self.jumps}")
         if self.threads is not None and self.threads < 1:
