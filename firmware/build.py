@@ -21,8 +21,8 @@ from typing import Any
 
 from musclewire.controllers import DriveLimits
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
-from musclewire.experiment.closed_loop import settings_for
 from musclewire.export.c import write_library
+from musclewire.identify.use_of_model import settings_for
 from musclewire.parameters.validation import validated
 from musclewire.rigs.mounted_wire import MountedWire
 from musclewire.sensing.model import SensingModel, load_model

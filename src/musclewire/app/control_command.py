@@ -157,9 +157,9 @@ def loop_of(
         raise CallerError(
             "--on-board runs by the firmware's own numbers: leave out --known-stiffness and --recalibrate"
         )
-    from musclewire.experiment.closed_loop import settings_for
     from musclewire.experiment.on_board import control_on_board
     from musclewire.export.c import loop_checksum
+    from musclewire.identify.use_of_model import settings_for
 
     return partial(control_on_board, checksum=loop_checksum(model, settings_for(model, settings)))
 

@@ -15,8 +15,6 @@ from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
     from musclewire.controllers import FuzzyPidSettings
-    from musclewire.controllers.protection import ProtectionLimits
-    from musclewire.rigs.protocol import Metadata
 
 __all__ = ["add_export_commands"]
 
@@ -54,8 +52,9 @@ def export_c(
 ) -> None:
     """Model, controller, limits and protection as a self-contained C99 library, with its own test vectors."""
     from musclewire.controllers import DriveLimits
-    from musclewire.experiment.closed_loop import check_made_for, settings_for
     from musclewire.export.c import write_library
+    from musclewire.export.rig_limits import limits_of_rig
+    from musclewire.identify.use_of_model import check_made_for, settings_for
     from musclewire.sensing import load_model
 
     loaded = load_model(model)
@@ -87,31 +86,6 @@ def export_c(
         emit_json(answer)
     else:
         show(export_text(answer, rig))
-
-
-def limits_of_rig(rig: str) -> tuple[ProtectionLimits, Metadata]:
-    """Return limits and facts of a rig without driving anything: a simulated one, or a board's rig file.
-
-    Raises CallerError for a rig of another kind.
-    """
-    from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
-    from musclewire.rigs.serial.configuration import SerialConfiguration
-
-    configuration, where = rig_configuration(rig)
-    if isinstance(configuration, RigConfiguration):
-        with open_rig(configuration) as opened:
-            return opened.protection_limits, opened.metadata()
-    if isinstance(configuration, SerialConfiguration):
-        limits = configuration.protection_limits(
-            wire_range_v=configuration.wire_range,
-            shunt_range_v=configuration.shunt_range,
-            readings_noisy=configuration.readings_noisy,
-        )
-        return limits, configuration.facts()
-    raise CallerError(
-        f"{where} is no board: a library's limits come from the channels of the board it runs on; write a rig file "
-        'with kind = "serial" for it'
-    )
 
 
 def read_settings(path: Path | None, rules: str | None) -> FuzzyPidSettings:

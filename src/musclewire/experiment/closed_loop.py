@@ -13,20 +13,19 @@ from typing import Any, Unpack
 
 from musclewire.controllers.controller import (
     CONTROLLERS,
-    PERCENT_STRAIN,
     Controller,
     ControllerFactory,
     ControllerSetup,
 )
 from musclewire.controllers.drive_limits import DriveLimits
-from musclewire.controllers.fuzzy_pid import FuzzyPidSettings, with_error_unit
 from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import Decision, RunOptions, run_on_rig
 from musclewire.experiment.staircases import staircase_within
 from musclewire.identify.recordings import COLUMN_SUFFIX
-from musclewire.rigs.protocol import Metadata, Rig
+from musclewire.identify.use_of_model import check_made_for, error_unit_for
+from musclewire.rigs.protocol import Rig
 from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.estimator import ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.known_load import KnownSpring, force_model
@@ -34,39 +33,11 @@ from musclewire.sensing.model import SensingModel
 from musclewire.sensing.slow_corrections import CORRECTION_COLUMN, InLine, InThread, SlowCorrections, SlowStatus
 from musclewire.signals.exchange import Command, Drive, EstimatorStep, RawSample, WireSample, wire_sample
 from musclewire.signals.recording import MetadataValue
-from musclewire.signals.run_facts import RunFacts
 
-__all__ = ["SelfSensingPolicy", "check_made_for", "control", "controller_for", "settings_for"]
+__all__ = ["SelfSensingPolicy", "control", "controller_for"]
 
 # In the first step the wire starts cold, where resistance does not determine strain; it gets this long to arrive.
 APPROACH_S = 12.0
-# Lengths that differ by less are one length, measured twice.
-SAME_LENGTH_FRACTION = 0.005
-# What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
-RANGE_AS_PERCENT_STRAIN = 3.0
-# Where friction reverses, force changes steeply with strain: this multiple of the friction counts as range, or the loop
-# chatters.
-FRICTION_AS_RANGE = 8.0
-
-
-def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> float:
-    """Return the amount of the model's quantity that the controller treats as one percent strain.
-
-    Parameters
-    ----------
-    model
-        The model of the wire.
-    load
-        A known spring with friction, over which the range to be passed is larger; None for no known load.
-
-    Returns
-    -------
-    The amount in the quantity's SI unit: 0.01 for strain.
-    """
-    if model.quantity == "strain":
-        return PERCENT_STRAIN
-    steep = 0.0 if load is None else FRICTION_AS_RANGE * load.friction_n
-    return (model.quantity_max - model.quantity_min + steep) / RANGE_AS_PERCENT_STRAIN
 
 
 def controller_for(
@@ -88,13 +59,6 @@ def estimator_for(
     """Return an estimator for a rig's circuit by a model; with a ``load`` the model is one of the force on it."""
     factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
     return factory(EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load))
-
-
-def settings_for(
-    model: SensingModel, settings: FuzzyPidSettings | None = None, load: KnownSpring | None = None
-) -> FuzzyPidSettings:
-    """Return the fuzzy PID's settings with the error unit fitted to the model's quantity, unless they name one."""
-    return with_error_unit(settings or FuzzyPidSettings(), error_unit_for(model, load))
 
 
 class SelfSensingPolicy:
@@ -290,23 +254,6 @@ def check_same_wire(model: SensingModel, rig: Rig) -> None:
     displacement of a finger's endpoint belongs to that finger.
     """
     check_made_for(model, rig.metadata())
-
-
-def check_made_for(model: SensingModel, known: Metadata) -> None:
-    """Raise CallerError as ``check_same_wire`` does, for the metadata of a rig that need not be open."""
-    fitted, mounted = model.wire.get("wire"), known.get("wire")
-    if fitted and mounted and fitted != mounted:
-        raise CallerError(f"this model was fitted to wire {fitted}, the rig has {mounted}: fit one for this wire")
-    was = RunFacts(model.wire, "this model").number_or_none("wire_length_m")
-    now = RunFacts(known, "this rig").number_or_none("wire_length_m")
-    if was is not None and now is not None and abs(was - now) > SAME_LENGTH_FRACTION * now:
-        raise CallerError(
-            f"this model was fitted to a wire of {1e3 * was:g} mm, the rig has one of {1e3 * now:g} mm: fit one "
-            "for this length"
-        )
-    moved, moves = model.wire.get("finger"), known.get("finger")
-    if model.quantity == "displacement" and moved and moves and moved != moves:
-        raise CallerError(f"this model was fitted to finger {moved}, the rig has {moves}: fit one for this finger")
 
 
 def check_targets(model: SensingModel, reference: Reference, sample_period_s: float) -> None:
