@@ -30,6 +30,7 @@ STATE = [
     "stress_slope_pa_per_k",
     "temperature_rate_k_per_s",
     "resistance_rate_ohm_per_s",
+    "work_j",
 ]
 FROM_ALLOY = [
     "martensite_temperature_k",
@@ -86,6 +87,7 @@ CONSTANTS = [
         "friction_presliding_m",
         "load_step_m",
         "cold_strain",
+        "work_share",
     ],
 ]
 TABLE_START_K, TABLE_STEP_K, TABLE_POINTS = 200.0, 2.0, 301

@@ -237,7 +237,8 @@ def heat_wire(wire: Running, power_w: float, dt_s: float) -> float:
     middle_k = state.temperature_k + 0.5 * dt_s * state.temperature_rate_k_per_s
     excess_k = middle_k - c.ambient_temperature_k
     loss_w = convection_w_per_m2_k(wire, middle_k) * c.surface_m2 * excess_k
-    heat_j = (power_w - loss_w) * dt_s
+    # Without work_share this is 0; with it, the work on the load is that of the step before.
+    heat_j = (power_w - loss_w) * dt_s - c.work_share * state.work_j
     after = take_up(wire, heat_j)
     state.enthalpy_j += heat_j
     state.heat_in_j += power_w * dt_s
@@ -269,6 +270,7 @@ def settle_at(wire: Running, rise_k: float, dt_s: float, stress_pa: float) -> No
     if abs(rise_k) > NO_RISE_K:
         steepest = SAFE_SLOPE_FRACTION * c.martensite_stress_rate_pa_per_k
         state.stress_slope_pa_per_k = min(max((stress_pa - state.stress_pa) / rise_k, -steepest), steepest)
+    state.work_j = 0.5 * (stress_pa + state.stress_pa) * c.legs * c.area_m2 * moved_m
     state.friction_n = rubbing_n(state.friction_n, moved_m, limit_n, c.friction_presliding_m)
     state.stress_pa = stress_pa
     state.contraction = contraction

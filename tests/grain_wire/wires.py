@@ -59,6 +59,14 @@ class GrainWire:
         grains = Grains(*(np.copy(item) for item in self.grains))
         return GrainWire(self.state.copy(), self.constants.copy(), grains, self._convection, self._load_n)
 
+    def with_edges(self, edges: Array) -> GrainWire:
+        """Return the wire at rest with grains of equal weight between other edges, in units of the spread, (n + 1,)."""
+        nothing = np.zeros(edges.size - 1)
+        grains = Grains(edges, 0.5 * (edges[1:] + edges[:-1]), np.diff(edges), nothing, nothing.copy(), np.zeros(7))
+        changed = GrainWire(record(STATE), self.constants.copy(), grains, self._convection, self._load_n)
+        settle(changed)
+        return changed
+
     def value(self, name: str) -> float:
         """Return a number of the state or of the constants."""
         return float(self.state[name][0] if name in STATE else self.constants[name][0])
@@ -87,14 +95,19 @@ def grain_wire(
     grains: int = 160,
     new_wire: bool = False,
     guide_friction: bool = True,
+    work: bool = False,
 ) -> GrainWire:
-    """Return a wire at rest from plain numbers by name; ``load`` replaces the bench's spring."""
+    """Return a wire at rest from plain numbers by name; ``load`` replaces the bench's spring.
+
+    With ``work`` the wire pays for the work that it does on the load out of its heat, and takes back what it is given.
+    """
     attached = load or spring(bench["spring_stiffness_n_per_m"])
     constants = record(
         CONSTANTS,
         **from_alloy(material, spool, new_wire),
         **body(material, spool, bench),
         **surroundings_of(spool, bench, attached, guide_friction),
+        work_share=1.0 if work else 0.0,
     )
     wire = GrainWire(
         record(STATE),
