@@ -114,12 +114,13 @@ def gaps_of(ohm: FloatArray, displacement_m: FloatArray, endpoint_m: FloatArray)
 def read_gap_pct(path: DrivenPath, seed: int) -> float:
     """Return the displacement gap of a path as the rig's instruments read it: what an experimenter gets."""
     numbers = load_bench(RIG).values()
-    instruments = Instruments(numbers, seed)
+    instruments = Instruments(numbers, seed, at_endpoint=True)
     endpoint = endpoint_of(path)
     rows = np.empty((endpoint.size, 4))
     for index in range(endpoint.size):
-        rows[index, :2] = instruments.voltages_v(path.wire_voltage_v[index], path.shunt_voltage_v[index])
-        rows[index, 2], _ = instruments.connector(path.displacement_m[index], 0.0)
+        rows[index, :3] = instruments.sample(
+            path.wire_voltage_v[index], path.shunt_voltage_v[index], path.displacement_m[index], 0.0
+        )[:3]
         rows[index, 3], _ = instruments.endpoint(endpoint[index], 0.0)
     ohm = rows[:, 0] / rows[:, 1] * numbers["shunt_resistance_ohm"]
     return gaps_of(ohm, rows[:, 2], rows[:, 3])[0]

@@ -29,6 +29,8 @@ from musclewire.signals.exchange import Command, Drive, RawSample, Target, as_co
 
 __all__ = ["GuardedRig", "ProtectionTripError"]
 
+# What every sample compares with: to look up a member of an enumeration takes longer than to compare it.
+RUN, TRIPPED = State.RUN, State.TRIPPED
 # No more is known of a device that does not answer.
 NOT_CONFIRMED = (
     "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian has tried to switch "
@@ -87,6 +89,9 @@ class GuardedRig:
             raise
         self._accepts_targets = isinstance(device, HasOnBoardLoop)
         self._guard = armed(self._limits)
+        self._table, self._period_s = protection_table(), self._facts.sample_period_s
+        # Durations are sums of samples: a little less than the table's period still counts as reached.
+        self._reading_s = self._table.reading_period_s - 1e-9
         # Held whenever the protection's state is read and written, never while a sample is awaited.
         self._deciding = RLock()
         self._last_time_s: float | None = None
@@ -194,7 +199,8 @@ class GuardedRig:
                 self._end_as_switched_off()
             if isinstance(allowed, Target):
                 # The protection judges what the device put out as if the host had commanded it.
-                self._commanded(min(sample.drive_voltage_v, self.maximum_voltage_v))
+                put_out_v = min(sample.drive_voltage_v, self.maximum_voltage_v)
+                self._guard = protect_command(self._guard, self._limits, put_out_v, self._table)
             self._judge(sample)
         return sample
 
@@ -207,8 +213,8 @@ class GuardedRig:
         except CallerError:
             self.make_safe()
             raise
-        self._commanded(drive_voltage_v)
-        if self._guard.state is State.TRIPPED:
+        self._guard = protect_command(self._guard, self._limits, drive_voltage_v, self._table)
+        if self._guard.state is TRIPPED:
             self.close()
             raise ProtectionTripError(
                 f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; {self._off_in_words()}",
@@ -216,12 +222,9 @@ class GuardedRig:
             )
         return self._allowed_drive()
 
-    def _commanded(self, drive_voltage_v: float) -> None:
-        self._guard = protect_command(self._guard, self._limits, drive_voltage_v)
-
     def _allowed_drive(self) -> Drive:
         """Return the drive that is allowed now."""
-        return Drive(allowed_drive_v(self._guard, self._limits), self._guard.state is not State.RUN)
+        return Drive(allowed_drive_v(self._guard, self._limits), self._guard.state is not RUN)
 
     def _awaited(self, command: Command) -> RawSample:
         """Return the sample of a command; while it is missing, the table decides the drive and how long to wait."""
@@ -256,27 +259,30 @@ class GuardedRig:
     def _miss(self, missing: Missing) -> None:
         """Let the protection hold, go to the sense voltage or trip, by the total time that something was missing."""
         self._guard = protect_missing(self._guard, missing.event, missing.missing_s)
-        if self._guard.state is State.TRIPPED:
+        if self._guard.state is TRIPPED:
             self._trip(missing.event, f"missing for {missing.missing_s:.3f} s")
 
     def _judge(self, sample: RawSample) -> None:
         """Run the protection over a sample; readings faster than the table's period are averaged first."""
-        period_s = self._facts.sample_period_s
-        if self._last_time_s is not None and not sample.time_s > self._last_time_s:
-            self._trip(Event.CLOCK_BACKWARDS, f"{sample.time_s:.6f} s after {self._last_time_s:.6f} s")
-        self._last_time_s = sample.time_s
-        weight = period_s / (self._block_s + period_s)
-        self._block_s += period_s
+        last_s, time_s = self._last_time_s, sample.time_s
+        if last_s is not None and not time_s > last_s:
+            self._trip(Event.CLOCK_BACKWARDS, f"{time_s:.6f} s after {last_s:.6f} s")
+        self._last_time_s = time_s
+        self._block_s += self._period_s
+        weight = self._period_s / self._block_s
         self._block_drive_v += weight * (sample.drive_voltage_v - self._block_drive_v)
         self._block_wire_v += weight * (sample.wire_voltage_v - self._block_wire_v)
         self._block_shunt_v += weight * (sample.shunt_voltage_v - self._block_shunt_v)
-        if self._block_s < protection_table().reading_period_s - 1e-9:
-            return
+        if self._block_s >= self._reading_s:
+            self._judge_block(time_s)
+
+    def _judge_block(self, time_s: float) -> None:
+        """Run the protection over the mean of the samples since the last reading."""
         drive_v, wire_v, shunt_v = self._block_drive_v, self._block_wire_v, self._block_shunt_v
-        self._guard = protect_reading(self._guard, self._limits, drive_v, wire_v, shunt_v, self._block_s)
+        self._guard = protect_reading(self._guard, self._limits, drive_v, wire_v, shunt_v, self._block_s, self._table)
         self._start_block()
-        if self._guard.state is State.TRIPPED:
-            self._trip(self._guard.event, f"at {sample.time_s:.3f} s: {self._measured(drive_v, wire_v, shunt_v)}")
+        if self._guard.state is TRIPPED:
+            self._trip(self._guard.event, f"at {time_s:.3f} s: {self._measured(drive_v, wire_v, shunt_v)}")
 
     def _start_block(self) -> None:
         self._block_s = self._block_drive_v = self._block_wire_v = self._block_shunt_v = 0.0

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.parameters.parameter_groups import Bench
@@ -29,38 +30,95 @@ from musclewire.wire.state import WireState
 __all__ = ["Instruments", "SimulatedDevice"]
 
 
+# NumPy sums up to this many numbers in eight rows, and more of them in two halves.
+PAIRWISE_NUMBERS = 128
+
+
+@compiled
+def summed(readings_v: FloatArray) -> float:
+    """Return the sum of readings, added in the order of ``numpy.sum``; the first eight are overwritten."""
+    count = readings_v.size
+    if count > PAIRWISE_NUMBERS:
+        half = count // 2 - count // 2 % 8
+        return summed(readings_v[:half]) + summed(readings_v[half:])
+    total, rows = 0.0, count - count % 8
+    if rows:
+        sums = readings_v[:8]
+        for start in range(8, rows, 8):
+            for place in range(8):
+                sums[place] += readings_v[start + place]
+        total = ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]))
+    for place in range(rows, count):
+        total += readings_v[place]
+    return total
+
+
+@compiled
+def converted(noise: FloatArray, voltage_v: float, noise_v: float, step_v: float, range_v: float) -> float:
+    """Return the mean of a converter's readings with noise, steps and a range; they overwrite the noise."""
+    for place in range(noise.size):
+        reading_v = np.rint((voltage_v + noise_v * noise[place]) / step_v) * step_v
+        noise[place] = min(max(reading_v, -range_v), range_v)
+    return summed(noise) / noise.size
+
+
+@compiled
+def read_sample(
+    noise: FloatArray,
+    readings: int,
+    true: tuple[float, float, float, float],
+    scales: tuple[float, float, float, float, float],
+) -> tuple[float, float, float, float]:
+    """Return what a converter, a displacement sensor and a load cell read in one sample.
+
+    ``true`` holds the voltages of wire and shunt, displacement and force; ``noise`` independent standard normal
+    numbers, ``readings`` for each voltage and one for each of the others, and is overwritten; ``scales`` the
+    converter's noise, step and range, then the noise of displacement and force.
+    """
+    wire_v, shunt_v, displacement_m, force_n = true
+    noise_v, step_v, range_v, displacement_noise_m, force_noise_n = scales
+    return (
+        converted(noise[:readings], wire_v, noise_v, step_v, range_v),
+        converted(noise[readings : 2 * readings], shunt_v, noise_v, step_v, range_v),
+        displacement_m + displacement_noise_m * noise[2 * readings],
+        force_n + force_noise_n * noise[2 * readings + 1],
+    )
+
+
 class Instruments:
     """Converter, displacement sensor, load cells and laser of a bench, repeatable for one seed."""
 
-    def __init__(self, bench: Mapping[str, float], seed: int) -> None:
-        """Take noise, steps and ranges from the bench's numbers."""
-        self._bench = bench
-        self._random = np.random.default_rng(seed)
-        self._voltage_step_v = 2.0 * bench["acquisition_range_v"] / 2.0 ** bench["acquisition_bits"]
-
-    def voltages_v(self, *voltages_v: float) -> tuple[float, ...]:
-        """Return voltages as a converter with noise, steps and a range reads them, averaged over its readings."""
-        readings = int(self._bench["acquisition_readings"])
-        noise: FloatArray = self._random.standard_normal((len(voltages_v), readings))
-        noisy = np.asarray(voltages_v)[:, None] + self._bench["acquisition_noise_v"] * noise
-        stepped = np.round(noisy / self._voltage_step_v) * self._voltage_step_v
-        limit = self._bench["acquisition_range_v"]
-        return tuple(float(value) for value in np.clip(stepped, -limit, limit).mean(axis=1))
-
-    def connector(self, displacement_m: float, force_n: float) -> tuple[float, float]:
-        """Return readings of displacement and force at the connector."""
-        displacement_noise, force_noise = self._random.standard_normal(2)
-        return (
-            displacement_m + self._bench["displacement_noise_m"] * displacement_noise,
-            force_n + self._bench["force_noise_n"] * force_noise,
+    def __init__(self, bench: Mapping[str, float], seed: int, at_endpoint: bool = False) -> None:
+        """Take noise, steps and ranges from the bench's numbers; ``at_endpoint`` with instruments at an endpoint."""
+        self._draw = np.random.default_rng(seed).standard_normal
+        self._readings = int(bench["acquisition_readings"])
+        self._noise: FloatArray = np.empty(2 * self._readings + (4 if at_endpoint else 2))
+        voltage_range_v = bench["acquisition_range_v"]
+        self._scales = (
+            bench["acquisition_noise_v"],
+            2.0 * voltage_range_v / 2.0 ** bench["acquisition_bits"],
+            voltage_range_v,
+            bench["displacement_noise_m"],
+            bench["force_noise_n"],
         )
+        self._endpoint_noise = (bench["endpoint_noise_m"], bench["endpoint_force_noise_n"])
+
+    def sample(
+        self, wire_voltage_v: float, shunt_voltage_v: float, displacement_m: float, force_n: float
+    ) -> tuple[float, float, float, float]:
+        """Return the readings of both voltages, and of displacement and force at the connector."""
+        # All numbers that one sample takes are drawn at once.
+        self._draw(out=self._noise)
+        true = (wire_voltage_v, shunt_voltage_v, displacement_m, force_n)
+        readings: tuple[float, float, float, float] = read_sample(self._noise, self._readings, true, self._scales)
+        return readings
 
     def endpoint(self, displacement_m: float, force_n: float) -> tuple[float, float]:
-        """Return readings of displacement and force at a finger's endpoint."""
-        displacement_noise, force_noise = self._random.standard_normal(2)
+        """Return readings of displacement and force at a finger's endpoint, of the sample that was read last."""
+        displacement_noise_m, force_noise_n = self._endpoint_noise
         return (
-            displacement_m + self._bench["endpoint_noise_m"] * displacement_noise,
-            force_n + self._bench["endpoint_force_noise_n"] * force_noise,
+            displacement_m + displacement_noise_m * self._noise.item(-2),
+            force_n + force_noise_n * self._noise.item(-1),
         )
 
 
@@ -113,13 +171,13 @@ class SimulatedDevice:
         self._bench = bench.values()
         self._wire_values = wire.values()
         self._seed = seed
-        self._instruments = Instruments(self._bench, seed)
         air = surroundings or Surroundings()
         self._air = None if air.still else AirModel(air, seed)
         self._check_pretension(self._bench["pretension_n"])
         self._tendon_slack_m: float | None = None
         self._leg_length_m = self._bench["wire_length_m"] / self._bench["legs"]
         self._mechanism = self._mechanism_at(self._bench["pretension_n"], None)
+        self._instruments = Instruments(self._bench, seed, at_endpoint=self._mechanism.tendon is not None)
         self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
         self._drive_voltage_v = 0.0
         self._off = self._late_reported = False
@@ -326,21 +384,15 @@ class SimulatedDevice:
 
     def _read(self, means: SampleMeans) -> RawSample:
         """Return a sample of all instruments' readings."""
-        wire_voltage, shunt_voltage = self._instruments.voltages_v(means.wire_voltage_v, means.shunt_voltage_v)
+        wire_voltage, shunt_voltage, displacement_m, force_n = self._instruments.sample(
+            means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n
+        )
         time_s = self._wires.state.time_s
         if self._faults is not None:
             began_s = time_s - self._facts.sample_period_s
             wire_voltage, shunt_voltage = self._faults.readings_v(wire_voltage, shunt_voltage, began_s)
             time_s = self._faults.clock_s(time_s)
-        displacement_m, force_n = self._instruments.connector(means.displacement_m, means.force_n)
-        sample = RawSample(
-            time_s=time_s,
-            drive_voltage_v=self._drive_voltage_v,
-            wire_voltage_v=wire_voltage,
-            shunt_voltage_v=shunt_voltage,
-            displacement_m=displacement_m,
-            force_n=force_n,
-        )
+        sample = RawSample(time_s, self._drive_voltage_v, wire_voltage, shunt_voltage, displacement_m, force_n)
         if self._mechanism.tendon is None:
             return sample
         endpoint_m, endpoint_force_n = self._instruments.endpoint(*self._endpoint(means))

@@ -59,6 +59,12 @@ MAXIMUM_ROUNDING = 1.0 + 1e-6
 # Durations are sums of samples: this much less still counts as reached [s].
 TIME_ROUNDING_S = 1e-6
 
+# What every sample compares with: Python 3.11 takes longer to look up a member of an enumeration than to compare it.
+NO_EVENT = Event.NONE
+NO_DRIVE, COMMANDED_DRIVE, SENSE_DRIVE = Drive.NONE, Drive.COMMANDED, Drive.SENSE
+COMMAND, PRESENT = Signal.COMMAND, Signal.PRESENT
+NOTHING, FOLLOW = Effect.NOTHING, Effect.FOLLOW
+
 Each = TypeVar("Each")
 
 
@@ -123,9 +129,9 @@ def after(
     its cause, and how long something has been missing.
     """
     following, effect = table.transitions[state.state][signal]
-    if effect is Effect.NOTHING:
+    if effect is NOTHING:
         return state
-    if effect is Effect.FOLLOW:
+    if effect is FOLLOW:
         return with_drive(state, following, drive_voltage_v)
     if effect is Effect.BRIDGE:
         return state._replace(state=following, event=event, missing_s=missing_s)
@@ -196,15 +202,15 @@ def protect_command(
     rules = table or protection_table()
     if not (isfinite(drive_voltage_v) and 0.0 <= drive_voltage_v <= limits.maximum_voltage_v * MAXIMUM_ROUNDING):
         return protect_event(state, Event.COMMAND_REFUSED, 0.0, rules)
-    return after(state, Signal.COMMAND, rules, drive_voltage_v=drive_voltage_v)
+    return after(state, COMMAND, rules, drive_voltage_v=drive_voltage_v)
 
 
 def allowed_drive_v(state: ProtectionState, limits: ProtectionLimits) -> float:
     """Return the only drive voltage that may be applied in this state."""
     drive = protection_table().output_drives[state.state]
-    if drive is Drive.COMMANDED:
+    if drive is COMMANDED_DRIVE:
         return state.drive_voltage_v
-    return limits.sense_voltage_v if drive is Drive.SENSE else 0.0
+    return limits.sense_voltage_v if drive is SENSE_DRIVE else 0.0
 
 
 def protect_event(
@@ -241,14 +247,14 @@ def protect_reading(
 ) -> ProtectionState:
     """Return the state after one reading that stands for ``dt_s`` seconds at ``drive_voltage_v``."""
     rules = table or protection_table()
-    if rules.output_drives[state.state] is Drive.NONE:
+    if rules.output_drives[state.state] is NO_DRIVE:
         return state
     missing = missing_event(limits, drive_voltage_v, wire_voltage_v, shunt_voltage_v)
-    if missing is not Event.NONE:
+    if missing is not NO_EVENT:
         cooling = heated(state, limits, 0.0, dt_s)
         return protect_event(cooling, missing, state.missing_s + dt_s, rules)
     seen, state = conditions(state, limits, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_s)
-    state = after(state, Signal.PRESENT, rules)
+    state = after(state, PRESENT, rules)
     if seen is HEALTHY:
         return state if state.lasting_s is NOTHING_LASTS else state._replace(lasting_s=NOTHING_LASTS)
     return judged(state, seen, dt_s, rules)
@@ -271,12 +277,12 @@ def missing_event(
     if not (isfinite(wire_voltage_v) and isfinite(shunt_voltage_v)):
         return Event.READING_NOT_FINITE
     if drive_voltage_v < DRIVEN_FRACTION * limits.sense_voltage_v:
-        return Event.NONE
+        return NO_EVENT
     if abs(wire_voltage_v) + abs(shunt_voltage_v) < SUPPLY_FRACTION * drive_voltage_v:
         return Event.SUPPLY_MISSING
     if abs(shunt_voltage_v) < limits.minimum_current_a * limits.shunt_resistance_ohm:
         return Event.WIRE_OPEN
-    return Event.NONE
+    return NO_EVENT
 
 
 def heated(state: ProtectionState, limits: ProtectionLimits, power_w: float, dt_s: float) -> ProtectionState:
@@ -309,13 +315,14 @@ def conditions(
         settled = resistance
     state = with_reading(state, limits, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_s, settled)
     saturated = is_saturated(limits, wire_voltage_v, shunt_voltage_v)
-    reversed_ = measured and swapped(limits, wire_voltage_v, shunt_voltage_v, resistance)
+    reversed_ = outside and measured and swapped(limits, wire_voltage_v, shunt_voltage_v, resistance)
     current_a = shunt_voltage_v / limits.shunt_resistance_ohm
     short = resistance < SHORT_FRACTION * limits.resistance_low_ohm
     current = abs(current_a) > limits.maximum_current_a
     power = wire_voltage_v * current_a > limits.maximum_power_w
     stuck = wire_voltage_v + shunt_voltage_v > drive_voltage_v + STUCK_FRACTION * limits.maximum_voltage_v
-    frozen = measured and is_frozen(state, limits, drive_voltage_v, dt_s)
+    repeated = state.wire_repeats > 0.0 or state.shunt_repeats > 0.0
+    frozen = repeated and measured and is_frozen(state, limits, drive_voltage_v, dt_s)
     hot = state.temperature_k > limits.maximum_temperature_k
     # The record costs as much as all of the above: it is built only if a condition holds.
     if not (saturated or reversed_ or short or current or power or stuck or jumped or outside or frozen or hot):
@@ -362,18 +369,18 @@ def with_reading(
     wire_repeats = state.wire_repeats + 1.0 if wire_voltage_v == state.wire_voltage_v else 0.0
     shunt_repeats = state.shunt_repeats + 1.0 if shunt_voltage_v == state.shunt_voltage_v else 0.0
     return ProtectionState(
-        state=state.state,
-        event=state.event,
-        drive_voltage_v=state.drive_voltage_v,
-        temperature_k=temperature_after(state, limits, power_w, dt_s),
-        missing_s=state.missing_s,
-        lasting_s=state.lasting_s,
-        settled_ohm=settled_ohm,
-        wire_voltage_v=wire_voltage_v,
-        shunt_voltage_v=shunt_voltage_v,
-        wire_repeats=wire_repeats,
-        shunt_repeats=shunt_repeats,
-        repeats_drive_v=state.repeats_drive_v if wire_repeats + shunt_repeats > 0.0 else drive_voltage_v,
+        state.state,
+        state.event,
+        state.drive_voltage_v,
+        temperature_after(state, limits, power_w, dt_s),
+        state.missing_s,
+        state.lasting_s,
+        settled_ohm,
+        wire_voltage_v,
+        shunt_voltage_v,
+        wire_repeats,
+        shunt_repeats,
+        state.repeats_drive_v if wire_repeats + shunt_repeats > 0.0 else drive_voltage_v,
     )
 
 

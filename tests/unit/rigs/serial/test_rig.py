@@ -303,7 +303,7 @@ def test_every_command_starts_with_a_zero_that_ends_what_a_disturbance_left() ->
 
 
 def test_a_period_too_long_for_every_fault_to_end_off_within_half_a_second_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"less than or equal to 0\.05"):
+    with pytest.raises(ValueError, match=r"must be 0\.05 s or less"):
         rig_on(BoardInMemory(), sample_period=0.1)
 
 
