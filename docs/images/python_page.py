@@ -27,11 +27,12 @@ RESULTS = """## What they return
 `help(run)` lists what each holds: the metrics of a run, the gaps of a sweep, the parameters of a calibration.
 """
 # Rooms whose names a script of one's own has use for; those of the others serve musclewire itself.
-ROOMS = ("sensing", "controllers", "identify", "signals", "parameters", "errors", "registry")
+ROOMS = ("sensing", "controllers", "identify", "signals", "parameters", "errors", "registry", "interfaces.environments")
 # Names that are neither a class nor a function, and so have no docstring.
 OTHERS = {
     "EstimatorFactory": "A function that makes an estimator: takes an `EstimatorSetup`, returns an `Estimator`.",
     "ControllerFactory": "A function that makes a controller: takes a `ControllerSetup`, returns a `Controller`.",
+    "ENVIRONMENT": "Name of the environments in Gymnasium's registry.",
     "COLUMNS": "Columns that a recording may have, by name, each with its unit ([files](files.md)).",
 }
 

@@ -25,7 +25,11 @@ __all__ = ["compiled", "compiled_inline"]
 Function = TypeVar("Function", bound=Callable[..., Any])
 ROOMS_WITH_KERNELS = ("physics", "wire", "simulate", "controllers", "sensing")
 # Of a room of which few files hold kernels only these count, so that an edit of the others costs no compilation.
-FILES_WITH_KERNELS = ("rigs/simulated.py",)
+FILES_WITH_KERNELS = (
+    "rigs/simulated.py",
+    "interfaces/environments/kernels.py",
+    "interfaces/environments/random_numbers.py",
+)
 
 
 @cache

@@ -19,6 +19,7 @@ PROMISES = {
     "fit_a_csv_recording": r"2 % strain requires \d+\.\d+ ohm",
     "compare_rule_bases": r"zhao-1993 .*%(?s:.*)fixed .*%(?s:.*)liu-7x7 .*%(?s:.*)liu-7x7-mirrored .*%",
     "find_the_best_pretension": r"best: \d+\.\d+ N",
+    "train_by_evolution": r"trained +mean reward -\d\.\d+ (?s:.*)mean error is \d+ % below the plain PID's",
     "train_and_recalibrate": r"settled\n(?s:.*)R_min moved by [+-]\d+\.\d+ ohm",
 }
 

@@ -23,7 +23,7 @@ from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_building import Spool, force_limit_n, simulated_limits, wires_of
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
-from musclewire.simulate.wires import SampleMeans
+from musclewire.simulate.wires import SampleMeans, SimulatedWires
 from musclewire.wire.loads import spring_load
 from musclewire.wire.state import WireState
 
@@ -234,6 +234,16 @@ class SimulatedDevice:
     def wire_state(self) -> WireState:
         """The true state of the wire: temperature, phases, energy. For judging a simulation, not for estimating."""
         return self._wires.state
+
+    @property
+    def wires(self) -> SimulatedWires:
+        """The simulated wires, for a program that runs them without this device; never for an estimator."""
+        return self._wires
+
+    @property
+    def bench(self) -> Mapping[str, float]:
+        """The numbers of the bench by name, in SI."""
+        return self._bench
 
     @property
     def partner_state(self) -> WireState | None:

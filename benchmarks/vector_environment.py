@@ -1,0 +1,122 @@
+"""Environment steps a second of the vectorised Gymnasium environment, and ratios to fixed work and to others.
+
+A step is one wire through one sample of 50 ms: drive, simulation, converter noise, protection, reward, observation, and
+the restart of episodes that have ended. Ratios are taken in turns in one process, so that they are of the same
+machine at the same time: to a fixed compiled workload (how many of its rounds an environment step costs), to
+Gymnasium's own vector of carts with poles, which needs four sums and two trigonometric functions a step, and to as
+many single environments one after the other. Prints a table, or one JSON document with --json; --quick takes
+fewer turns.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import statistics
+import time
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+import numba
+import numpy as np
+
+from musclewire.experiment.open_loop import characterize
+from musclewire.identify import fit
+from musclewire.interfaces.environments import ENVIRONMENT, WireVectorEnv
+from musclewire.rigs.configuration import open_rig
+
+WIRES, SINGLE = 1024, 8
+BAR_PER_S = 2e6
+ROUNDS = 200_000
+
+
+@numba.njit(error_model="numpy")
+def fixed_rounds(rounds: int) -> float:
+    """Return the end of a chain of products, quotients and roots: each round waits for the one before."""
+    value = 0.5
+    for number in range(rounds):
+        value = math.sqrt(1.0 + value * value) / (1.0 + 0.5 * value) + 1e-9 * number
+    return value
+
+
+def seconds(run: Callable[[], object]) -> float:
+    """Return how long a call takes."""
+    begin = time.perf_counter()
+    run()
+    return time.perf_counter() - begin
+
+
+def stepper(env: Any, shape: tuple[int, ...], steps: int) -> Callable[[], None]:
+    """Return a function that takes ``steps`` steps at drives drawn before, and restarts what has ended."""
+    env.reset(seed=1)
+    actions = np.random.default_rng(1).uniform(-1.0, 1.0, (steps, *shape))
+    if env.action_space.dtype == np.int64:
+        actions = (actions > 0.0).astype(np.int64)
+
+    def run() -> None:
+        for action in actions:
+            env.step(action)
+
+    return run
+
+
+def measured(turns: int, steps: int) -> dict[str, float]:
+    """Return steps a second and ratios, medians over turns."""
+    with open_rig("simulated") as rig:
+        model = fit(characterize(rig, cycles=1))
+    kinds = {
+        "ours": (stepper(WireVectorEnv(WIRES, episode="random"), (WIRES, 1), steps), WIRES * steps),
+        "with estimator": (
+            stepper(WireVectorEnv(WIRES, episode="random", model=model), (WIRES, 1), steps),
+            WIRES * steps,
+        ),
+        "carts": (stepper(gymnasium.make_vec("CartPole-v1", WIRES), (WIRES,), steps), WIRES * steps),
+        "single": (
+            stepper(gymnasium.make_vec(ENVIRONMENT, SINGLE, vectorization_mode="sync"), (SINGLE, 1), steps),
+            SINGLE * steps,
+        ),
+        "fixed": (lambda: fixed_rounds(ROUNDS), ROUNDS),
+    }
+    took: dict[str, list[float]] = {name: [] for name in kinds}
+    for turn in range(turns + 1):
+        for name, (run, count) in kinds.items():
+            each_s = seconds(run) / count
+            if turn:  # the first one compiles
+                took[name].append(each_s)
+    ratios = {
+        f"{over} over ours": statistics.median(b / a for a, b in zip(took["ours"], took[over], strict=True))
+        for over in ("carts", "single", "with estimator")
+    }
+    return {
+        "steps_per_s": 1.0 / statistics.median(took["ours"]),
+        "best_steps_per_s": 1.0 / min(took["ours"]),
+        "fixed_rounds_per_step": statistics.median(a / b for a, b in zip(took["ours"], took["fixed"], strict=True)),
+        "with_estimator_over_ours": ratios["with estimator over ours"],
+        "single_over_ours": ratios["single over ours"],
+        "carts_over_ours": ratios["carts over ours"],
+        "bar_steps_per_s": BAR_PER_S,
+    }
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", action="store_true", help="print one JSON document")
+    parser.add_argument("--quick", action="store_true", help="fewer turns")
+    options = parser.parse_args()
+    found = measured(*((3, 20) if options.quick else (9, 200)))
+    if options.json:
+        print(json.dumps(found))
+        return
+    print(f"{WIRES} wires, samples of 50 ms: {found['steps_per_s'] / 1e6:.3f} million environment steps a second")
+    print(f"  (best {found['best_steps_per_s'] / 1e6:.3f}; the bar is {BAR_PER_S / 1e6:g})")
+    print(f"one environment step costs {found['fixed_rounds_per_step']:.1f} rounds of the fixed workload")
+    print(f"with the estimator's strain in the observation it costs {found['with_estimator_over_ours']:.2f} times that")
+    print(f"a step of {SINGLE} single environments one after the other: {found['single_over_ours']:.0f} times ours")
+    print(f"a step of {WIRES} carts with poles (Gymnasium's own vector): {found['carts_over_ours']:.2f} times ours")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""What programs of others already speak: Gymnasium environments and systems of python-control."""

@@ -1,0 +1,224 @@
+"""The Gymnasium environments: what Gymnasium asks of them, and that both are the rig that the command line drives."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from musclewire.controllers.protection import Event, State, armed, protect_command, protect_reading, protection_table
+from musclewire.controllers.protection.protect import CONDITION_EVENTS
+from musclewire.errors import CallerError
+from musclewire.experiment.open_loop import characterize
+from musclewire.identify import fit
+from musclewire.interfaces.environments import ENVIRONMENT, Episode, WireEnv, WireVectorEnv
+from musclewire.interfaces.environments.kernels import MEMORY, protect_lane
+from musclewire.interfaces.environments.vector import facts_of
+from musclewire.interfaces.simulated_wire import simulated_wire
+from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.sensing import SensingModel
+
+# Noise far below one step of the converter: then both environments read the same numbers.
+QUIET = {"acquisition_noise_v": 0.0, "displacement_noise_m": 0.0, "acquisition_bits": 24.0}
+SHORT = {"hold_s": 0.5, "approach_s": 0.5, "increments": 2}
+
+
+@pytest.fixture(scope="module")
+def model() -> SensingModel:
+    with open_rig("simulated") as rig:
+        return fit(characterize(rig, cycles=1, period_s=30.0))
+
+
+def drives(samples: int, lanes: int = 1) -> np.ndarray:
+    """Return drives that heat the wire, cool it and heat it again, (n_samples, n_lanes, 1)."""
+    wave = np.sin(np.arange(samples)[:, None] * 0.11 + np.arange(lanes) * 0.4)
+    return wave[:, :, None]
+
+
+@pytest.mark.parametrize("episode", ["staircase", "random"])
+def test_gymnasium_finds_nothing_wrong(episode: str, model: SensingModel) -> None:
+    check_env(gymnasium.make(ENVIRONMENT, episode=episode).unwrapped)
+    check_env(gymnasium.make(ENVIRONMENT, episode=episode, model=model).unwrapped)
+
+
+def test_the_registry_makes_both_kinds() -> None:
+    assert isinstance(gymnasium.make(ENVIRONMENT).unwrapped, WireEnv)
+    assert isinstance(gymnasium.make_vec(ENVIRONMENT, num_envs=2), WireVectorEnv)
+    assert isinstance(gymnasium.make_vec(ENVIRONMENT, num_envs=2, vectorization_mode="sync").envs[0].unwrapped, WireEnv)
+
+
+def test_an_observation_holds_what_a_rig_reads_and_no_more() -> None:
+    """The rig itself is the oracle: the same drives give the same voltages."""
+    env = WireEnv(episode=SHORT)
+    observed, _ = env.reset(seed=3)
+    with open_rig("simulated", seed=int(np.random.Generator(np.random.PCG64(3)).integers(2**31))) as rig:
+        sample = rig.exchange(rig.sense_voltage_v)
+        resistance = sample.wire_voltage_v / sample.shunt_voltage_v * rig.shunt_resistance_ohm
+        assert observed.tolist() == [
+            sample.wire_voltage_v, sample.shunt_voltage_v, resistance, sample.drive_voltage_v, 0.015,
+        ]  # fmt: skip
+        for action in drives(20)[:, 0]:
+            observed, reward, *_, info = env.step(action)
+            span_v = rig.maximum_voltage_v - rig.sense_voltage_v
+            sample = rig.exchange(rig.sense_voltage_v + 0.5 * (action[0] + 1.0) * span_v)
+            assert observed[:2].tolist() == [sample.wire_voltage_v, sample.shunt_voltage_v]
+            assert sample.displacement_m is not None
+            assert info["measured_strain"] == sample.displacement_m / rig.leg_length_m
+            assert reward == -100.0 * abs(0.015 - info["measured_strain"])
+
+
+def test_a_wire_in_the_vector_is_the_wire_of_the_single_environment(model: SensingModel) -> None:
+    single, vector = WireEnv(episode=SHORT, model=model, **QUIET), WireVectorEnv(3, episode=SHORT, model=model, **QUIET)
+    alone, _ = single.reset(seed=1)
+    together, _ = vector.reset(seed=2)
+    np.testing.assert_allclose(together[1], alone, rtol=1e-9, atol=1e-12)
+    for actions in drives(60, 3):
+        alone, reward, terminated, truncated, info = single.step(actions[1])
+        together, rewards, ended, cut, infos = vector.step(actions)
+        np.testing.assert_allclose(together[1], alone, rtol=1e-9, atol=1e-12)
+        assert rewards[1] == pytest.approx(reward, rel=1e-9)
+        assert infos["measured_strain"][1] == pytest.approx(info["measured_strain"], rel=1e-9, abs=1e-12)
+        assert (ended[1], cut[1]) == (terminated, truncated)
+    assert truncated
+
+
+def test_the_vectors_noise_is_that_of_the_rigs_instruments() -> None:
+    """Fifty readings of a converter, each rounded, against one number of the same variance."""
+    count = 400
+    vector = WireVectorEnv(count, episode=SHORT)
+    many = vector.reset(seed=5)[0]
+    single = [WireEnv(episode=SHORT).reset(seed=seed)[0] for seed in range(count)]
+    for column in (0, 1):
+        ours, theirs = many[:, column], np.array(single)[:, column]
+        assert ours.mean() == pytest.approx(theirs.mean(), abs=4 * theirs.std() * (2 / count) ** 0.5)
+        assert ours.std() == pytest.approx(theirs.std(), rel=4 / (2 * count) ** 0.5)
+
+
+def test_few_readings_of_a_quiet_converter_are_rounded_one_by_one() -> None:
+    few = {"acquisition_noise_v": 1e-5, "acquisition_readings": 2.0}
+    vector = WireVectorEnv(5, episode=SHORT, **few)
+    step_v = 2.0 * 10.0 / 2.0**16
+    in_steps = vector.reset(seed=5)[0][:, :2] / (0.5 * step_v)
+    np.testing.assert_allclose(in_steps, in_steps.round(), atol=1e-6)
+
+
+def rollout(env: Any, seed: int, samples: int, lanes: int) -> np.ndarray:
+    """Return all observations and rewards of a run."""
+    rows = [env.reset(seed=seed)[0]]
+    for actions in drives(samples, lanes):
+        observed, rewards, *_ = env.step(actions)
+        rows.append(np.column_stack([observed, rewards]))
+    return np.concatenate([row.ravel() for row in rows])
+
+
+def test_the_same_seed_gives_the_same_run_and_another_one_does_not() -> None:
+    env = WireVectorEnv(2, episode={**SHORT, "targets": "random"})
+    first, again, other = (rollout(env, seed, 70, 2) for seed in (7, 7, 8))
+    assert np.array_equal(first, again)
+    assert not np.array_equal(first, other)
+
+
+def test_a_wire_does_not_notice_how_many_others_there_are() -> None:
+    few, many = (WireVectorEnv(count, episode={**SHORT, "targets": "random"}) for count in (2, 5))
+    few.reset(seed=4)
+    many.reset(seed=4)
+    for actions in drives(70, 5):
+        here, there = few.step(actions[:2]), many.step(actions)
+        for ours, theirs in zip(here[:4], there[:4], strict=True):
+            assert np.array_equal(ours, theirs[:2])
+
+
+def test_an_ended_wire_begins_its_next_episode_cold_in_the_next_step() -> None:
+    env = WireVectorEnv(2, episode={**SHORT, "targets": "random"})
+    first, _ = env.reset(seed=1)
+    samples = 10 + 5 * 10
+    for sample in range(1, samples + 1):
+        observed, rewards, terminated, truncated, _ = env.step(np.ones((2, 1)))
+        assert truncated.tolist() == [sample == samples] * 2
+        assert not terminated.any()
+    observed, rewards, _, truncated, _ = env.step(np.ones((2, 1)))
+    assert rewards.tolist() == [0.0, 0.0]
+    assert not truncated.any()
+    np.testing.assert_allclose(observed[:, :4], first[:, :4], rtol=0.05)
+    assert not np.array_equal(observed[:, 4], first[:, 4]), "an episode has targets of its own"
+
+
+def test_the_protection_ends_an_episode_in_both_at_the_same_sample() -> None:
+    limits = {"limits": {"maximum_temperature": "60 degC"}}
+    configuration = RigConfiguration.model_validate(limits)
+    single, vector = (
+        WireEnv(configuration, episode=SHORT, **QUIET),
+        WireVectorEnv(1, configuration, episode=SHORT, **QUIET),
+    )
+    single.reset(seed=1)
+    vector.reset(seed=1)
+    sample = 0
+    while True:
+        sample += 1
+        observed, reward, terminated, truncated, info = single.step(np.ones(1))
+        together, rewards, ended, cut, infos = vector.step(np.ones((1, 1)))
+        np.testing.assert_allclose(together[0], observed, rtol=1e-9)
+        assert rewards[0] == pytest.approx(reward)
+        assert (ended[0], cut[0]) == (terminated, truncated)
+        if terminated:
+            break
+    assert info["event"] == infos["event"][0] == "over_temperature"
+    assert reward == pytest.approx(-100 * 0.03 * (60 - sample + 1))
+    assert observed[3] == 0.0
+
+
+READINGS = st.lists(st.tuples(st.floats(0.3, 3.6), st.floats(-0.2, 1.3), st.floats(0.01, 2.0)), min_size=1, max_size=12)
+
+
+@settings(max_examples=200)
+@given(READINGS, st.floats(300.0, 400.0), st.floats(0.01, 0.5))
+def test_the_compiled_protection_trips_as_the_table_does(
+    readings: list[tuple[float, float, float]], hottest_k: float, jump_share: float
+) -> None:
+    """Readings of any circuit that carries a current, against ``protect_reading``."""
+    wire = simulated_wire("simulated")
+    limits = wire.limits._replace(maximum_temperature_k=hottest_k, jump_share=jump_share, readings_noisy=0.0)
+    fact, kept = facts_of(wire)[0], np.zeros(1, MEMORY)[0]
+    fact["maximum_temperature_k"], fact["jump_share"] = hottest_k, jump_share
+    kept["temperature_k"] = limits.ambient_temperature_k
+    lasts_s = np.array([protection_table().lasts_s[event] for event in CONDITION_EVENTS])
+    state = armed(limits)
+    for place, (drive_v, wire_factor, current_a) in enumerate(readings):
+        # Never twice the same, and never without supply: what a circuit without faults does not do is not simulated.
+        wire_v = wire_factor * drive_v + 1e-6 * place
+        shunt_v = max(current_a, 0.5 * drive_v - abs(wire_v)) + 1e-6 * (place + 1)
+        kept["drive_voltage_v"] = drive_v
+        state = protect_reading(protect_command(state, limits, drive_v), limits, drive_v, wire_v, shunt_v, 0.05)
+        event = protect_lane(fact, kept, lasts_s, wire_v, shunt_v)
+        assert event == (int(state.event) if state.state is State.TRIPPED else Event.NONE)
+        assert kept["temperature_k"] == pytest.approx(state.temperature_k, rel=1e-12)
+        if event:
+            break
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"num_envs": 0}, "at least 1"),
+        ({"rig": "gripper"}, "two wires"),
+        ({"rig": RigConfiguration.model_validate({"surroundings": {"draught": 0.1}})}, "moving air"),
+        ({"sample_period_s": 0.002}, "longer"),
+    ],
+)
+def test_what_the_vector_cannot_simulate_is_refused_in_one_line(changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(CallerError, match=said) as caught:
+        WireVectorEnv(**{"num_envs": 1, **changes})
+    assert "\n" not in str(caught.value)
+
+
+def test_a_wrong_action_is_refused_in_one_line() -> None:
+    env = WireEnv(episode=Episode(hold_s=0.5))
+    env.reset(seed=1)
+    for wrong in (np.zeros(2), np.array([np.nan])):
+        with pytest.raises(CallerError, match="an action is an array of shape"):
+            env.step(wrong)
