@@ -97,6 +97,7 @@ CALLS = {
     "fit": ["loop.h5"],
     "estimate": ["model.json", "loop.h5"],
     "protection": ["simulated"],
+    "bench": ["--quick", "--only", "step[10ms,numba]"],
     "rules": [],
     "export c": ["model.json", "-o", "library"],
     "cite": [],

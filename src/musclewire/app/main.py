@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
+from musclewire.app.bench_command import add_bench_command
 from musclewire.app.calibrate_command import add_calibrate_command
 from musclewire.app.control_command import add_control_command
 from musclewire.app.design import add_design_commands
@@ -71,6 +72,7 @@ add_calibrate_command(app)
 add_design_commands(app)
 add_export_commands(app)
 add_protection_command(app)
+add_bench_command(app)
 
 
 def main() -> None:

@@ -187,7 +187,8 @@ COMPARE = option("--compare", help="Compare distributed with concentrated actuat
 REFINED = option("--refined", help="Factor by which the finite elements are finer.", min=1, max=4)
 
 # Everything else.
-ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.mae'.", metavar="NAME")
+ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.mae'; 'step'.", metavar="NAME")
+QUICK = option("--quick", help="Fewer repetitions.")
 SETTINGS = option("--settings", help="TOML file with settings of the controller, as kp_range = [0.01, 0.1].")
 DOUBLE = option("--double", help="Double precision instead of single.")
 NAME = option("--name", help="Name of the library, a C identifier.")

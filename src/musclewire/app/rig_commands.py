@@ -149,16 +149,17 @@ def loop_json(recording: Recording) -> dict[str, Any]:
     from musclewire.identify.recordings import reference_quantity
 
     keys = ("strain_gap_pct", "displacement_gap_pct", "force_gap_pct", "stroke_pct")
+    nothing = {**dict.fromkeys(keys), "no_force_gap": "no loop"}
     if reference_quantity(recording, "strain") is None and "displacement_m" not in recording:
-        return {**dict.fromkeys(keys), "note": NO_INSTRUMENT}
+        return {**nothing, "note": NO_INSTRUMENT}
     try:
         gaps = loop_gaps(recording)
     except RecordingError as error:
         # The recording is sound and kept; it only shows no loop, which is worth knowing now.
-        return {**dict.fromkeys(keys), "problem": str(error)}
+        return {**nothing, "problem": str(error)}
     fractions = (gaps.strain_gap, gaps.displacement_gap, gaps.force_gap, gaps.segments.strain_max)
     found = {key: None if one is None else 100 * one for key, one in zip(keys, fractions, strict=True)}
-    return {**found, "no_force_gap": gaps.no_force_gap} if gaps.no_force_gap else found
+    return {**found, "no_force_gap": gaps.no_force_gap}
 
 
 def loop_text(answer: Mapping[str, Any]) -> str:
@@ -168,7 +169,7 @@ def loop_text(answer: Mapping[str, Any]) -> str:
         gaps.pop()
     gaps.append(("force", answer["force_gap_pct"]))
     said = (f"{name} gap {gap:.3f} %" for name, gap in gaps if gap is not None)
-    why = [f"no force gap: {answer['no_force_gap']}"] if "no_force_gap" in answer else []
+    why = [f"no force gap: {answer['no_force_gap']}"] if answer["no_force_gap"] else []
     return "\n".join([", ".join([*said, f"stroke {answer['stroke_pct']:.2f} %"]), *why])
 
 

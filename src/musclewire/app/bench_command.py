@@ -1,0 +1,83 @@
+"""Command ``bench``: how fast it is on this machine, compared with what one would use instead."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from musclewire.app.commands import add_command
+from musclewire.app.options import ONLY, QUICK, Json
+from musclewire.app.output import emit_json, say, show
+
+if TYPE_CHECKING:
+    from musclewire.speed.bench import Benchmark
+    from musclewire.speed.machine import Machine
+
+__all__ = ["add_bench_command"]
+
+
+def add_bench_command(app: typer.Typer) -> None:
+    """Add the command of this file."""
+    add_command(app, bench)
+
+
+def bench(
+    only: Annotated[str | None, ONLY] = None,
+    quick: Annotated[bool, QUICK] = False,
+    json: Json = False,
+) -> None:
+    """How fast it is on this machine, as ratios to what one would use instead."""
+    from musclewire.speed.bench import bench as run_bench
+
+    began_s = time.perf_counter()
+    found = run_bench(
+        only, quick=quick, on_case=None if json else lambda name, number, of: say(f"{number + 1} of {of}: {name}")
+    )
+    if json:
+        emit_json({**bench_json(found), "wall_s": time.perf_counter() - began_s})
+    else:
+        show(bench_text(found))
+
+
+def bench_json(found: Benchmark) -> dict[str, Any]:
+    """Return a benchmark under the keys of the interface."""
+    return {
+        "rows": [asdict(row) for row in found.rows],
+        "left_out": [{"name": name, "needs_extra": extra} for name, extra in found.left_out],
+        "machine": asdict(found.machine),
+        "quick": found.quick,
+    }
+
+
+def bench_text(found: Benchmark) -> str:
+    """Return the table of a benchmark, what each row compares, and the machine."""
+    lines = [f"{'':26}{'ours':>12}{'theirs':>12}{'ratio':>9}  {'of the turns':18}compared with"]
+    for row in found.rows:
+        times = f"{time_text(row.ours_us):>12}{time_text(row.theirs_us):>12}{row.ratio:9.4g}"
+        span = f"{row.ratio_low:.4g} to {row.ratio_high:.4g}"
+        lines.append(f"{row.name:26}{times}  {span:18}{row.theirs}")
+    lines += ["", "What the time is for:", *(f"  {row.name}: {row.work}" for row in found.rows)]
+    lines += [f"not measured: {name}: pip install 'musclewire[{extra}]'" for name, extra in found.left_out]
+    turns = found.rows[0].turns if found.rows else 0
+    return "\n".join([*lines, "", machine_text(found.machine), f"medians of {turns} turns, ours and theirs in turn"])
+
+
+def time_text(time_us: float) -> str:
+    """Return a time in the unit that suits it, with three digits."""
+    for unit, scale in (("ns", 1e3), ("us", 1.0), ("ms", 1e-3)):
+        if time_us * scale < 1e3:
+            return f"{time_us * scale:.3g} {unit}"
+    return f"{1e-6 * time_us:.3g} s"
+
+
+def machine_text(machine: Machine) -> str:
+    """Return the measured peaks of a machine."""
+    return (
+        f"{machine.processor}, {machine.cores} cores; measured for one thread: "
+        f"{1e-9 * machine.vector_flops_per_s:.3g} Gflop/s in vectors, "
+        f"{1e-9 * machine.chained_flops_per_s:.2g} Gflop/s where each waits for the last, "
+        f"{1e-9 * machine.bandwidth_bytes_per_s:.3g} GB/s of memory"
+    )

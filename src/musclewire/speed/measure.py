@@ -1,0 +1,95 @@
+"""Two programs compared: in turns, so that what else the machine does falls on both, and as medians."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+__all__ = ["Comparison", "Side", "comparison", "paired_us"]
+
+
+def nothing() -> None:
+    """Prepare nothing."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of two programs: what runs, how many units of the comparison a run is, and what is made before, untimed."""
+
+    run: Callable[[Any], object]
+    units: float
+    prepare: Callable[[], Any] = nothing
+
+    def time_us(self, clock: Callable[[], float] = perf_counter) -> float:
+        """Run once; return the time of a unit by a clock in seconds."""
+        prepared = self.prepare()
+        began_s = clock()
+        self.run(prepared)
+        return 1e6 * (clock() - began_s) / self.units
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A row of the benchmark: our time and another program's, for the same amount of work.
+
+    Parameters
+    ----------
+    name
+        Name of the row; it begins with what is measured.
+    work
+        The work whose time is given, the same for both, and in what they differ.
+    theirs
+        The other program.
+    ours_us
+        Our time [us], median of the turns.
+    theirs_us
+        The other program's time [us], median of the turns.
+    ratio
+        Their time over ours, median of the turns' ratios: how many times faster ours is.
+    ratio_low
+        Smallest ratio of the turns.
+    ratio_high
+        Largest ratio of the turns.
+    turns
+        How often each has run, after one run that is not counted.
+    """
+
+    name: str
+    work: str
+    theirs: str
+    ours_us: float
+    theirs_us: float
+    ratio: float
+    ratio_low: float
+    ratio_high: float
+    turns: int
+
+
+def paired_us(
+    ours: Side, theirs: Side, turns: int, clock: Callable[[], float] = perf_counter
+) -> list[tuple[float, float]]:
+    """Return our time and theirs of so many turns, in each of which both run, after one run that is not counted.
+
+    Who is first changes from turn to turn: neither always finds the caches as the other left them.
+    """
+    ours.time_us(clock)
+    theirs.time_us(clock)
+    pairs = []
+    for turn in range(turns):
+        if turn % 2:
+            their_us, our_us = theirs.time_us(clock), ours.time_us(clock)
+        else:
+            our_us, their_us = ours.time_us(clock), theirs.time_us(clock)
+        pairs.append((our_us, their_us))
+    return pairs
+
+
+def comparison(name: str, work: str, theirs: str, pairs: Sequence[tuple[float, float]]) -> Comparison:
+    """Return the row of measured turns: medians of both times and of the turns' ratios."""
+    ratios = [their_us / our_us for our_us, their_us in pairs]
+    our_us, their_us = (statistics.median(times) for times in zip(*pairs, strict=True))
+    ratio = statistics.median(ratios)
+    return Comparison(name, work, theirs, our_us, their_us, ratio, min(ratios), max(ratios), len(pairs))
