@@ -60,7 +60,7 @@ class ConstantDrive:
     def after(self, _sample: RawSample, _elapsed_s: float) -> Decision:
         # A channel that stands still shows only when something moves.
         self.drive_voltage_v += 0.002 * random.choice([-1, 1])
-        return Decision(Drive(self.drive_voltage_v), {})
+        return Decision(Drive(self.drive_voltage_v))
 
 
 class Outcome:

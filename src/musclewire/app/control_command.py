@@ -123,7 +123,7 @@ def anchored(rig: GuardedRig, model: SensingModel, *, quiet: bool) -> SensingMod
 def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> dict[str, Any]:
     """Return a closed loop under the keys of the interface; its warnings are also printed."""
     from musclewire.experiment.force_limit import force_warnings
-    from musclewire.experiment.run import timing_json
+    from musclewire.experiment.timing_facts import timing_json
 
     return {
         **metrics_json(run.metrics),

@@ -58,6 +58,8 @@ __all__ = [
     "with_error_unit",
 ]
 
+# What every tick compares with: to look up a member of an enumeration takes longer than to compare it.
+NO_CURRENT = Reason.NO_CURRENT
 GAIN_COLUMNS = ("proportional_gain", "integral_gain", "derivative_gain")
 
 Range: TypeAlias = tuple[Annotated[float, Field(ge=0.0)], Annotated[float, Field(ge=0.0)]]
@@ -335,7 +337,7 @@ class FuzzyPidController:
         self, state: Drive | ControllerState, target: float, estimate: QuantityEstimate, dt_s: float
     ) -> ControlStep:
         """Return the law's drive for an estimate; without current the last one, and no gains."""
-        if estimate.reason is Reason.NO_CURRENT:
+        if estimate.reason is NO_CURRENT:
             if isinstance(state, Drive):
                 return ControlStep(state, state, (0.0, 0.0, 0.0))
             held = self.law.hold(state)

@@ -161,7 +161,7 @@ class Staircase:
             For a time that is not finite.
         """
         index = bisect_right(self._starts_s, _checked_time(time_s) + CLOCK_TOLERANCE_S) - 1
-        return self.levels[max(index, 0)]
+        return self.levels[index if index > 0 else 0]
 
     def targets_at(self, time_s: ArrayLike) -> FloatArray:
         """Return the levels at many times.

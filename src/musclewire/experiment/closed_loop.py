@@ -130,7 +130,7 @@ class SelfSensingPolicy:
             self._controller_state, target, estimate, self._sample_period_s
         )
         values = (*sensed, *status, judged, estimate.value, float(estimate.valid), *controlled)
-        return Decision(command, dict(zip(self._columns, values, strict=True)))
+        return Decision(command, values)
 
     def _estimated(self, sample: WireSample) -> tuple[EstimatorStep, tuple[float, ...]]:
         """Return the estimator's step, with a due correction of its slow part, and the status of that."""

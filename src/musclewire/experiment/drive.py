@@ -5,7 +5,7 @@ Both policies would run on a real rig: the held current is regulated by the curr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 
 from musclewire.errors import CallerError, RigError
@@ -41,7 +41,7 @@ class HeldVoltage:
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:  # noqa: ARG002
         """Return the supply's voltage until it is time to switch off."""
         on = elapsed_s < self._off_at_s - 1e-9
-        return Decision(Drive(self._drive_voltage_v if on else self._sense_voltage_v), {})
+        return Decision(Drive(self._drive_voltage_v if on else self._sense_voltage_v))
 
 
 class HeldCurrent:
@@ -77,14 +77,14 @@ class HeldCurrent:
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the voltage that drives the wanted current through the resistance just measured."""
         if elapsed_s >= self._off_at_s - 1e-9:
-            return Decision(Drive(self._sense_voltage_v), {})
+            return Decision(Drive(self._sense_voltage_v))
         reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
         if not reading.valid:
-            return Decision(Drive(self._kept(sample)), {})
+            return Decision(Drive(self._kept(sample)))
         self._dropouts = 0
         circuit_ohm = sample.drive_voltage_v * self._shunt_resistance_ohm / sample.shunt_voltage_v
         wanted_v = self._current_a * circuit_ohm
-        return Decision(Drive(min(max(wanted_v, self._sense_voltage_v), self._maximum_voltage_v)), {})
+        return Decision(Drive(min(max(wanted_v, self._sense_voltage_v), self._maximum_voltage_v)))
 
     def _kept(self, sample: RawSample) -> float:
         self._dropouts += 1
@@ -110,8 +110,7 @@ class WithThermometer:
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the policy's decision with the temperature added."""
         decision = self._policy.after(sample, elapsed_s)
-        columns: Mapping[str, float] = {**decision.columns, "wire_temperature_k": self._temperature_k()}
-        return Decision(decision.command, columns)
+        return Decision(decision.command, (*decision.values, self._temperature_k()))
 
 
 def drive_wire(

@@ -101,13 +101,13 @@ class GripPolicy:
             self._bridge(sample)
         return Decision(
             Drive(drive),
-            {
-                "wire_resistance_ohm": reading.resistance_ohm,
-                "contact_score": self.state.score,
-                "contact": float(self.state.touched),
-                "estimated_grip_force_n": self._force_n,
-                "target_grip_force_n": self._plan.target_n if self._held_v else 0.0,
-            },
+            (
+                reading.resistance_ohm,
+                self.state.score,
+                float(self.state.touched),
+                self._force_n,
+                self._plan.target_n if self._held_v else 0.0,
+            ),
         )
 
     def _drive_after(self, sample: RawSample, resistance_ohm: float, elapsed_s: float) -> float:

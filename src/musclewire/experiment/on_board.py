@@ -61,12 +61,12 @@ class TargetPolicy:
         valid = resistance_ohm > 0.0 and self._model.estimate(resistance_ohm).valid
         return Decision(
             self._target_at(max(since_s, 0.0)),
-            {
-                "wire_resistance_ohm": resistance_ohm,
-                self._target_name: judged,
-                self._estimated_name: estimate if estimate is not None and valid else self._model.quantity_min,
-                "valid": float(valid),
-            },
+            (
+                resistance_ohm,
+                judged,
+                estimate if estimate is not None and valid else self._model.quantity_min,
+                float(valid),
+            ),
         )
 
     def _target_at(self, time_s: float) -> Target:

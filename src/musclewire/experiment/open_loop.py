@@ -87,7 +87,7 @@ class WaveformPolicy:
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:  # noqa: ARG002
         """Return the waveform's next value; a sample that ends a cycle belongs to that cycle."""
         cycle = math.ceil(elapsed_s / self._period_s - 1e-9)
-        return Decision(Drive(self._waveform(elapsed_s)), {"cycle": float(max(cycle, 1))})
+        return Decision(Drive(self._waveform(elapsed_s)), (float(max(cycle, 1)),))
 
 
 def allowed_amplitude_v(rig: Rig, amplitude_v: float | None) -> float:

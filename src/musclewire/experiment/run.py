@@ -14,15 +14,16 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
 from math import nan
+from operator import itemgetter
 from pathlib import Path
 from time import perf_counter_ns
 from types import TracebackType
-from typing import Any, NamedTuple, Protocol, Self, TypedDict
+from typing import NamedTuple, Protocol, Self, TypedDict, cast
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, MusclewireError, RecordingNotWrittenError
+from musclewire.experiment.timing_facts import percentiles
 from musclewire.rigs.abilities import exchange_times_of, protection_limits_of
 from musclewire.rigs.protocol import Rig
 from musclewire.rigs.real_time import scheduling
@@ -42,7 +43,6 @@ __all__ = [
     "Recorder",
     "cause_of",
     "LoopTiming",
-    "timing_json",
 ]
 
 OnSample = Callable[[Mapping[str, float]], None]
@@ -53,7 +53,6 @@ PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
 MIN_PERIOD_FOR_DISK_S = 0.02
 # Files HDF5 has lost hold of: closing one, or letting it be collected, fails again and may crash the process.
 _NEVER_LET_GO: list[object] = []
-PERCENTILES = {"p50": 50.0, "p99": 99.0, "p999": 99.9}
 NO_CLOCK = "none: samples came as fast as they were computed"
 CLOCK = "real time"
 
@@ -71,10 +70,10 @@ class RunOptions(TypedDict, total=False):
 
 
 class Decision(NamedTuple):
-    """A policy's answer to a sample: the next command, and values to record with the sample."""
+    """A policy's answer to a sample: the next command, and a value to record for each of the policy's columns."""
 
     command: Command
-    columns: Mapping[str, float]
+    values: tuple[float, ...] = ()
 
 
 class Policy(Protocol):
@@ -192,11 +191,13 @@ def run_on_rig(
         if instruments is None:  # then the first sample shows them
             first = exchange(command)
             instruments = tuple(name for name in REFERENCE_COLUMNS if getattr(first, name) is not None)
-        columns = [*ELECTRICAL_COLUMNS, *instruments, *policy.columns]
+        measured = (*ELECTRICAL_COLUMNS, *instruments)
+        columns = (*measured, *policy.columns)
         with recorder_for(rig, columns, described, path, overwrite) as recorder, few_collections():
             try:
                 first = exchange(command) if first is None else first
-                follow(policy, exchange, first, samples, rig.sample_period_s, recorder, timing, on_sample)
+                loop = Loop(policy, exchange, recorder, measured)
+                follow(loop, first, samples, rig.sample_period_s, timing, on_sample)
             finally:
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
                 # Once more: what a rig counts, lost frames for one, is known only now.
@@ -206,32 +207,47 @@ def run_on_rig(
     return recorder.recording()
 
 
+class Loop(NamedTuple):
+    """What meets in a run: the policy, the rig's exchange, the recorder, and which fields of a sample it records."""
+
+    policy: Policy
+    exchange: Exchange
+    recorder: Recorder
+    measured: tuple[str, ...]
+
+
 def follow(
-    policy: Policy,
-    exchange: Exchange,
+    loop: Loop,
     sample: RawSample,
     samples: int,
     sample_period_s: float,
-    recorder: Recorder,
     timing: LoopTiming,
     on_sample: OnSample | None,
 ) -> None:
     """Hand each sample to the policy, record both, hand the policy's command to the rig; from a first sample on."""
+    policy, exchange, recorder, measured = loop
+    # The time comes first and is the run's own.
+    fields_of = itemgetter(*(RawSample._fields.index(name) for name in measured[1:]))
     start_s = sample.time_s - sample_period_s
     for left in range(samples, 0, -1):
         # A recording counts from its own start; rounded, because the difference of clocks is not, and before the policy
         # sees it, so that a replay of the recording shows it the very same time.
         elapsed_s = round(sample.time_s - start_s, 9)
         decision = policy.after(sample, elapsed_s)
-        row = sample._asdict()
-        row.update(decision.columns, time_s=elapsed_s)
-        recorder.append(row)
+        recorder.append([elapsed_s, *fields_of(sample), *decision.values])
         if on_sample is not None:
             called_ns = perf_counter_ns()
-            on_sample(row)
+            on_sample(row_of(sample, elapsed_s, policy.columns, decision.values))
             timing.called_back(perf_counter_ns() - called_ns)
         if left > 1:
             sample = exchange(decision.command)
+
+
+def row_of(
+    sample: RawSample, elapsed_s: float, columns: Sequence[str], values: tuple[float, ...]
+) -> Mapping[str, float]:
+    """Return a recorded row by the names of its columns, as a callback sees it."""
+    return {**sample._asdict(), "time_s": elapsed_s, **dict(zip(columns, values, strict=True))}
 
 
 def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
@@ -259,8 +275,8 @@ def recorder_for(
 ) -> Recorder:
     """Return a recorder that a rig's pace does not have to wait for."""
     rows = max(1, round(PACED_BLOCK_S / rig.sample_period_s)) if rig.paced else FREE_BLOCK_ROWS
-    apart_s = rig.sample_period_s if rig.paced and rig.sample_period_s < MIN_PERIOD_FOR_DISK_S else None
-    return Recorder(columns, metadata, path, overwrite=overwrite, block_rows=rows, apart_period_s=apart_s)
+    apart = rig.paced and rig.sample_period_s < MIN_PERIOD_FOR_DISK_S
+    return Recorder(columns, metadata, path, overwrite=overwrite, block_rows=rows, apart=apart)
 
 
 def what_protects(rig: Rig) -> dict[str, MetadataValue]:
@@ -319,11 +335,11 @@ class Recorder:
         *,
         overwrite: bool = False,
         block_rows: int = 20,
-        apart_period_s: float | None = None,
+        apart: bool = False,
     ) -> None:
         """Start an empty recording; ``block_rows`` rows go to disk together.
 
-        With ``apart_period_s``, the sample period of a loop too fast to wait for a disk, another process writes.
+        With ``apart`` another process writes, for a loop that is too fast to wait for a disk.
         Raises CallerError if ``path`` exists and may not be replaced.
         """
         self._columns = tuple(columns)
@@ -332,17 +348,26 @@ class Recorder:
         # Plain numbers in one block: a million rows make no objects for the garbage collector to walk through.
         self._values = array("d")
         self._writer: RecordingWriter | WriterProcess | None = None
-        if path is not None and apart_period_s is not None:
-            self._writer = WriterProcess(path, columns, self._metadata, block_rows, overwrite, apart_period_s)
+        if path is not None and apart:
+            self._writer = WriterProcess(path, columns, self._metadata, block_rows, overwrite)
         elif path is not None:
             self._writer = RecordingWriter(path, columns, self._metadata, block_rows, overwrite)
         self._ended = "running"
         self._lost: Path | None = None
 
-    def append(self, row: Mapping[str, float | None]) -> None:
-        """Keep one row; it gives every column, None for an instrument without a reading."""
-        kept = [nan if (value := row[name]) is None else value for name in self._columns]
-        self._values.fromlist(kept)
+    def append(self, row: list[float | None]) -> None:
+        """Keep one row, a value for each column in their order, None for an instrument without a reading.
+
+        The caller must not change the list afterwards. Raises ValueError for a row of another length.
+        """
+        if len(row) != len(self._columns):
+            raise ValueError(f"a row of {len(row)} values for {len(self._columns)} columns: {', '.join(self._columns)}")
+        kept = cast("list[float]", row)
+        try:
+            self._values.fromlist(kept)
+        except TypeError:
+            kept = [nan if value is None else value for value in row]
+            self._values.fromlist(kept)
         if self._writer is None:
             return
         try:
@@ -456,20 +481,3 @@ class LoopTiming:
         found["deadline_misses"] = int(empty[empty > 0.0].sum())
         found["drift_us"] = round(float(intervals.sum() - intervals.size * self._period_us), 1)
         return found | percentiles("jitter", np.abs(intervals - self._period_us)) | percentiles("latency", latencies)
-
-
-def percentiles(name: str, values_us: FloatArray) -> dict[str, MetadataValue]:
-    """Return the percentiles of times [us] under the names of metadata; none without times."""
-    if not values_us.size:
-        return {}
-    found = np.percentile(values_us, list(PERCENTILES.values()))
-    return {f"{name}_{key}_us": round(float(value), 1) for key, value in zip(PERCENTILES, found, strict=True)}
-
-
-def timing_json(metadata: Mapping[str, MetadataValue]) -> dict[str, Any]:
-    """Return the timing in a recording's metadata as JSON keys; None for what was not measured."""
-    found: dict[str, Any] = {"deadline_misses": metadata.get("deadline_misses", 0)}
-    for name in ("jitter", "latency", "compute"):
-        parts = {key: metadata.get(f"{name}_{key}_us") for key in PERCENTILES}
-        found[f"{name}_us"] = None if None in parts.values() else parts
-    return {**found, "drift_us": metadata.get("drift_us")}

@@ -204,7 +204,7 @@ class ResistanceCurve:
         current": a loop that ignores validity then cools.
         """
         noise = self.resistance_noise_ohm if resistance_std_ohm is None else resistance_std_ohm
-        if isinstance(resistance_ohm, float | int):
+        if isinstance(resistance_ohm, (float, int)):
             return self._estimate_one(float(resistance_ohm), noise)
         return self._estimate_many(np.asarray(resistance_ohm, dtype=np.float64), noise)
 

@@ -33,6 +33,8 @@ __all__ = [
     "polynomial_estimator",
 ]
 
+# What every sample compares with: to look up a member of an enumeration takes longer than to compare it.
+OK, COLD = Reason.OK, Reason.COLD
 # A resistance further outside R_min..R_max, as a fraction of their span, is that of another wire, or a fault.
 MISMATCH_FRACTION = 0.15
 
@@ -235,18 +237,15 @@ class PolynomialEstimator:
         own = self._own_ohm[0] <= resistance_ohm <= self._own_ohm[1]
         friction_n = self._friction_after(state, read.value)
         segment = self._segment_after(state.segment, sample, resistance_ohm) if read.valid else state.segment
-        state = PolynomialState(
-            value=read.value + friction_n,
-            dropouts=0,
-            mismatches=0 if own else state.mismatches + 1,
-            segment=segment,
-            spring_force_n=None if self.load is None else read.value,
-            friction_n=friction_n,
-        )
+        value, mismatches = read.value + friction_n, 0 if own else state.mismatches + 1
+        spring_force_n = None if self.load is None else read.value
         reason = self._reason(own, read, segment)
-        failure = self._mismatch_failure(resistance_ohm, sample) if state.mismatches >= MAX_DROPOUTS else ""
-        estimate = QuantityEstimate(state.value, read.std, reason is Reason.OK, reason, failure)
-        return EstimatorStep(estimate, state, (resistance_ohm,))
+        failure = self._mismatch_failure(resistance_ohm, sample) if mismatches >= MAX_DROPOUTS else ""
+        return EstimatorStep(
+            QuantityEstimate(value, read.std, reason is OK, reason, failure),
+            PolynomialState(value, 0, mismatches, segment, spring_force_n, friction_n),
+            (resistance_ohm,),
+        )
 
     def read(self, wire_voltage_v: float, shunt_voltage_v: float) -> ResistanceReading:
         """Return the resistance of two voltages by Eq. 1, as the C form does.
@@ -291,7 +290,7 @@ class PolynomialEstimator:
         """Return why a sample with current is valid or not."""
         if not read.valid:
             return Reason.OUT_OF_RANGE if own else Reason.MISMATCH
-        return Reason.OK if segment is not None and segment.sensing else Reason.COLD
+        return OK if segment is not None and segment.sensing else COLD
 
     def _friction_after(self, state: PolynomialState, spring_force_n: float) -> float:
         """Return the friction in addition to a known spring [N], by the direction of motion."""

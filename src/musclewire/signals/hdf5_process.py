@@ -1,8 +1,8 @@
 """A recording's file written by another process, for loops too fast to wait for a disk.
 
 A block of rows takes HDF5 longer to write than a period of 1 ms lasts, and a busy disk longer still. So rows go through
-a pipe to a process that writes them. It survives if the host is killed, and writes
-the rows that were sent before.
+a pipe to a process that writes them. It survives if the host is killed, and writes the rows that were sent before. A
+thread fills the pipe: to the loop a row costs a copy of its numbers, and a disk that stalls costs memory and no time.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import os
 import struct
 import subprocess
 import sys
+import threading
 from array import array
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -27,9 +28,10 @@ __all__ = ["WriterProcess"]
 # The head of a message: its kind, and how many bytes follow.
 HEAD = struct.Struct("<BI")
 START, ROWS, CLOSE = 1, 2, 3
-# Rows are sent together this often: a killed host loses no more, and the other process is not woken for each.
+# Rows are sent together this often [s]: a killed host loses no more, and the other process is not woken for each.
 SENT_EVERY_S = 0.1
-# The largest pipe that Linux allows ordinary users: at 1 kHz and 15 columns it bridges stalls of eight seconds.
+# The largest pipe that Linux allows ordinary users: at 1 kHz and 15 columns it bridges stalls of eight seconds, in
+# which a killed host still loses no more.
 PIPE_BYTES = 1 << 20
 READY = b"ready\n"
 MAX_CLOSING_S = 60.0
@@ -45,13 +47,12 @@ class WriterProcess:
         metadata: Mapping[str, MetadataValue],
         block_rows: int,
         overwrite: bool,
-        sample_period_s: float,
     ) -> None:
         """Start the process and wait until it has created the file. Raises CallerError as ``RecordingWriter`` does."""
         self._path = Path(path)
-        self._rows_together = max(1, round(SENT_EVERY_S / sample_period_s))
-        self._row_values = len(columns)
-        self._values = array("d")
+        # Appended to by the loop, emptied by the thread; never replaced, so that neither needs a lock.
+        self._waiting = array("d")
+        self._failure = ""
         self._closed = False
         # A session of its own: Ctrl-C is for the host, which then closes the file.
         self._process = subprocess.Popen(
@@ -74,6 +75,9 @@ class WriterProcess:
         assert self._process.stdout is not None
         if self._process.stdout.readline() != READY:
             raise CallerError(self._failure_message())
+        self._ending = threading.Event()
+        self._sender = threading.Thread(target=self._send_until_the_end, name="musclewire recording", daemon=True)
+        self._sender.start()
 
     @property
     def path(self) -> Path:
@@ -87,22 +91,27 @@ class WriterProcess:
 
     def append_values(self, values: list[float]) -> None:
         """Add one row; rows are sent every tenth of a second. Raises OSError if the process has ended."""
-        self._values.fromlist(values)
-        if len(self._values) >= self._rows_together * self._row_values:
-            self._send_rows()
+        if self._failure:
+            raise OSError(self._failure)
+        self._waiting.fromlist(values)
 
     def close(self, ended: str, metadata: Mapping[str, MetadataValue]) -> None:
         """Send the remaining rows, and wait until the file is closed. Raises OSError if that fails."""
         if self._closed:
             return
         self._closed = True
-        self._send_rows()
+        self._ending.set()
+        self._sender.join(MAX_CLOSING_S)
+        if self._failure:
+            raise OSError(self._failure)
+        if self._sender.is_alive():
+            raise OSError(self._stalled())
         self._send(CLOSE, json.dumps({"ended": ended, "metadata": dict(checked_metadata(metadata))}).encode())
         self._input.close()
         try:
             code = self._process.wait(MAX_CLOSING_S)
         except subprocess.TimeoutExpired:
-            raise OSError(f"{self._path}: the disk has accepted nothing for {MAX_CLOSING_S:g} s") from None
+            raise OSError(self._stalled()) from None
         if code != 0:
             raise OSError(self._failure_message())
         self._close_pipes()
@@ -114,10 +123,24 @@ class WriterProcess:
             with contextlib.suppress(OSError):
                 pipe.close()
 
+    def _stalled(self) -> str:
+        return f"{self._path}: the disk has accepted nothing for {MAX_CLOSING_S:g} s"
+
+    def _send_until_the_end(self) -> None:
+        """Send what waits every tenth of a second, and the rest at the end."""
+        try:
+            while not self._ending.wait(SENT_EVERY_S):
+                self._send_rows()
+            self._send_rows()
+        except OSError as problem:
+            self._failure = str(problem)
+
     def _send_rows(self) -> None:
-        if self._values:
-            values, self._values = self._values, array("d")
-            self._send(ROWS, values.tobytes())
+        """Send what waits; a row that the loop appends meanwhile is there whole or not at all, and waits on."""
+        rows = self._waiting[:]
+        if rows:
+            del self._waiting[: len(rows)]
+            self._send(ROWS, rows.tobytes())
 
     def _send(self, kind: int, body: bytes) -> None:
         try:

@@ -25,7 +25,7 @@ class OneTarget:
         return Target(0.01)
 
     def after(self, _sample: RawSample, _elapsed_s: float) -> Decision:
-        return Decision(Target(0.01), {})
+        return Decision(Target(0.01))
 
 
 def test_the_file_is_made_before_the_board_is_armed_so_that_its_heater_does_not_expire_meanwhile(

@@ -9,7 +9,8 @@ import pytest
 
 import musclewire as mw
 from musclewire.experiment.open_loop import WaveformPolicy
-from musclewire.experiment.run import LoopTiming, run_on_rig, timing_json
+from musclewire.experiment.run import LoopTiming, run_on_rig
+from musclewire.experiment.timing_facts import timing_json
 
 PERIOD_NS = 1_000_000
 
