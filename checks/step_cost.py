@@ -205,7 +205,7 @@ def verdict(change: float | None, same_processor: bool) -> str:
         return "" if change > -WARNED else "cheaper: record it (--record)"
     if not same_processor:
         return "WARNING: dearer, but on record for another processor"
-    return "FAILED: much dearer" if change > FAILED else "WARNING: dearer"
+    return "WARNING: dearer" if change <= FAILED else "FAILED: much dearer"
 
 
 def main() -> int:

@@ -1,0 +1,54 @@
+"""The record of what a step costs: readable, and judged as it says. Nothing is timed here."""
+
+from __future__ import annotations
+
+import tomllib
+from inspect import getsource
+
+import numpy as np
+import pytest
+from checks.step_cost import FAILED, MEASURED, WARNED, fixed_arithmetic, fixed_python, record_text, records, verdict
+
+
+def test_every_record_states_where_and_why_and_has_numbers_above_0() -> None:
+    assert records()
+    for record in records():
+        assert set(record) == {"date", "processor", "why", "ratios"}
+        assert len(record["why"]) > 10
+        assert set(record["ratios"]) <= set(MEASURED)
+        assert min(record["ratios"].values()) > 0.0
+
+
+def test_a_record_reads_as_it_was_written() -> None:
+    ratios = dict.fromkeys(MEASURED, 12.3456)
+    (found,) = tomllib.loads(record_text(ratios, 'a "processor"', "because\nof this"))["record"]
+    assert (found["processor"], found["why"]) == ('a "processor"', "because\nof this")
+    assert found["ratios"] == pytest.approx(ratios, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "same", "said"),
+    [
+        (None, True, "not on record"),
+        (0.5 * WARNED, True, ""),
+        (-0.5 * WARNED, True, ""),
+        (-0.5, True, "cheaper"),
+        (0.10, True, "WARNING: dearer"),
+        (1.01 * FAILED, True, "FAILED"),
+        (1.01 * FAILED, False, "WARNING"),
+        (float("nan"), True, "FAILED"),
+    ],
+)
+def test_ten_percent_is_seen_and_much_more_fails_on_a_processor_on_record(
+    change: float | None, same: bool, said: str
+) -> None:
+    found = verdict(change, same)
+    assert found.startswith(said)
+    assert bool(found) == bool(said)
+
+
+def test_the_fixed_work_stays_what_it_was() -> None:
+    """Every ratio on record is to these lines: where they change, the record has no meaning any more."""
+    table = np.linspace(0.0, 1.0, 101) ** 2
+    assert fixed_arithmetic.py_func(1000, table) == pytest.approx(1.051112793174924, rel=1e-12)
+    assert getsource(fixed_python).count("\n") == 13
