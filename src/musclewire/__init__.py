@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, sampled_reference, staircase
     from musclewire.errors import MusclewireError
     from musclewire.experiment.closed_loop import control
+    from musclewire.experiment.many_loops import control_many
     from musclewire.experiment.open_loop import characterize
     from musclewire.experiment.pretension import pretension_sweep
     from musclewire.experiment.training import recalibrate, train
@@ -37,6 +38,7 @@ __all__ = [
     "characterize",
     "fit",
     "control",
+    "control_many",
     "staircase",
     "sampled_reference",
     "estimate",
@@ -62,6 +64,7 @@ _HOMES = {
     "characterize": "musclewire.experiment.open_loop",
     "fit": "musclewire.identify",
     "control": "musclewire.experiment.closed_loop",
+    "control_many": "musclewire.experiment.many_loops",
     "staircase": "musclewire.controllers",
     "sampled_reference": "musclewire.controllers",
     "estimate": "musclewire.identify",

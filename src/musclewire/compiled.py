@@ -20,15 +20,17 @@ from numba.core import config
 
 numba_config: Any = config  # its options are set at run time, where mypy cannot see them
 
-__all__ = ["compiled", "compiled_inline"]
+__all__ = ["Callback", "callback", "compiled", "compiled_inline"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-ROOMS_WITH_KERNELS = ("physics", "wire", "simulate", "controllers", "sensing")
+ROOMS_WITH_KERNELS = ("physics", "wire", "simulate", "controllers", "sensing", "rigs/compiled_loop")
 # Of a room of which few files hold kernels only these count, so that an edit of the others costs no compilation.
 FILES_WITH_KERNELS = (
     "rigs/simulated.py",
     "interfaces/environments/kernels.py",
     "interfaces/environments/random_numbers.py",
+    "speed/compiled_wires.py",
+    "speed/machine.py",
 )
 
 
@@ -67,7 +69,6 @@ def cache_folder() -> str | None:
 
 
 def _compile(function: Function, **options: Any) -> Function:
-    """Return the function compiled by Numba, with this version's cache folder."""
     """Return the function compiled by Numba, with this version's cache folder."""
     folder = cache_folder()
     before = numba_config.CACHE_DIR
@@ -112,3 +113,61 @@ def compiled_inline(function: Function) -> Function:
     The function, compiled; ``.py_func`` is the plain one.
     """
     return _compile(function, inline="always")
+
+
+class Callback(numba.types.WrapperAddressProtocol):
+    """A compiled function as a value that compiled code takes and calls, whichever function of its signature it is.
+
+    A function that takes a callback is compiled once for a signature and not once for each function that it is given.
+
+    Parameters
+    ----------
+    address
+        Address of the machine code.
+    signature
+        Its Numba signature.
+    """
+
+    def __init__(self, address: int, signature: Any) -> None:
+        """Keep the address with its signature."""
+        self._address, self._signature = address, signature
+
+    def __wrapper_address__(self) -> int:
+        """Return the address, as Numba asks for it."""
+        return self._address
+
+    def signature(self) -> Any:
+        """Return the signature, as Numba asks for it."""
+        return self._signature
+
+
+@cache
+def callback(function: Any, n_arrays: int) -> Callback:
+    """Return a compiled function of some arrays of floats, which returns nothing, as a :class:`Callback`.
+
+    Parameters
+    ----------
+    function
+        A function that :func:`compiled` returned. It is compiled here for one-dimensional contiguous arrays, unless the
+        cache has it.
+    n_arrays
+        Number of its arguments.
+
+    Returns
+    -------
+    The callback; the same object for the same arguments.
+
+    Raises
+    ------
+    TypeError
+        For a function that is not compiled or returns something.
+    """
+    arrays = (numba.types.float64[::1],) * n_arrays
+    if not hasattr(function, "get_compile_result"):
+        raise TypeError(f"{function!r} is not compiled: decorate it with musclewire.compiled.compiled")
+    signature = numba.types.none(*arrays)
+    function.compile(arrays)
+    result = function.overloads[arrays]
+    if result.signature.return_type != numba.types.none:
+        raise TypeError(f"{function.__name__} returns {result.signature.return_type}, not nothing")
+    return Callback(result.library.get_pointer_to_function(result.fndesc.llvm_cfunc_wrapper_name), signature)

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import copy
 import math
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers import CONTROLLERS, Controller, ControllerSetup, DriveLimits
+from musclewire.controllers import CONTROLLERS, Controller, ControllerSetup, DriveLimits, FuzzyPidSettings
+from musclewire.controllers.rules import rule_base_names
 from musclewire.errors import CallerError, NumericsError
 from musclewire.signals.columns import COLUMNS
+from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, declared_tick
 from musclewire.signals.exchange import Drive, QuantityEstimate, Reason
 
 LIMITS = DriveLimits(0.4, 3.2)
@@ -119,3 +123,52 @@ def test_its_columns_are_known_and_differ(name: str) -> None:
 def test_settings_of_another_controller_are_refused(name: str) -> None:
     with pytest.raises(CallerError, match="settings of the kind"):
         CONTROLLERS.find(name)(ControllerSetup(LIMITS, settings=object()))
+
+
+COMPILED = [name for name in CONTROLLERS.names() if declared_tick(MADE[name], 1.0) is not None]
+SETTINGS: list[tuple[str, Any]] = [
+    *((name, None) for name in COMPILED),
+    *(("fuzzy-pid", FuzzyPidSettings(rule_base=rules)) for rules in rule_base_names()),
+]
+
+
+def test_our_own_controllers_have_a_compiled_tick() -> None:
+    assert list(CONTROLLERS.names()) == COMPILED
+
+
+@pytest.mark.parametrize(("name", "settings"), SETTINGS, ids=str)
+@given(st.floats(0.0, 5.0), st.lists(st.tuples(strains, st.one_of(strains, st.none())), min_size=1, max_size=30))
+def test_a_compiled_tick_is_the_step_to_the_bit(
+    name: str, settings: Any, first_v: float, given: list[tuple[float, float | None]]
+) -> None:
+    controller = CONTROLLERS.find(name)(ControllerSetup(LIMITS, settings=settings))
+    tick = declared_tick(controller, first_v)
+    assert tick is not None
+    state, numbers = controller.start(first_v), tick.state.copy()
+    answer = np.zeros(len(CONTROLLER_ANSWERS) + len(controller.columns))
+    for target, value in given:
+        read = estimate(value)
+        command, state, recorded = controller.step(state, target, read, DT_S)
+        inputs = np.array([target, read.value, read.std, float(read.valid), float(read.reason), DT_S])
+        tick.function(tick.constants, numbers, inputs, answer)
+        assert isinstance(command, Drive)
+        assert answer.tolist() == [command.voltage_v, 0.0, *recorded]
+
+
+@pytest.mark.parametrize("name", COMPILED)
+@pytest.mark.parametrize(
+    ("target", "value", "dt_s"),
+    [(math.nan, 0.01, 0.05), (0.01, math.inf, 0.05), (1e308, -1e308, 1e-9), (0.01, 0.02, 0.0)],
+)
+def test_a_compiled_tick_fails_where_the_step_raises(name: str, target: float, value: float, dt_s: float) -> None:
+    controller = MADE[name]
+    tick = declared_tick(controller, 1.0)
+    assert tick is not None
+    state, numbers = controller.start(1.0), tick.state.copy()
+    answer = np.zeros(len(CONTROLLER_ANSWERS) + len(controller.columns))
+    state = controller.step(state, 0.02, estimate(0.019), DT_S).state
+    tick.function(tick.constants, numbers, np.array([0.02, 0.019, 1e-4, 1.0, 0.0, DT_S]), answer)
+    with pytest.raises((NumericsError, CallerError)):
+        controller.step(state, target, QuantityEstimate(value, 1e-4, True), dt_s)
+    tick.function(tick.constants, numbers, np.array([target, value, 1e-4, 1.0, 0.0, dt_s]), answer)
+    assert answer[1] == 1.0

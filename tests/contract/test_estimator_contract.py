@@ -13,7 +13,9 @@ from hypothesis import strategies as st
 
 from musclewire.sensing import ESTIMATORS, Estimator, EstimatorSetup, KnownSpring, SensingModel
 from musclewire.sensing.estimator import MAX_DROPOUTS
+from musclewire.sensing.known_load import force_model
 from musclewire.sensing.slow_corrections import estimates
+from musclewire.signals.compiled_tick import ESTIMATOR_ANSWERS, declared_tick
 from musclewire.signals.exchange import QuantityEstimate, Reason, WireSample
 from slow_estimators import drifting
 
@@ -144,3 +146,44 @@ def test_on_a_known_spring_the_friction_belongs_to_the_force(name: str) -> None:
 def test_the_papers_estimator_has_a_c_form_and_no_slow_part() -> None:
     assert MADE["polynomial"].has_c_form
     assert MADE["polynomial"].slow_part is None
+
+
+COMPILED = [name for name in FACTORIES if declared_tick(MADE[name]) is not None]
+
+
+def test_our_own_estimators_have_a_compiled_tick() -> None:
+    assert set(ESTIMATORS.names()) <= set(COMPILED)
+
+
+@pytest.mark.parametrize("name", COMPILED)
+@pytest.mark.parametrize("load", [None, KnownSpring(588.6, 0.05)])
+@given(st.lists(st.tuples(st.floats(0.3, 3.6), st.one_of(st.floats(12.0, 19.0), st.none())), min_size=1, max_size=60))
+def test_a_compiled_tick_is_the_step_to_the_bit(
+    name: str, load: KnownSpring | None, given: list[tuple[float, float | None]]
+) -> None:
+    model = MODEL if load is None else force_model(MODEL, load.stiffness_n_per_m, 0.07)
+    estimator = FACTORIES[name](EstimatorSetup(model, 1.0, PERIOD_S, load))
+    assert_tick_is_step(estimator, [sample(tick, ohm, drive_v) for tick, (drive_v, ohm) in enumerate(given)])
+
+
+@pytest.mark.parametrize("name", COMPILED)
+@given(st.lists(st.tuples(any_volts, any_volts), min_size=1, max_size=30))
+def test_a_compiled_tick_is_the_step_whatever_the_channels_say(name: str, volts: list[tuple[float, float]]) -> None:
+    samples = [WireSample(PERIOD_S * tick, 2.0, wire, shunt) for tick, (wire, shunt) in enumerate(volts)]
+    assert_tick_is_step(MADE[name], samples)
+
+
+def assert_tick_is_step(estimator: Estimator, samples: list[WireSample]) -> None:
+    """Compare every number of a compiled tick with those of the step, until one ends the run: then both do."""
+    tick = declared_tick(estimator)
+    assert tick is not None
+    state, numbers = estimator.start(), tick.state.copy()
+    answer = np.zeros(len(ESTIMATOR_ANSWERS) + len(estimator.columns))
+    for one in samples:
+        estimate, state, recorded = estimator.step(state, one)
+        tick.function(tick.constants, numbers, np.array(one[:4]), answer)
+        assert bool(answer[4]) == bool(estimate.failure)
+        assert answer[:4].tolist() == [estimate.value, estimate.std, float(estimate.valid), float(estimate.reason)]
+        assert tuple(answer[5:].tolist()) == recorded
+        if estimate.failure:
+            break

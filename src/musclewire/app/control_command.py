@@ -13,6 +13,12 @@ import typer
 
 from musclewire.app.commands import add_command
 from musclewire.app.files import require_recording_file
+from musclewire.app.many_loops_command import (
+    MIN_VALID_FRACTION,
+    ManyLoopsOptions,
+    refuse_single_run_options,
+    run_many_loops,
+)
 from musclewire.app.options import (
     CONTROLLER,
     ESTIMATOR,
@@ -46,8 +52,6 @@ __all__ = ["add_control_command", "metrics_json"]
 
 # Steps as a text: "2.5 mm to 6 mm by 0.5 mm".
 STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
-# A closed loop with a smaller fraction of valid estimates was not closed.
-MIN_VALID_FRACTION = 0.8
 # The paper's controller, whose rule base --rules names.
 FUZZY_PID, DEFAULT_RULES = "fuzzy-pid", "zhao-1993"
 
@@ -76,12 +80,13 @@ def control(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
     loop: LoopOptions,
     timing: TimingOptions,
+    many: ManyLoopsOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
-    """Closed loop: move the wire by its own resistance; MAE of each step."""
+    """Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds."""
     from musclewire.experiment.closed_loop import APPROACH_S
     from musclewire.rigs.configuration import open_rig
     from musclewire.sensing import load_model
@@ -90,6 +95,13 @@ def control(
     load = known_spring(loaded, model, loop.quantity, in_si("--known-stiffness", loop.known_stiffness))
     target = read_reference(loop.reference, loop.quantity)
     settings = settings_of(loop)
+    refuse_single_run_options(many, single_run_options(loop, timing, output, overwrite))
+    if many.runs is not None:
+        chosen = {"estimator": loop.estimator, "controller": loop.controller, "settings": settings, "load": load}
+        with open_rig(rig, seed=seed) as opened:
+            follows = target or staircase_for(loaded, load, opened.leg_length_m)
+        run_many_loops(rig, seed, many, {"model": loaded, **chosen}, follows, json)
+        return
     if output is not None:
         require_recording_file(output, overwrite)
     follow = loop_of(loaded, settings, load, loop)
@@ -110,6 +122,21 @@ def control(
         sensed_pct = 100 * run.metrics.valid_share
         say(f"musclewire: only {sensed_pct:.0f} % of the samples could be sensed; this does not hold")
         raise typer.Exit(1)
+
+
+def single_run_options(
+    loop: LoopOptions, timing: TimingOptions, output: Path | None, overwrite: bool
+) -> dict[str, bool]:
+    """Return which options that only a single run can have were given, by name."""
+    return {
+        "--output": output is not None,
+        "--overwrite": overwrite,
+        "--recalibrate": loop.recalibrate,
+        "--on-board": loop.on_board,
+        "--real-time": timing.real_time,
+        "--real-time-priority": timing.real_time_priority,
+        "--cpu": timing.cpu is not None,
+    }
 
 
 def anchored(rig: GuardedRig, model: SensingModel, *, quiet: bool) -> SensingModel:

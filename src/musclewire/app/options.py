@@ -108,6 +108,12 @@ RECALIBRATE = option("--recalibrate", help="Sweep once first, to measure R_min a
 ON_BOARD = option(
     "--on-board", help="The board's firmware closes the loop; the host sends the targets and records the samples."
 )
+RUNS = option(
+    "--runs",
+    help="Run so many loops at once, each on a simulated rig with a seed of its own: from --seed, or 1, on.",
+    min=1,
+)
+IN_PYTHON = option("--in-python", help="With --runs: step every loop in Python, for what has no compiled form.")
 TARGET = quantity("--target", "N", "Grip force to reach and hold at one endpoint, as '0.3 N'.")
 OBJECT_STIFFNESS = quantity(
     "--object-stiffness", "N/m", "Stiffness of the simulated object in the way of the endpoint, as '50 N/m'."
@@ -149,7 +155,7 @@ SET = option("--set", help="A number of the bench that no recording states. Repe
 EFFORT = option("--effort", help="How long to search: quick, normal or thorough.")
 STARTS = option("--starts", help="Descents from the prior; by default depends on --effort.", min=1)
 JUMPS = option("--jumps", help="Descents from near the best; by default depends on --effort.", min=0)
-THREADS = option("--threads", help="Threads of the search; by default all cores.", min=1)
+THREADS = option("--threads", help="Threads; by default one on each core.", min=1)
 
 # Parts to design.
 STIFFNESS = quantity("--stiffness", "N/m", "Size a part of this stiffness, as '386.2 N/m'.")

@@ -3,7 +3,13 @@
 A controller takes a number, so it runs alike on a sensor and on an estimate from the wire's own resistance.
 """
 
-from musclewire.controllers.controller import CONTROLLERS, Controller, ControllerFactory, ControllerSetup
+from musclewire.controllers.controller import (
+    CONTROLLERS,
+    CompiledController,
+    Controller,
+    ControllerFactory,
+    ControllerSetup,
+)
 from musclewire.controllers.drive_limits import DriveLimits
 from musclewire.controllers.fuzzy import FuzzyRatios, RatioSurface, infer_ratios, infer_surface
 from musclewire.controllers.fuzzy_pid import ControllerState, FuzzyPid, FuzzyPidController, FuzzyPidSettings, StepResult
@@ -22,6 +28,7 @@ from musclewire.controllers.rules import RuleBase, load_rule_base, parse_rule_ba
 __all__ = [
     "CONTROLLERS",
     "Controller",
+    "CompiledController",
     "ControllerFactory",
     "ControllerSetup",
     "FuzzyPidController",

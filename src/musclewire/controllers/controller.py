@@ -16,9 +16,18 @@ from typing import Any, Protocol
 from musclewire.controllers.drive_limits import DriveLimits
 from musclewire.errors import CallerError
 from musclewire.registry import Registry
+from musclewire.signals.compiled_tick import CompiledTick
 from musclewire.signals.exchange import ControlStep, QuantityEstimate
 
-__all__ = ["CONTROLLERS", "PERCENT_STRAIN", "Controller", "ControllerFactory", "ControllerSetup", "settings_of_kind"]
+__all__ = [
+    "CONTROLLERS",
+    "PERCENT_STRAIN",
+    "CompiledController",
+    "Controller",
+    "ControllerFactory",
+    "ControllerSetup",
+    "settings_of_kind",
+]
 
 PERCENT_STRAIN = 0.01
 
@@ -77,6 +86,26 @@ class Controller(Protocol):
             If target or estimate is not finite.
         CallerError
             If ``dt_s`` is not above 0.
+        """
+        ...
+
+
+class CompiledController(Controller, Protocol):
+    """A controller whose tick can also run in compiled code, in loops that run as a batch (``mw.control_many``)."""
+
+    def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
+        """Return ``step`` as a compiled function, with the state of ``start``: the same numbers, to the bit.
+
+        It counts only in the class that declares it: one that inherits another step declares its own tick.
+
+        Parameters
+        ----------
+        drive_voltage_v
+            The drive [V] that was commanded last, as for ``start``.
+
+        Returns
+        -------
+        The function, its constants and its first state.
         """
         ...
 

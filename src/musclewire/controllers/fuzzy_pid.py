@@ -44,6 +44,7 @@ from musclewire.controllers.fuzzy import packed_rules
 from musclewire.controllers.rules import DEFAULT_RULE_BASE, RuleBase, load_rule_base
 from musclewire.controllers.schema import StrictModel
 from musclewire.errors import CallerError, NumericsError
+from musclewire.signals.compiled_tick import CompiledTick
 from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate, Reason
 
 __all__ = [
@@ -346,6 +347,16 @@ class FuzzyPidController:
             state = self.law.start(state.voltage_v, estimate.value, target)
         following, drive_voltage_v, kp, ki, kd = self.law.step(state, target, estimate.value, dt_s)
         return ControlStep(Drive(drive_voltage_v), following, (kp, ki, kd))
+
+    def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
+        """Return ``step`` as a compiled function."""
+        from musclewire.controllers import compiled_ticks
+
+        state = np.zeros(1, compiled_ticks.FUZZY_PID_STATE)
+        state["drive_voltage_v"] = self.limits.clamp(float(drive_voltage_v))
+        packed = (packed_settings(self.settings, self.limits), packed_rules(self.law.rule_base))
+        constants = np.concatenate([row.view(np.float64) for row in packed])
+        return CompiledTick(compiled_ticks.fuzzy_tick, constants, state.view(np.float64))
 
 
 def fuzzy_pid_controller(setup: ControllerSetup) -> FuzzyPidController:

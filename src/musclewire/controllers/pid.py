@@ -10,14 +10,17 @@ tick takes about as long as the call of a compiled one.
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Annotated, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
 from musclewire.controllers.controller import PERCENT_STRAIN, ControllerSetup, settings_of_kind
 from musclewire.controllers.drive_limits import DriveLimits
 from musclewire.controllers.schema import StrictModel
 from musclewire.errors import CallerError, NumericsError
+from musclewire.signals.compiled_tick import CompiledTick
 from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate, Reason
 
 __all__ = ["PidController", "PidSettings", "PidState", "pid_controller"]
@@ -103,6 +106,16 @@ class PidController:
             state = PidState(state.voltage_v, target - estimate.value, estimate.value, 0.0, True)
         following = self._after(state, target, estimate.value, dt_s)
         return ControlStep(Drive(following.drive_voltage_v), following, self._gains)
+
+    def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
+        """Return ``step`` as a compiled function."""
+        from musclewire.controllers import compiled_ticks
+
+        state = np.zeros(1, compiled_ticks.PID_STATE)
+        state["drive_voltage_v"] = self.limits.clamp(float(drive_voltage_v))
+        known = {**self.settings.model_dump(), **asdict(self.limits)}
+        constants = np.array([known[name] for name in compiled_ticks.PID_SETTINGS.names or ()])
+        return CompiledTick(compiled_ticks.pid_tick, constants, state.view(np.float64))
 
     def _after(self, state: PidState, target: float, measured: float, dt_s: float) -> PidState:
         """Return the next state by the law in velocity form."""

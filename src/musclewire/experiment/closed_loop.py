@@ -9,7 +9,8 @@ recorded as well and compared afterwards; nothing here reads them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Unpack
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Unpack
 
 from musclewire.controllers.controller import (
     CONTROLLERS,
@@ -207,39 +208,80 @@ def control(
     >>> [step.target for step in run.metrics.steps]
     [0.015, 0.018, 0.015]
     """
-    if load is not None:
-        model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
-    chosen = staircase_within(model) if reference is None else reference
-    check_targets(model, chosen, rig.sample_period_s)
-    check_same_wire(model, rig)
-    made, controls = estimator_for(rig, model, load, estimator), controller_for(rig, model, settings, load, controller)
+    choice = LoopChoice(estimator, controller, settings, load, approach_s)
+    loop = prepared_loop(rig, model, reference, choice)
+    made = loop.estimator
     slow = None if made.slow_part is None else SlowCorrections(made.slow_part, InThread() if rig.paced else InLine())
     policy = SelfSensingPolicy(
         made,
-        controls,
-        chosen,
+        loop.controller,
+        loop.reference,
         sample_period_s=rig.sample_period_s,
         approach_s=approach_s,
         first_drive_voltage_v=rig.drive_voltage_v,
         slow=slow,
     )
     # The corrections of a slow part are known only at the end and are added to the policy's metadata.
-    policy.metadata |= {
-        "experiment": "closed loop",
-        "quantity": model.quantity,
-        "approach_s": approach_s,
-        "estimator": name_of(estimator),
-        "controller": name_of(controller),
-        **({} if slow is None else slow.metadata()),
-    }
-    if load is not None:
-        policy.metadata |= {"known_stiffness_n_per_m": load.stiffness_n_per_m, "known_friction_n": load.friction_n}
+    policy.metadata |= {**loop.metadata, **({} if slow is None else slow.metadata())}
     try:
-        recording = run_on_rig(rig, policy, approach_s + chosen.duration_s, metadata=policy.metadata, **run)
+        recording = run_on_rig(rig, policy, loop.duration_s, metadata=policy.metadata, **run)
     finally:
         if slow is not None:
             slow.close()
-    return ControlRun(recording.columns, recording.metadata, control_metrics(recording, model.quantity, chosen))
+    metrics = control_metrics(recording, loop.model.quantity, loop.reference)
+    return ControlRun(recording.columns, recording.metadata, metrics)
+
+
+@dataclass(frozen=True)
+class LoopChoice:
+    """Estimator and controller of a loop with their settings, a known spring, and the time of the approach."""
+
+    estimator: str | EstimatorFactory = "polynomial"
+    controller: str | ControllerFactory = "fuzzy-pid"
+    settings: Any = None
+    load: KnownSpring | None = None
+    approach_s: float = APPROACH_S
+
+    @property
+    def metadata(self) -> dict[str, MetadataValue]:
+        """What a recording says of it."""
+        known: dict[str, MetadataValue] = {
+            "approach_s": self.approach_s,
+            "estimator": name_of(self.estimator),
+            "controller": name_of(self.controller),
+        }
+        if self.load is not None:
+            known |= {"known_stiffness_n_per_m": self.load.stiffness_n_per_m, "known_friction_n": self.load.friction_n}
+        return known
+
+
+class PreparedLoop(NamedTuple):
+    """A closed loop before it begins: all that follows from rig, model, reference and choice."""
+
+    model: SensingModel
+    reference: Reference
+    estimator: Estimator
+    controller: Controller
+    duration_s: float
+    metadata: dict[str, MetadataValue]
+
+
+def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, choice: LoopChoice) -> PreparedLoop:
+    """Return the loop on a rig, checked. Raises CallerError for what does not fit together, as ``control`` does."""
+    load = choice.load
+    if load is not None:
+        model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
+    chosen = staircase_within(model) if reference is None else reference
+    check_targets(model, chosen, rig.sample_period_s)
+    check_same_wire(model, rig)
+    return PreparedLoop(
+        model,
+        chosen,
+        estimator_for(rig, model, load, choice.estimator),
+        controller_for(rig, model, choice.settings, load, choice.controller),
+        choice.approach_s + chosen.duration_s,
+        {"experiment": "closed loop", "quantity": model.quantity, **choice.metadata},
+    )
 
 
 def name_of(kind: str | EstimatorFactory | ControllerFactory) -> str:

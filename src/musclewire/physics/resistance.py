@@ -13,6 +13,7 @@ from musclewire.compiled import compiled
 from musclewire.errors import CallerError
 
 __all__ = [
+    "MINIMUM_CURRENT_A",
     "ArrayReading",
     "ResistanceReading",
     "series_resistance_ohm",
@@ -22,6 +23,9 @@ __all__ = [
     "wire_resistance_ohm",
     "REFERENCE_TEMPERATURE_K",
 ]
+
+# The minimum current [A] of a valid reading: well above the offsets of usual converters.
+MINIMUM_CURRENT_A = 1e-3
 
 Voltage = TypeVar("Voltage", float, FloatArray)
 
@@ -109,7 +113,7 @@ def wire_resistance(
     wire_voltage_v: float | FloatArray,
     shunt_voltage_v: float | FloatArray,
     shunt_resistance_ohm: float,
-    minimum_current_a: float = 1e-3,
+    minimum_current_a: float = MINIMUM_CURRENT_A,
 ) -> ResistanceReading | ArrayReading:
     """Return the resistance of a wire in series with a shunt (Eq. 1), if there is a current.
 
@@ -160,7 +164,7 @@ def wire_resistance_from_current(
     wire_voltage_v: FloatArray, wire_current_a: FloatArray, minimum_current_a: float = ...
 ) -> ArrayReading: ...
 def wire_resistance_from_current(
-    wire_voltage_v: float | FloatArray, wire_current_a: float | FloatArray, minimum_current_a: float = 1e-3
+    wire_voltage_v: float | FloatArray, wire_current_a: float | FloatArray, minimum_current_a: float = MINIMUM_CURRENT_A
 ) -> ResistanceReading | ArrayReading:
     """Return the resistance from the wire's voltage and its measured current (Eq. 1 with V_R / R already divided).
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,7 +28,20 @@ from musclewire.simulate.wires import SampleMeans, SimulatedWires
 from musclewire.wire.loads import spring_load
 from musclewire.wire.state import WireState
 
-__all__ = ["Instruments", "SimulatedDevice"]
+__all__ = ["Instruments", "SimulatedDevice", "SimulatedInside"]
+
+
+class SimulatedInside(NamedTuple):
+    """What a simulated device is made of, for loops in compiled code. What may change is the device's own."""
+
+    wires: SimulatedWires
+    bench: Mapping[str, float]
+    instruments: Instruments
+    air: AirModel | None
+    mechanism: Mechanism
+    reference_columns: tuple[str, ...]
+    faulty: bool
+    paced: bool
 
 
 # NumPy sums up to this many numbers in eight rows, and more of them in two halves.
@@ -120,6 +134,25 @@ class Instruments:
             displacement_m + displacement_noise_m * self._noise.item(-2),
             force_n + force_noise_n * self._noise.item(-1),
         )
+
+    def drawn(self, samples: int) -> FloatArray:
+        """Draw the noise of the next samples, a row each, as they would draw it one by one."""
+        return self._draw((samples, self._noise.size))
+
+    @property
+    def readings(self) -> int:
+        """How many readings of a voltage are averaged."""
+        return self._readings
+
+    @property
+    def scales(self) -> tuple[float, float, float, float, float]:
+        """What ``read_sample`` takes."""
+        return self._scales
+
+    @property
+    def endpoint_noise(self) -> tuple[float, float]:
+        """Noise of displacement [m] and force [N] at a finger's endpoint."""
+        return self._endpoint_noise
 
 
 class SimulatedDevice:
@@ -257,6 +290,19 @@ class SimulatedDevice:
         touches = any(part.obstacle is not None for part in self._parts)
         endpoint = ("endpoint_displacement_m", "endpoint_force_n") if touches else ("endpoint_displacement_m",)
         return ("displacement_m", "force_n", *endpoint)
+
+    def inside(self) -> SimulatedInside:
+        """Return the parts of the device."""
+        return SimulatedInside(
+            wires=self._wires,
+            bench=self._bench,
+            instruments=self._instruments,
+            air=self._air,
+            mechanism=self._mechanism,
+            reference_columns=self._facts.reference_columns,
+            faulty=self._faults is not None,
+            paced=self._pacer is not None,
+        )
 
     def __repr__(self) -> str:
         """Name the wire, its pretension and its drive."""

@@ -16,7 +16,14 @@ from musclewire.physics.resistance import (
 from musclewire.sensing.branch_equations import evaluate, normalised_resistance
 from musclewire.sensing.branches import Branch, single_valued
 from musclewire.sensing.curve import ArrayEstimate, CurveEstimate, ResistanceCurve
-from musclewire.sensing.estimator import ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup, SlowPart
+from musclewire.sensing.estimator import (
+    ESTIMATORS,
+    CompiledEstimator,
+    Estimator,
+    EstimatorFactory,
+    EstimatorSetup,
+    SlowPart,
+)
 from musclewire.sensing.fitting import fit_branches, fit_loop, fit_segments
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 from musclewire.sensing.known_load import KnownSpring
@@ -28,6 +35,7 @@ from musclewire.sensing.segments import LoopSegments, find_loops, find_segments
 __all__ = [
     "ESTIMATORS",
     "Estimator",
+    "CompiledEstimator",
     "EstimatorFactory",
     "EstimatorSetup",
     "KnownSpring",

@@ -177,6 +177,25 @@ class ResistanceCurve:
         low = self.resistance_min_ohm + self.normalised_min * span
         return low, self.resistance_min_ohm + self.normalised_max * span
 
+    @property
+    def falling_coefficients(self) -> Pairs:
+        """Coefficients of heating and cooling branch side by side, highest powers first, as an estimate reads them."""
+        return self._both_falling
+
+    def tick_constants(self) -> dict[str, float]:
+        """Return the numbers that an estimate reads, by their names in ``polynomial_tick.CONSTANTS``."""
+        return {
+            "resistance_min_ohm": self.resistance_min_ohm,
+            "per_ohm": self._per_ohm,
+            "normalised_min": self.normalised_min,
+            "normalised_max": self.normalised_max,
+            "normalised_margin": MARGIN,
+            "noise_ohm": self.resistance_noise_ohm,
+            "residual_variance": self._residual_variance,
+            "quantity_max": self.quantity_max,
+            "quantity_span": self.quantity_max - self.quantity_min,
+        }
+
     @overload
     def estimate(self, resistance_ohm: float, resistance_std_ohm: float | None = ...) -> CurveEstimate: ...
     @overload

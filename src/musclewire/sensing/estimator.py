@@ -18,11 +18,13 @@ from typing import Any, Protocol
 from musclewire.registry import Registry
 from musclewire.sensing.fit_report import FittedCurve
 from musclewire.sensing.known_load import KnownSpring
+from musclewire.signals.compiled_tick import CompiledTick
 from musclewire.signals.exchange import EstimatorStep, RawSample, WireSample
 
 __all__ = [
     "ESTIMATORS",
     "MAX_DROPOUTS",
+    "CompiledEstimator",
     "Estimator",
     "EstimatorFactory",
     "EstimatorSetup",
@@ -131,6 +133,22 @@ class Estimator(Protocol):
         Returns
         -------
         Estimate, next state, and the numbers to record.
+        """
+        ...
+
+
+class CompiledEstimator(Estimator, Protocol):
+    """An estimator whose tick can also run in compiled code, in loops that run as a batch (``mw.control_many``)."""
+
+    def compiled_tick(self) -> CompiledTick:
+        """Return ``step`` as a compiled function, with the state of ``start``: the same numbers, to the bit.
+
+        It counts only in the class that declares it: one that inherits another step declares its own tick. A slow part
+        has no compiled form.
+
+        Returns
+        -------
+        The function, its constants and its first state.
         """
         ...
 

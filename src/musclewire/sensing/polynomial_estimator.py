@@ -18,10 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
-from musclewire.physics.resistance import ResistanceReading, wire_resistance
+from musclewire.physics.resistance import MINIMUM_CURRENT_A, ResistanceReading, wire_resistance
 from musclewire.sensing.curve import CurveEstimate, ResistanceCurve
 from musclewire.sensing.estimator import MAX_DROPOUTS, EstimatorSetup, dropout_failure
 from musclewire.sensing.known_load import KnownSpring
+from musclewire.signals.compiled_tick import CompiledTick
 from musclewire.signals.exchange import EstimatorStep, QuantityEstimate, Reason, WireSample
 
 __all__ = [
@@ -90,6 +91,15 @@ class SegmentTracker:
         span = resistance_max_ohm - resistance_min_ohm
         self._ambiguous_above_ohm = resistance_min_ohm + AMBIGUOUS_ABOVE * span
         self._min_change_ohm = MIN_CHANGE * span
+
+    def tick_constants(self) -> dict[str, float]:
+        """Return the numbers that ``step`` reads, by their names in ``polynomial_tick.CONSTANTS``."""
+        return {
+            "ambiguous_above_ohm": self._ambiguous_above_ohm,
+            "min_change_ohm": self._min_change_ohm,
+            "smoothing_samples": SMOOTHING_SAMPLES,
+            "min_power_change": MIN_POWER_CHANGE,
+        }
 
     def start(self, resistance_ohm: float, power_w: float) -> SegmentState:
         """Return the state for a first sample: near R_max a wire counts as cold until a change shows otherwise.
@@ -245,6 +255,35 @@ class PolynomialEstimator:
             QuantityEstimate(value, read.std, reason is OK, reason, failure),
             PolynomialState(value, 0, mismatches, segment, spring_force_n, friction_n),
             (resistance_ohm,),
+        )
+
+    def compiled_tick(self) -> CompiledTick:
+        """Return ``step`` as a compiled function."""
+        from musclewire.sensing import polynomial_tick
+
+        curve, load = self.curve, self.load
+        constants = np.zeros(1, polynomial_tick.CONSTANTS)
+        low_ohm, high_ohm = self._own_ohm
+        numbers = {
+            "shunt_resistance_ohm": self._shunt_resistance_ohm,
+            "minimum_current_a": MINIMUM_CURRENT_A,
+            "own_low_ohm": low_ohm,
+            "own_high_ohm": high_ohm,
+            "allowed_samples": MAX_DROPOUTS,
+            **curve.tick_constants(),
+            **self._tracker.tick_constants(),
+        }
+        if load is not None:
+            numbers |= {"loaded": 1.0, "stiffness_n_per_m": load.stiffness_n_per_m}
+            numbers |= {"load_friction_n": load.friction_n, "turning_m": load.turning_m}
+        for name, number in numbers.items():
+            constants[name] = number
+        state = np.zeros(1, polynomial_tick.STATE)
+        start = self.start()
+        state["value"], state["friction_n"] = start.value, start.friction_n
+        both = np.array(curve.falling_coefficients).reshape(-1)
+        return CompiledTick(
+            polynomial_tick.tick, np.concatenate([constants.view(np.float64), both]), state.view(np.float64)
         )
 
     def read(self, wire_voltage_v: float, shunt_voltage_v: float) -> ResistanceReading:

@@ -1,0 +1,127 @@
+"""Whether a reading is sound, compiled: nothing is missing and no condition of the protection table holds.
+
+While every reading of a driven rig is sound, the state is ``run``, nothing lasts, and the protection changes only what
+it remembers of readings and the estimated temperature. A loop in compiled code goes on as long as that is so; what
+``protect.py`` does when it is not, is written there and nowhere else. The tests hold both to the same verdicts and
+the same numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.compiled import compiled
+from musclewire.controllers.protection.protect import (
+    DRIVEN_FRACTION,
+    FROZEN_READINGS,
+    FROZEN_S,
+    MAXIMUM_ROUNDING,
+    MOVED_FRACTION,
+    SATURATED_FRACTION,
+    STUCK_FRACTION,
+    SUPPLY_FRACTION,
+    TIME_ROUNDING_S,
+    ProtectionState,
+)
+from musclewire.controllers.protection.table import ProtectionLimits
+
+__all__ = ["LIMITS", "MEMORY", "packed_limits", "packed_memory", "sound_command", "sound_reading"]
+
+LIMITS = np.dtype([(name, np.float64) for name in ProtectionLimits._fields])
+# What the protection remembers of readings, by the names of its state.
+REMEMBERED = (
+    "temperature_k", "settled_ohm", "wire_voltage_v", "shunt_voltage_v", "wire_repeats", "shunt_repeats",
+    "repeats_drive_v",
+)  # fmt: skip
+MEMORY = np.dtype([(name, np.float64) for name in REMEMBERED])
+# A row of a structured array; mypy knows no fields of it.
+Row = Any
+
+
+def packed_limits(limits: ProtectionLimits) -> NDArray[np.void]:
+    """Return the limits as a structured array of length 1."""
+    return np.array([tuple(limits)], LIMITS)
+
+
+def packed_memory(state: ProtectionState) -> NDArray[np.void]:
+    """Return what a state remembers of readings as a structured array of length 1."""
+    return np.array([tuple(getattr(state, name) for name in REMEMBERED)], MEMORY)
+
+
+@compiled
+def sound_command(limits: Row, drive_voltage_v: float) -> bool:
+    """Whether a commanded drive voltage is one that the protection follows."""
+    return math.isfinite(drive_voltage_v) and 0.0 <= drive_voltage_v <= limits["maximum_voltage_v"] * MAXIMUM_ROUNDING
+
+
+@compiled
+def sound_reading(
+    memory: Row, limits: Row, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float, dt_s: float
+) -> bool:
+    """Whether a reading of ``dt_s`` seconds is sound; if it is, ``memory`` has taken it."""
+    shunt_ohm = limits["shunt_resistance_ohm"]
+    minimum_v = limits["minimum_current_a"] * shunt_ohm
+    driven = drive_voltage_v >= DRIVEN_FRACTION * limits["sense_voltage_v"]
+    if not (math.isfinite(wire_voltage_v) and math.isfinite(shunt_voltage_v)):
+        return False
+    if driven and abs(wire_voltage_v) + abs(shunt_voltage_v) < SUPPLY_FRACTION * drive_voltage_v:
+        return False
+    if driven and abs(shunt_voltage_v) < minimum_v:
+        return False
+    current_a = shunt_voltage_v / shunt_ohm
+    power_w = wire_voltage_v * current_a
+    settled_ohm = memory["settled_ohm"]
+    if driven:
+        resistance_ohm = wire_voltage_v / shunt_voltage_v * shunt_ohm
+        if not limits["resistance_low_ohm"] <= resistance_ohm <= limits["resistance_high_ohm"]:
+            return False
+        if settled_ohm > 0.0 and abs(resistance_ohm - settled_ohm) > limits["jump_share"] * settled_ohm:
+            return False
+        settled_ohm = resistance_ohm
+    if (
+        abs(wire_voltage_v) >= SATURATED_FRACTION * limits["wire_range_v"]
+        or abs(shunt_voltage_v) >= SATURATED_FRACTION * limits["shunt_range_v"]
+        or abs(current_a) > limits["maximum_current_a"]
+        or power_w > limits["maximum_power_w"]
+        or wire_voltage_v + shunt_voltage_v > drive_voltage_v + STUCK_FRACTION * limits["maximum_voltage_v"]
+    ):
+        return False
+    take_reading(memory, limits, drive_voltage_v, wire_voltage_v, shunt_voltage_v, power_w, dt_s)
+    memory["settled_ohm"] = settled_ohm
+    frozen = driven and is_frozen(memory, limits, drive_voltage_v, dt_s)
+    return not (frozen or memory["temperature_k"] > limits["maximum_temperature_k"])
+
+
+@compiled
+def take_reading(
+    memory: Row,
+    limits: Row,
+    drive_voltage_v: float,
+    wire_voltage_v: float,
+    shunt_voltage_v: float,
+    power_w: float,
+    dt_s: float,
+) -> None:
+    """Update the estimated temperature by a reading's power, and how often a channel has repeated its number."""
+    rate = limits["heat_loss_w_per_k"] / limits["heat_capacity_j_per_k"] * dt_s
+    rise = dt_s * power_w / limits["heat_capacity_j_per_k"]
+    ambient_k = limits["ambient_temperature_k"]
+    memory["temperature_k"] = ambient_k + (memory["temperature_k"] - ambient_k + rise) / (1.0 + rate)
+    memory["wire_repeats"] = memory["wire_repeats"] + 1.0 if wire_voltage_v == memory["wire_voltage_v"] else 0.0
+    memory["shunt_repeats"] = memory["shunt_repeats"] + 1.0 if shunt_voltage_v == memory["shunt_voltage_v"] else 0.0
+    memory["wire_voltage_v"], memory["shunt_voltage_v"] = wire_voltage_v, shunt_voltage_v
+    if not memory["wire_repeats"] + memory["shunt_repeats"] > 0.0:
+        memory["repeats_drive_v"] = drive_voltage_v
+
+
+@compiled
+def is_frozen(memory: Row, limits: Row, drive_voltage_v: float, dt_s: float) -> bool:
+    """Whether equal numbers in a row cannot be chance."""
+    repeats = max(memory["wire_repeats"], memory["shunt_repeats"])
+    moved = abs(drive_voltage_v - memory["repeats_drive_v"]) > MOVED_FRACTION * limits["maximum_voltage_v"]
+    long = repeats >= FROZEN_READINGS and repeats * dt_s > FROZEN_S - TIME_ROUNDING_S
+    return long and (limits["readings_noisy"] > 0.0 or moved)

@@ -1,0 +1,151 @@
+"""What many closed loops have given: the outcome of each, medians and spreads over all of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.experiment.metrics import ControlMetrics
+from musclewire.sensing.curve import SHOWN_AS
+from musclewire.signals.recording import Recording
+
+__all__ = ["LoopOutcome", "ManyControlRuns", "StepSpread"]
+
+# The spread that is shown: nine tenths of the loops lie between.
+LOW_PERCENTILE, HIGH_PERCENTILE = 5.0, 95.0
+
+
+class LoopOutcome(NamedTuple):
+    """The outcome of one closed loop.
+
+    Parameters
+    ----------
+    seed
+        Seed of its rig.
+    ended
+        "done", or the error that ended it, in one line.
+    compiled
+        Whether it ran in compiled code; False if it ran in Python.
+    metrics
+        Its errors; None if it did not reach its end.
+    run
+        Its recording, up to the error if there was one; None unless recordings are kept.
+    """
+
+    seed: int
+    ended: str
+    compiled: bool
+    metrics: ControlMetrics | None
+    run: Recording | None
+
+
+class StepSpread(NamedTuple):
+    """Errors of one step over all loops, against the reference instrument [%] (Eq. 7).
+
+    Parameters
+    ----------
+    target
+        Target of the step, in the unit of the quantity.
+    direction
+        "rise" or "return".
+    median_pct
+        Median over the loops.
+    low_pct, high_pct
+        5th and 95th percentile.
+    maximum_pct
+        Largest error of all loops.
+    """
+
+    target: float
+    direction: str
+    median_pct: float
+    low_pct: float
+    high_pct: float
+    maximum_pct: float
+
+
+@dataclass(frozen=True)
+class ManyControlRuns:
+    """The outcomes of many closed loops, in the order of their seeds.
+
+    Parameters
+    ----------
+    outcomes
+        One for each loop.
+    """
+
+    outcomes: tuple[LoopOutcome, ...]
+
+    @property
+    def metrics(self) -> tuple[ControlMetrics, ...]:
+        """Errors of the loops that reached their end."""
+        return tuple(outcome.metrics for outcome in self.outcomes if outcome.metrics is not None)
+
+    @property
+    def failed(self) -> tuple[LoopOutcome, ...]:
+        """The loops that an error ended."""
+        return tuple(outcome for outcome in self.outcomes if outcome.metrics is None)
+
+    @property
+    def in_python(self) -> int:
+        """How many loops ran in Python."""
+        return sum(not outcome.compiled for outcome in self.outcomes)
+
+    @property
+    def mae_pct(self) -> FloatArray:
+        """Mean absolute error of each step (Eq. 7) [%], (n_loops, n_steps); not a number without one."""
+        rows = [[np.nan if step.mae_pct is None else step.mae_pct for step in one.steps] for one in self.metrics]
+        return np.array(rows, dtype=np.float64)
+
+    @property
+    def mae_max_pct(self) -> FloatArray:
+        """Largest step error of each loop that reached its end [%], (n_loops,)."""
+        found = [one.mae_max_pct for one in self.metrics]
+        return np.array([np.nan if error is None else error for error in found], dtype=np.float64)
+
+    @property
+    def rms_pct(self) -> FloatArray:
+        """Error of each loop that reached its end, rms over its largest target [%], (n_loops,)."""
+        found = [one.rms_pct for one in self.metrics]
+        return np.array([np.nan if error is None else error for error in found], dtype=np.float64)
+
+    @property
+    def steps(self) -> tuple[StepSpread, ...]:
+        """Median and spread of each step; none if the target was not a staircase or no loop reached its end."""
+        if not self.metrics or not self.metrics[0].steps:
+            return ()
+        return tuple(
+            StepSpread(step.target, step.direction, *spread_of(errors))
+            for step, errors in zip(self.metrics[0].steps, self.mae_pct.T, strict=True)
+        )
+
+    def __str__(self) -> str:
+        """Return a small table."""
+        lines = [f"{len(self.metrics)} of {len(self.outcomes)} loops reached their end; {self.in_python} ran in Python"]
+        if self.steps:
+            factor, unit = SHOWN_AS[self.metrics[0].quantity]
+            lines.append("mean absolute error in % of the target, over the loops")
+            lines.append(f"{'target':>10} {'':7} {'median':>8} {'5 %':>8} {'95 %':>8} {'largest':>8}")
+            for step in self.steps:
+                shown = " ".join(f"{error:>8.3f}" for error in step[2:])
+                lines.append(f"{step.target * factor:>7.3g} {unit:2} {step.direction:7} {shown}")
+            lines.append(f"largest step error: {in_words(self.mae_max_pct)}")
+        elif self.metrics:
+            lines.append(f"rms error in % of the largest target: {in_words(self.rms_pct)}")
+        lines += [f"seed {outcome.seed}: {outcome.ended}" for outcome in self.failed]
+        return "\n".join(lines)
+
+
+def spread_of(errors_pct: FloatArray) -> tuple[float, float, float, float]:
+    """Return median, 5th and 95th percentile and maximum of errors; not a number if one of them is none."""
+    low, median, high = np.percentile(errors_pct, [LOW_PERCENTILE, 50.0, HIGH_PERCENTILE])
+    return float(median), float(low), float(high), float(errors_pct.max())
+
+
+def in_words(errors_pct: FloatArray) -> str:
+    """Return the spread of errors in one line."""
+    median, low, high, largest = spread_of(errors_pct)
+    return f"median {median:.3f}, 5 % {low:.3f}, 95 % {high:.3f}, largest {largest:.3f} %"

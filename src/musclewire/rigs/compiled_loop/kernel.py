@@ -1,0 +1,155 @@
+"""One closed loop, sample by sample, in compiled code: the same numbers as the loop in Python, to the bit.
+
+The loop goes on as long as nothing unusual happens: commands within the range, sound readings, ticks that do not fail.
+It stops at the first sample at which something does; what follows then is decided in Python.
+"""
+
+from __future__ import annotations
+
+import math
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled
+from musclewire.controllers.protection.sound import sound_command, sound_reading
+from musclewire.rigs.simulated import read_sample
+from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
+from musclewire.simulate.wires import advance_rows
+from musclewire.wire.state import Rows
+
+__all__ = ["BENCH", "Ended", "LoopArrays", "RIG_COLUMNS", "run_loop"]
+
+# A row of a structured array; mypy knows no fields of it.
+Row = Any
+# A `compiled.Callback`, which only compiled code can call.
+Tick = Any
+
+BENCH = np.dtype(
+    [
+        (name, np.float64)
+        for name in (
+            "sample_period_s", "time_step_s", "amplifier_resolution_v", "reading_period_s",
+        )
+    ]
+)  # fmt: skip
+# The columns that the loop writes first.
+RIG_COLUMNS = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "displacement_m", "force_n")
+# A block of readings counts as full from this much less than the protection's reading period [s].
+PERIOD_ROUNDING_S = 1e-9
+
+
+class Ended(IntEnum):
+    """How a compiled loop ended."""
+
+    DONE = 0
+    COMMAND_NOT_SOUND = 1
+    WIRE_NOT_FINITE = 2
+    READING_NOT_SOUND = 3
+    ESTIMATOR_FAILED = 4
+    CONTROLLER_FAILED = 5
+    BEYOND_FINGER = 6
+
+
+N_ESTIMATED, N_CONTROLLED = len(ESTIMATOR_ANSWERS), len(CONTROLLER_ANSWERS)
+DONE, COMMAND_NOT_SOUND, WIRE_NOT_FINITE = int(Ended.DONE), int(Ended.COMMAND_NOT_SOUND), int(Ended.WIRE_NOT_FINITE)
+READING_NOT_SOUND = int(Ended.READING_NOT_SOUND)
+ESTIMATOR_FAILED, CONTROLLER_FAILED = int(Ended.ESTIMATOR_FAILED), int(Ended.CONTROLLER_FAILED)
+
+
+class LoopArrays(NamedTuple):
+    """All arrays of one closed loop; those that change are its own.
+
+    ``states``, ``constants`` and ``load_table_n`` are the wire's. ``noise`` has a row of standard normal numbers for
+    each sample, in the order in which the instruments draw them; ``air`` the temperature [K] and the convection factor
+    of each sample, no rows in still air. ``targets`` are those at each sample's end and those that hold after it.
+    ``shown`` has a row for each sample: ``RIG_COLUMNS``, the estimator's numbers, target, estimate, validity, the
+    controller's numbers; ``true_displacement_m`` the true mean of the connector's displacement. ``readings`` and
+    ``scales`` are those of the instruments, which overwrite the noise.
+    """
+
+    states: Rows
+    constants: Rows
+    load_table_n: FloatArray
+    bench: Rows
+    limits: Rows
+    memory: Rows
+    noise: FloatArray
+    air: FloatArray
+    targets: FloatArray
+    estimator_constants: FloatArray
+    estimator_state: FloatArray
+    estimator_answer: FloatArray
+    controller_constants: FloatArray
+    controller_state: FloatArray
+    controller_answer: FloatArray
+    readings: int
+    scales: tuple[float, float, float, float, float]
+    true_displacement_m: FloatArray
+    shown: FloatArray
+
+
+@compiled
+def exchange(arrays: LoopArrays, row: int, drive_voltage_v: float) -> bool:
+    """Hold a drive for one sample and write ``RIG_COLUMNS`` into its row; whether the wire has kept its numbers."""
+    bench, state = arrays.bench[0], arrays.states[0]
+    resolution_v, shown = bench["amplifier_resolution_v"], arrays.shown[row]
+    output_v = resolution_v * np.rint(drive_voltage_v / resolution_v)
+    if arrays.air.shape[0] > 0:
+        arrays.constants[0].ambient_temperature_k = arrays.air[row, 0]
+        arrays.constants[0].convection_factor = arrays.air[row, 1]
+    steps = round(bench["sample_period_s"] / bench["time_step_s"])
+    means = advance_rows(arrays.states, arrays.constants, arrays.load_table_n, output_v, bench["time_step_s"], steps)
+    shown[0], shown[1] = state.time_s, output_v
+    shown[2], shown[3], shown[4], shown[5] = read_sample(arrays.noise[row], arrays.readings, means, arrays.scales)
+    arrays.true_displacement_m[row] = means[2]
+    return math.isfinite(state.temperature_k)
+
+
+@compiled
+def is_sound(arrays: LoopArrays, row: int, block: FloatArray) -> bool:
+    """Whether the protection goes on after a sample; readings faster than the table's period are averaged first."""
+    period_s, shown = arrays.bench[0]["sample_period_s"], arrays.shown[row]
+    weight = period_s / (block[0] + period_s)
+    block[0] += period_s
+    for place in range(1, 4):
+        block[place] += weight * (shown[place] - block[place])
+    if block[0] < arrays.bench[0]["reading_period_s"] - PERIOD_ROUNDING_S:
+        return True
+    sound = sound_reading(arrays.memory[0], arrays.limits[0], block[1], block[2], block[3], block[0])
+    block[:] = 0.0
+    return sound
+
+
+@compiled
+def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: float) -> tuple[int, int]:
+    """Run a loop on its arrays; return how it ended and how many samples are complete."""
+    shown, estimated, controlled = arrays.shown, arrays.estimator_answer, arrays.controller_answer
+    sample, given, block = np.empty(4), np.empty(6), np.zeros(4)
+    target_at = 6 + estimated.shape[0] - N_ESTIMATED
+    drive_v = first_drive_v
+    for row in range(shown.shape[0]):
+        if not sound_command(arrays.limits[0], drive_v):
+            return COMMAND_NOT_SOUND, row
+        if not exchange(arrays, row, drive_v):
+            return WIRE_NOT_FINITE, row
+        if not is_sound(arrays, row, block):
+            return READING_NOT_SOUND, row
+        sample[:] = shown[row, :4]
+        estimate(arrays.estimator_constants, arrays.estimator_state, sample, estimated)
+        if estimated[4] != 0.0:
+            return ESTIMATOR_FAILED, row
+        given[0], given[5] = arrays.targets[1, row], arrays.bench[0]["sample_period_s"]
+        given[1:5] = estimated[:4]
+        control(arrays.controller_constants, arrays.controller_state, given, controlled)
+        if controlled[1] != 0.0:
+            return CONTROLLER_FAILED, row
+        drive_v = controlled[0]
+        shown[row, 6:target_at] = estimated[N_ESTIMATED:]
+        shown[row, target_at] = arrays.targets[0, row]
+        shown[row, target_at + 1] = estimated[0]
+        shown[row, target_at + 2] = estimated[2]
+        shown[row, target_at + 3 :] = controlled[N_CONTROLLED:]
+    return DONE, shown.shape[0]

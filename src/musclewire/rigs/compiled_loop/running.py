@@ -1,0 +1,184 @@
+"""A closed loop of a simulated rig in compiled code: what of the rig goes in, and the columns that come out."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.arrays import FloatArray
+from musclewire.compiled import callback
+from musclewire.controllers.protection import armed, protection_table
+from musclewire.controllers.protection.sound import packed_limits, packed_memory
+from musclewire.errors import CallerError, NumericsError
+from musclewire.rigs.compiled_loop.kernel import BENCH, RIG_COLUMNS, Ended, LoopArrays, run_loop
+from musclewire.rigs.guarded import GuardedRig
+from musclewire.rigs.simulated import SimulatedDevice, SimulatedInside
+from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS, CompiledTick
+from musclewire.signals.exchange import ELECTRICAL_COLUMNS
+from musclewire.simulate.wires import OneWire
+
+__all__ = ["CompiledRun", "LoopTicks", "run_compiled", "sample_times_s", "uncompiled"]
+
+
+class LoopTicks(NamedTuple):
+    """The ticks of a loop, and the names of the columns that each of them records."""
+
+    estimator: CompiledTick
+    controller: CompiledTick
+    estimator_columns: tuple[str, ...]
+    controller_columns: tuple[str, ...]
+
+
+class CompiledRun(NamedTuple):
+    """How a compiled loop ended, how many samples are complete, and the columns of the rig, ticks and targets."""
+
+    ended: Ended
+    samples: int
+    columns: dict[str, FloatArray]
+
+
+def uncompiled(rig: GuardedRig) -> str:
+    """Return what of a rig has no compiled form, in words; "" for a rig whose loop can be compiled."""
+    device = rig.device
+    if not isinstance(device, SimulatedDevice):
+        return "the rig is not simulated"
+    inside = device.inside()
+    if inside.paced:
+        return "the rig is paced by the machine's clock"
+    if inside.faulty:
+        return "the rig file lists faults"
+    if not isinstance(inside.wires, OneWire):
+        return "the rig has two wires"
+    if rig.protection != armed(rig.protection_limits):
+        return "the rig has been driven before"
+    return ""
+
+
+def inside_of(rig: GuardedRig) -> tuple[SimulatedInside, OneWire]:
+    """Return the parts of a rig whose loop can be compiled, and its wire. Raises CallerError for another rig."""
+    reason = uncompiled(rig)
+    if reason:
+        raise CallerError(f"this loop has no compiled form, because {reason}: run it in Python (--in-python)")
+    assert isinstance(rig.device, SimulatedDevice)
+    inside = rig.device.inside()
+    assert isinstance(inside.wires, OneWire)
+    return inside, inside.wires
+
+
+def sample_times_s(rig: GuardedRig, samples: int) -> FloatArray:
+    """Return the times of a rig's next samples on its clock [s], (n_samples,), as its steps will add them up."""
+    inside, wire = inside_of(rig)
+    step_s = inside.bench["time_step_s"]
+    per_sample = round(inside.bench["sample_period_s"] / step_s)
+    times = np.empty(samples)
+    time_s = wire.state.time_s
+    for row in range(samples):
+        time_s += per_sample * step_s
+        times[row] = time_s
+    return times
+
+
+def run_compiled(rig: GuardedRig, ticks: LoopTicks, targets: FloatArray, first_drive_v: float) -> CompiledRun:
+    """Run a closed loop on a rig that has just been opened; afterwards the rig must be closed.
+
+    ``targets``, (2, n_samples), are those that held while each sample was taken and those that hold after it. The
+    columns are those of the loop in Python, to the bit. The interpreter is free meanwhile: loops of several rigs run in
+    threads. Raises CallerError for a rig whose loop has no compiled form.
+    """
+    inside, wire = inside_of(rig)
+    samples = targets.shape[1]
+    noise = inside.instruments.drawn(samples)
+    arrays = arrays_of(rig, inside, wire, ticks, targets, noise)
+    functions = (callback(ticks.estimator.function, 4), callback(ticks.controller.function, 4))
+    ended, complete = run_loop(*functions, arrays, first_drive_v)
+    if not np.array_equal(arrays.shown[:complete, 0], sample_times_s(rig, complete)):
+        raise NumericsError("the compiled loop's clock differs from the rig's: report it with the rig file")
+    run = CompiledRun(Ended(ended), complete, columns_of(arrays.shown, ticks))
+    return with_endpoint(run, arrays.true_displacement_m, inside, noise)
+
+
+def arrays_of(
+    rig: GuardedRig,
+    inside: SimulatedInside,
+    wire: OneWire,
+    ticks: LoopTicks,
+    targets: FloatArray,
+    noise: FloatArray,
+) -> LoopArrays:
+    """Return the arrays of a loop; those that it changes are copies."""
+    samples = targets.shape[1]
+    estimator, controller = ticks.estimator, ticks.controller
+    constants = wire.constants.copy()
+    recorded = len(ticks.estimator_columns), len(ticks.controller_columns)
+    return LoopArrays(
+        states=wire.state.copy().row,
+        constants=constants.row,
+        load_table_n=constants.load_table_n,
+        bench=packed_bench(inside),
+        limits=packed_limits(rig.protection_limits),
+        memory=packed_memory(rig.protection),
+        noise=noise,
+        air=air_of(inside, wire, samples),
+        targets=np.ascontiguousarray(targets),
+        estimator_constants=estimator.constants,
+        estimator_state=estimator.state.copy(),
+        estimator_answer=np.zeros(len(ESTIMATOR_ANSWERS) + recorded[0]),
+        controller_constants=controller.constants,
+        controller_state=controller.state.copy(),
+        controller_answer=np.zeros(len(CONTROLLER_ANSWERS) + recorded[1]),
+        readings=inside.instruments.readings,
+        scales=inside.instruments.scales,
+        true_displacement_m=np.empty(samples),
+        shown=np.empty((samples, len(RIG_COLUMNS) + recorded[0] + 3 + recorded[1])),
+    )
+
+
+def packed_bench(inside: SimulatedInside) -> NDArray[np.void]:
+    """Return the numbers of the bench that the loop reads."""
+    known = {**inside.bench, "reading_period_s": protection_table().reading_period_s}
+    return np.array([tuple(known[name] for name in BENCH.names or ())], BENCH)
+
+
+def air_of(inside: SimulatedInside, wire: OneWire, samples: int) -> FloatArray:
+    """Return the air's temperature [K] and the wire's convection factor at each sample, (n_samples, 2); none if still.
+
+    The air is drawn here as a rig draws it from sample to sample.
+    """
+    if inside.air is None:
+        return np.empty((0, 2))
+    period_s, ambient_k = inside.bench["sample_period_s"], inside.bench["ambient_temperature_k"]
+    time_s, per_sample = wire.state.time_s, round(period_s / inside.bench["time_step_s"])
+    found = np.empty((samples, 2))
+    for row in range(samples):
+        air = inside.air.after(time_s, period_s)
+        found[row] = ambient_k + air.warmer_k, wire.constants.convection_factor * air.convection_ratio
+        time_s += per_sample * inside.bench["time_step_s"]
+    return found
+
+
+def columns_of(shown: FloatArray, ticks: LoopTicks) -> dict[str, FloatArray]:
+    """Return the columns that a loop has written, by name."""
+    names = (*RIG_COLUMNS, *ticks.estimator_columns, "target", "estimated", "valid", *ticks.controller_columns)
+    return dict(zip(names, np.ascontiguousarray(shown.T), strict=True))
+
+
+def with_endpoint(
+    run: CompiledRun, true_displacement_m: FloatArray, inside: SimulatedInside, noise: FloatArray
+) -> CompiledRun:
+    """Return a run with the readings of the instruments at a finger's endpoint, if there is a finger."""
+    tendon, moved_m = inside.mechanism.tendon, true_displacement_m
+    if tendon is None:
+        return run
+    beyond = moved_m[: run.samples] + tendon.start_m - tendon.slack_m > tendon.curve.tendon_travel_m[-1]
+    if beyond.any():  # the rig ends the run there
+        return run._replace(ended=Ended.BEYOND_FINGER, samples=int(np.argmax(beyond)))
+    pull_n = tendon.endpoint_force_n(moved_m)
+    displacement_noise_m, force_noise_n = inside.instruments.endpoint_noise
+    there = run.columns | {
+        "endpoint_displacement_m": tendon.endpoint_m(moved_m, pull_n) + displacement_noise_m * noise[:, -2],
+        "endpoint_force_n": pull_n + force_noise_n * noise[:, -1],
+    }
+    own = (*ELECTRICAL_COLUMNS, *inside.reference_columns)
+    return run._replace(columns={name: there[name] for name in own} | run.columns)

@@ -1,0 +1,71 @@
+"""``control --runs``: many loops at once, beside the options of a single one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from musclewire.experiment.open_loop import characterize
+from musclewire.identify.sensing_model import fit
+from musclewire.rigs.configuration import open_rig
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("model") / "model.json"
+    with open_rig() as rig:
+        fit(characterize(rig, cycles=1)).save(path)
+    return path
+
+
+STEPS = ("--reference", "1.5 % to 1.8 % by 0.3 %")
+
+
+def test_every_loop_is_the_single_run_of_its_seed(musclewire: Callable[..., Any], model: Path) -> None:
+    many = musclewire("control", "simulated", model, *STEPS, "--runs", 3, "--seed", 4, "--json").json
+    assert [run["seed"] for run in many["runs"]] == [4, 5, 6]
+    alone = musclewire("control", "simulated", model, *STEPS, "--seed", 5, "--json").json
+    assert many["runs"][1]["mae_pct"] == [step["mae_pct"] for step in alone["steps"]]
+    assert many["runs"][1]["ended"] == "done"
+    in_python = musclewire(
+        "control", "simulated", model, *STEPS, "--runs", 3, "--seed", 4, "--in-python", "--json"
+    ).json
+    assert in_python["steps"] == many["steps"]
+
+
+def test_people_get_a_table_of_medians_and_spreads(musclewire: Callable[..., Any], model: Path) -> None:
+    answer = musclewire("control", "simulated", model, *STEPS, "--runs", 2)
+    assert answer.code == 0
+    assert answer.out.startswith("2 of 2 loops reached their end")
+    assert "1.8 %  rise" in answer.out
+
+
+def test_a_loop_that_fails_is_named_and_the_exit_code_is_1(
+    musclewire: Callable[..., Any], model: Path, tmp_path: Path
+) -> None:
+    rig = tmp_path / "other.toml"
+    rig.write_text("[settings]\nresistivity_factor = 1.2\n", "utf-8")
+    answer = musclewire("control", rig, model, *STEPS, "--runs", 2)
+    assert answer.code == 1
+    assert "seed 1: RigError: resistance" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("--runs", 2, "-o", "run.h5"), "--output belongs to a single run"),
+        (("--runs", 2, "--recalibrate"), "--recalibrate belongs to a single run"),
+        (("--runs", 2, "--real-time"), "--real-time belongs to a single run"),
+        (("--in-python",), "--in-python belongs to --runs"),
+        (("--threads", 2), "--threads belongs to --runs"),
+    ],
+)
+def test_options_of_one_run_and_of_many_do_not_mix(
+    musclewire: Callable[..., Any], model: Path, arguments: tuple[object, ...], named: str
+) -> None:
+    answer = musclewire("control", "simulated", model, *arguments)
+    assert answer.code == 2
+    assert named in answer.err

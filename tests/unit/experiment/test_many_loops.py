@@ -1,0 +1,215 @@
+"""Many loops in compiled code are the loop in Python, many times: same numbers, same ends."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled
+from musclewire.controllers import ControllerSetup, staircase
+from musclewire.controllers.pid import PidSettings
+from musclewire.errors import CallerError, NumericsError
+from musclewire.experiment.loop_outcomes import LoopOutcome
+from musclewire.experiment.many_loops import control_many
+from musclewire.experiment.open_loop import characterize
+from musclewire.identify.sensing_model import fit
+from musclewire.rigs.air import Surroundings
+from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.sensing import KnownSpring, SensingModel
+from musclewire.sensing.estimator import EstimatorSetup
+from musclewire.sensing.polynomial_estimator import PolynomialEstimator
+from musclewire.signals.compiled_tick import CompiledTick
+from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate
+from slow_estimators import drifting
+
+SHORT = staircase(start=0.015, stop=0.018, hold_s=1.5)
+
+
+@pytest.fixture(scope="module")
+def model() -> SensingModel:
+    with open_rig() as rig:
+        return fit(characterize(rig, cycles=1))
+
+
+def both(rig: Any, model: SensingModel, reference: Any = SHORT, **how: Any) -> tuple[LoopOutcome, LoopOutcome]:
+    """Return the outcomes of the compiled loop and of the loop in Python."""
+    made = [control_many(rig, model, reference, keep_recordings=True, in_python=way, **how) for way in (False, True)]
+    return made[0].outcomes[-1], made[1].outcomes[-1]
+
+
+def assert_same(fast: LoopOutcome, slow: LoopOutcome) -> None:
+    """Every column is the same to the bit, and so are the errors; what is said of the run differs in its timing."""
+    assert fast.run is not None
+    assert slow.run is not None
+    assert list(fast.run.columns) == list(slow.run.columns)
+    for name, column in slow.run.columns.items():
+        np.testing.assert_array_equal(fast.run.columns[name], column, err_msg=name)
+    assert fast.metrics == slow.metrics
+    timing = {name for name in slow.run.metadata if name.startswith(("compute_", "deadline", "start_time"))}
+    assert {name: fast.run.metadata[name] for name in slow.run.metadata.keys() - timing} == {
+        name: slow.run.metadata[name] for name in slow.run.metadata.keys() - timing
+    }
+
+
+RIGS = {
+    "the paper's bench": {},
+    "air that moves": {"surroundings": Surroundings(ambient_swing=2.0, draught=0.1)},
+    "samples of 4 ms": {"settings": {"sample_period_s": 0.004, "acquisition_readings": 10.0}},
+    "more readings than a block": {"settings": {"acquisition_readings": 300.0}},
+}
+
+
+@pytest.mark.parametrize("rig", RIGS.values(), ids=RIGS)
+def test_the_compiled_loop_is_the_loop_in_python(rig: dict[str, Any], model: SensingModel) -> None:
+    fast, slow = both(RigConfiguration(**rig), model, seeds=[7], approach_s=2.0)
+    assert (fast.compiled, slow.compiled) == (True, False)
+    assert_same(fast, slow)
+
+
+def test_a_plain_pid_too(model: SensingModel) -> None:
+    assert_same(*both("simulated", model, seeds=[7], controller="pid", settings=PidSettings(kp=0.1)))
+
+
+def test_force_on_a_known_spring_too(model: SensingModel) -> None:
+    fast, slow = both("simulated", model, staircase(1.0, 1.2, 0.1, 1.0), seeds=[7], load=KnownSpring(588.6, 0.05))
+    assert fast.compiled
+    assert_same(fast, slow)
+
+
+def test_a_full_staircase_in_every_column(model: SensingModel) -> None:
+    fast, slow = both("simulated", model, None, seeds=[1, 2])
+    assert fast.compiled
+    assert fast.run is not None
+    assert len(fast.run) == 1560
+    assert_same(fast, slow)
+
+
+def test_a_finger_with_its_endpoint_in_every_column() -> None:
+    with open_rig("finger") as rig:
+        own = fit(characterize(rig, cycles=1), quantity="displacement")
+    fast, slow = both("finger", own, None, seeds=[3])
+    assert fast.compiled
+    assert_same(fast, slow)
+
+
+def test_neither_the_number_of_threads_nor_that_of_loops_changes_a_digit(model: SensingModel) -> None:
+    many = control_many("simulated", model, SHORT, seeds=range(1, 9), threads=3)
+    one_by_one = control_many("simulated", model, SHORT, seeds=range(1, 9), threads=1)
+    alone = control_many("simulated", model, SHORT, seeds=[5])
+    assert many.metrics == one_by_one.metrics
+    assert many.outcomes[4] == alone.outcomes[0]
+    assert many.mae_pct.shape == (8, 3)
+
+
+def test_each_loop_may_have_its_own_rig_and_model(model: SensingModel) -> None:
+    rigs = [RigConfiguration(settings={"pretension_n": force_n}) for force_n in (1.7, 1.9)]
+    models = [model, replace(model, resistance_noise_ohm=0.0)]
+    found = control_many(rigs, models, SHORT, seeds=[1, 1])
+    for rig, own, outcome in zip(rigs, models, found.outcomes, strict=True):
+        assert control_many(rig, own, SHORT, seeds=[1]).outcomes == (outcome,)
+
+
+def test_a_wire_of_another_resistance_ends_as_in_python(model: SensingModel) -> None:
+    fast, slow = both(RigConfiguration(settings={"resistivity_factor": 1.2}), model, seeds=[7])
+    assert "is not this model's wire" in fast.ended
+    assert fast.ended == slow.ended
+    assert (fast.compiled, fast.metrics) == (False, None)
+    assert fast.run is not None
+    assert slow.run is not None
+    assert len(fast.run) == len(slow.run) > 0
+
+
+def test_a_trip_of_the_protection_ends_as_in_python(model: SensingModel) -> None:
+    fast, slow = both(RigConfiguration(settings={"acquisition_noise_v": 0.2}), model, seeds=[7])
+    assert "ProtectionTripError" in fast.ended
+    assert fast.ended == slow.ended
+
+
+def test_what_some_loops_came_to_is_shown_for_all(model: SensingModel) -> None:
+    rigs = [RigConfiguration(), RigConfiguration(settings={"resistivity_factor": 1.2})]
+    found = control_many(rigs, model, SHORT, seeds=[1, 2])
+    assert len(found.failed) == found.in_python == 1
+    text = str(found)
+    assert text.startswith("1 of 2 loops reached their end; 1 ran in Python")
+    assert "seed 2: RigError" in text
+    assert [step.target for step in found.steps] == [0.015, 0.018, 0.015]
+    assert found.steps[0].median_pct == found.mae_pct[0, 0]
+
+
+@compiled
+def half_way_tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
+    """Go a part of the way from the last drive to the one that the error asks for."""
+    wanted_v = constants[0] + constants[1] * (given[0] - given[1])
+    state[0] += 0.5 * (min(max(wanted_v, constants[2]), constants[3]) - state[0])
+    answer[0] = state[0]
+    answer[1] = 1.0 if constants[4] > 0.0 and given[5] * constants[4] > state[0] else 0.0
+    answer[2] = wanted_v
+
+
+class HalfWay:
+    """A controller from outside, with a tick of its own."""
+
+    columns = ("proportional_gain",)
+
+    def __init__(self, setup: ControllerSetup, fails: float = 0.0) -> None:
+        self.limits, self._fails = setup.limits, fails
+
+    def start(self, drive_voltage_v: float) -> float:
+        return self.limits.clamp(drive_voltage_v)
+
+    def step(self, state: float, target: float, estimate: QuantityEstimate, _dt_s: float) -> ControlStep:
+        wanted_v = 2.0 + 100.0 * (target - estimate.value)
+        drive_v = state + 0.5 * (self.limits.clamp(wanted_v) - state)
+        return ControlStep(Drive(drive_v), drive_v, (wanted_v,))
+
+    def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
+        constants = [2.0, 100.0, self.limits.sense_voltage_v, self.limits.maximum_voltage_v, self._fails]
+        return CompiledTick(half_way_tick, np.array(constants), np.array([self.start(drive_voltage_v)]))
+
+
+def test_a_controller_from_outside_brings_its_own_tick(model: SensingModel) -> None:
+    fast, slow = both("simulated", model, seeds=[7], controller=HalfWay)
+    assert fast.compiled
+    assert_same(fast, slow)
+
+
+def test_a_tick_that_ends_a_run_which_its_step_does_not_is_an_error_of_the_numbers(model: SensingModel) -> None:
+    with pytest.raises(NumericsError, match="differs from its step"):
+        control_many("simulated", model, SHORT, seeds=[7], controller=lambda setup: HalfWay(setup, fails=1e9))
+
+
+class Cautious(PolynomialEstimator):
+    """The paper's estimator with another step, and with the tick that it inherits."""
+
+
+def cautious(setup: EstimatorSetup) -> Cautious:
+    return Cautious(setup.model.curve(), setup.shunt_resistance_ohm)
+
+
+def test_without_a_tick_of_its_own_an_estimator_is_refused_by_its_name(model: SensingModel) -> None:
+    for estimator in (cautious, drifting()):
+        with pytest.raises(CallerError, match=r"estimator \w+ has no compiled tick.*in_python"):
+            control_many("simulated", model, SHORT, seeds=[7], estimator=estimator)
+    done = control_many("simulated", model, SHORT, seeds=[7], estimator=cautious, in_python=True)
+    assert done.metrics == control_many("simulated", model, SHORT, seeds=[7]).metrics
+
+
+def test_lists_must_be_as_long_as_the_seeds(model: SensingModel) -> None:
+    with pytest.raises(CallerError, match="2 rigs for 3 seeds"):
+        control_many(["simulated", "simulated"], model, seeds=[1, 2, 3])
+    with pytest.raises(CallerError, match="no seeds"):
+        control_many("simulated", model, seeds=[])
+
+
+def test_outcomes_come_in_the_order_of_the_seeds_and_keep_recordings_only_on_request(model: SensingModel) -> None:
+    seen: list[LoopOutcome] = []
+    found = control_many("simulated", model, SHORT, seeds=[3, 1, 2], on_outcome=seen.append)
+    assert [outcome.seed for outcome in seen] == [3, 1, 2]
+    assert found.outcomes == tuple(seen)
+    assert all(outcome.run is None for outcome in seen)
+    assert not any(math.isnan(error) for error in found.mae_max_pct)
