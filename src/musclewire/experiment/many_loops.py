@@ -28,7 +28,7 @@ from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import NO_CLOCK, cause_of, what_protects
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.compiled_loop.kernel import Ended
-from musclewire.rigs.compiled_loop.running import CompiledRun, LoopTicks, run_compiled, sample_times_s
+from musclewire.rigs.compiled_loop.running import CompiledRun, LoopTicks, Targets, run_compiled, times_on_rig_s
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.kinds import DeviceConfiguration
@@ -42,7 +42,7 @@ __all__ = ["ManyLoopsOptions", "control_many"]
 
 # If a compiled loop ended like this, the loop in Python must end with an error. After a reading that is not sound the
 # protection may also hold the drive and go on.
-ENDS_A_RUN = (Ended.COMMAND_NOT_SOUND, Ended.WIRE_NOT_FINITE, Ended.ESTIMATOR_FAILED, Ended.CONTROLLER_FAILED)
+ENDS_A_RUN = (Ended.COMMAND_NOT_SOUND, Ended.WIRE_NOT_RESOLVED, Ended.ESTIMATOR_FAILED, Ended.CONTROLLER_FAILED)
 
 
 class ManyLoopsOptions(TypedDict, total=False):
@@ -73,7 +73,7 @@ class CompiledLoop(NamedTuple):
 
     prepared: PreparedLoop
     ticks: LoopTicks
-    targets: FloatArray
+    targets: Targets
     elapsed_s: FloatArray
     first_drive_v: float
 
@@ -205,14 +205,14 @@ def shared_loop(case: Case, reference: Reference | None, choice: LoopChoice) -> 
         prepared = prepared_loop(rig, case.model, reference, choice)
         first_drive_v = prepared.controller.limits.clamp(rig.drive_voltage_v)
         ticks = ticks_of(prepared, choice, first_drive_v)
-        times_s = sample_times_s(rig, round(prepared.duration_s / rig.sample_period_s))
+        times_s = times_on_rig_s(rig, round(prepared.duration_s / rig.sample_period_s))
         start_s = times_s[0] - rig.sample_period_s
         # As the loop in Python rounds them; NumPy would round the product and not the number.
         elapsed_s = np.array([round(time_s - start_s, 9) for time_s in times_s.tolist()])
         held = np.maximum(elapsed_s - rig.sample_period_s - choice.approach_s, 0.0)
         following = np.maximum(elapsed_s - choice.approach_s, 0.0)
-        targets = np.array([prepared.reference.targets_at(held), prepared.reference.targets_at(following)])
-        return CompiledLoop(prepared, ticks, targets, elapsed_s, first_drive_v)
+        values = np.array([prepared.reference.targets_at(held), prepared.reference.targets_at(following)])
+        return CompiledLoop(prepared, ticks, Targets(times_s, values), elapsed_s, first_drive_v)
 
 
 def ticks_of(prepared: PreparedLoop, choice: LoopChoice, first_drive_v: float) -> LoopTicks:

@@ -6,7 +6,6 @@ It stops at the first sample at which something does; what follows then is decid
 
 from __future__ import annotations
 
-import math
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -15,9 +14,9 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.controllers.protection.sound import sound_command, sound_reading
+from musclewire.rigs.compiled_loop.one_wire import WireArrays, advance_sample, is_resolved, surround
 from musclewire.rigs.simulated import read_sample
 from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
-from musclewire.simulate.wires import advance_rows
 from musclewire.wire.state import Rows
 
 __all__ = ["BENCH", "Ended", "LoopArrays", "RIG_COLUMNS", "run_loop"]
@@ -27,14 +26,7 @@ Row = Any
 # A `compiled.Callback`, which only compiled code can call.
 Tick = Any
 
-BENCH = np.dtype(
-    [
-        (name, np.float64)
-        for name in (
-            "sample_period_s", "time_step_s", "amplifier_resolution_v", "reading_period_s",
-        )
-    ]
-)  # fmt: skip
+BENCH = np.dtype([(name, np.float64) for name in ("sample_period_s", "amplifier_resolution_v", "reading_period_s")])
 # The columns that the loop writes first.
 RIG_COLUMNS = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "displacement_m", "force_n")
 # A block of readings counts as full from this much less than the protection's reading period [s].
@@ -46,7 +38,7 @@ class Ended(IntEnum):
 
     DONE = 0
     COMMAND_NOT_SOUND = 1
-    WIRE_NOT_FINITE = 2
+    WIRE_NOT_RESOLVED = 2
     READING_NOT_SOUND = 3
     ESTIMATOR_FAILED = 4
     CONTROLLER_FAILED = 5
@@ -54,7 +46,7 @@ class Ended(IntEnum):
 
 
 N_ESTIMATED, N_CONTROLLED = len(ESTIMATOR_ANSWERS), len(CONTROLLER_ANSWERS)
-DONE, COMMAND_NOT_SOUND, WIRE_NOT_FINITE = int(Ended.DONE), int(Ended.COMMAND_NOT_SOUND), int(Ended.WIRE_NOT_FINITE)
+DONE, COMMAND_NOT_SOUND, WIRE_NOT_RESOLVED = int(Ended.DONE), int(Ended.COMMAND_NOT_SOUND), int(Ended.WIRE_NOT_RESOLVED)
 READING_NOT_SOUND = int(Ended.READING_NOT_SOUND)
 ESTIMATOR_FAILED, CONTROLLER_FAILED = int(Ended.ESTIMATOR_FAILED), int(Ended.CONTROLLER_FAILED)
 
@@ -62,7 +54,7 @@ ESTIMATOR_FAILED, CONTROLLER_FAILED = int(Ended.ESTIMATOR_FAILED), int(Ended.CON
 class LoopArrays(NamedTuple):
     """All arrays of one closed loop; those that change are its own.
 
-    ``states``, ``constants`` and ``load_table_n`` are the wire's. ``noise`` has a row of standard normal numbers for
+    ``times_s`` are the ends of the samples on the rig's clock [s]. ``noise`` has a row of standard normal numbers for
     each sample, in the order in which the instruments draw them; ``air`` the temperature [K] and the convection factor
     of each sample, no rows in still air. ``targets`` are those at each sample's end and those that hold after it.
     ``shown`` has a row for each sample: ``RIG_COLUMNS``, the estimator's numbers, target, estimate, validity, the
@@ -70,9 +62,8 @@ class LoopArrays(NamedTuple):
     ``scales`` are those of the instruments, which overwrite the noise.
     """
 
-    states: Rows
-    constants: Rows
-    load_table_n: FloatArray
+    wire: WireArrays
+    times_s: FloatArray
     bench: Rows
     limits: Rows
     memory: Rows
@@ -93,19 +84,16 @@ class LoopArrays(NamedTuple):
 
 @compiled
 def exchange(arrays: LoopArrays, row: int, drive_voltage_v: float) -> bool:
-    """Hold a drive for one sample and write ``RIG_COLUMNS`` into its row; whether the wire has kept its numbers."""
-    bench, state = arrays.bench[0], arrays.states[0]
-    resolution_v, shown = bench["amplifier_resolution_v"], arrays.shown[row]
+    """Hold a drive for one sample and write ``RIG_COLUMNS`` into its row; whether its steps are resolved."""
+    resolution_v, shown = arrays.bench[0]["amplifier_resolution_v"], arrays.shown[row]
     output_v = resolution_v * np.rint(drive_voltage_v / resolution_v)
     if arrays.air.shape[0] > 0:
-        arrays.constants[0].ambient_temperature_k = arrays.air[row, 0]
-        arrays.constants[0].convection_factor = arrays.air[row, 1]
-    steps = round(bench["sample_period_s"] / bench["time_step_s"])
-    means = advance_rows(arrays.states, arrays.constants, arrays.load_table_n, output_v, bench["time_step_s"], steps)
-    shown[0], shown[1] = state.time_s, output_v
+        surround(arrays.wire, arrays.air[row, 0], arrays.air[row, 1])
+    means = advance_sample(arrays.wire, output_v)
+    shown[0], shown[1] = arrays.times_s[row], output_v
     shown[2], shown[3], shown[4], shown[5] = read_sample(arrays.noise[row], arrays.readings, means, arrays.scales)
     arrays.true_displacement_m[row] = means[2]
-    return math.isfinite(state.temperature_k)
+    return is_resolved(arrays.wire)
 
 
 @compiled
@@ -134,7 +122,7 @@ def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: f
         if not sound_command(arrays.limits[0], drive_v):
             return COMMAND_NOT_SOUND, row
         if not exchange(arrays, row, drive_v):
-            return WIRE_NOT_FINITE, row
+            return WIRE_NOT_RESOLVED, row
         if not is_sound(arrays, row, block):
             return READING_NOT_SOUND, row
         sample[:] = shown[row, :4]

@@ -13,13 +13,14 @@ from musclewire.controllers.protection import armed, protection_table
 from musclewire.controllers.protection.sound import packed_limits, packed_memory
 from musclewire.errors import CallerError, NumericsError
 from musclewire.rigs.compiled_loop.kernel import BENCH, RIG_COLUMNS, Ended, LoopArrays, run_loop
+from musclewire.rigs.compiled_loop.one_wire import sample_times_s, wire_arrays
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.simulated import SimulatedDevice, SimulatedInside
 from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS, CompiledTick
 from musclewire.signals.exchange import ELECTRICAL_COLUMNS
 from musclewire.simulate.wires import OneWire
 
-__all__ = ["CompiledRun", "LoopTicks", "run_compiled", "sample_times_s", "uncompiled"]
+__all__ = ["CompiledRun", "LoopTicks", "Targets", "run_compiled", "times_on_rig_s", "uncompiled"]
 
 
 class LoopTicks(NamedTuple):
@@ -67,33 +68,34 @@ def inside_of(rig: GuardedRig) -> tuple[SimulatedInside, OneWire]:
     return inside, inside.wires
 
 
-def sample_times_s(rig: GuardedRig, samples: int) -> FloatArray:
+def times_on_rig_s(rig: GuardedRig, samples: int) -> FloatArray:
     """Return the times of a rig's next samples on its clock [s], (n_samples,), as its steps will add them up."""
     inside, wire = inside_of(rig)
-    step_s = inside.bench["time_step_s"]
-    per_sample = round(inside.bench["sample_period_s"] / step_s)
-    times = np.empty(samples)
-    time_s = wire.state.time_s
-    for row in range(samples):
-        time_s += per_sample * step_s
-        times[row] = time_s
-    return times
+    return sample_times_s(wire, inside.bench, samples)
 
 
-def run_compiled(rig: GuardedRig, ticks: LoopTicks, targets: FloatArray, first_drive_v: float) -> CompiledRun:
+class Targets(NamedTuple):
+    """What a loop follows, and the times of its samples on the rig's clock [s], (n_samples,).
+
+    ``values``, (2, n_samples), are those that held while each sample was taken and those that hold after it.
+    """
+
+    times_s: FloatArray
+    values: FloatArray
+
+
+def run_compiled(rig: GuardedRig, ticks: LoopTicks, targets: Targets, first_drive_v: float) -> CompiledRun:
     """Run a closed loop on a rig that has just been opened; afterwards the rig must be closed.
 
-    ``targets``, (2, n_samples), are those that held while each sample was taken and those that hold after it. The
-    columns are those of the loop in Python, to the bit. The interpreter is free meanwhile: loops of several rigs run in
-    threads. Raises CallerError for a rig whose loop has no compiled form.
+    The columns are those of the loop in Python, to the bit. The interpreter is free meanwhile: loops of several rigs
+    run in threads. Raises CallerError for a rig whose loop has no compiled form.
     """
     inside, wire = inside_of(rig)
-    samples = targets.shape[1]
-    noise = inside.instruments.drawn(samples)
+    noise = inside.instruments.drawn(targets.times_s.size)
     arrays = arrays_of(rig, inside, wire, ticks, targets, noise)
     functions = (callback(ticks.estimator.function, 4), callback(ticks.controller.function, 4))
     ended, complete = run_loop(*functions, arrays, first_drive_v)
-    if not np.array_equal(arrays.shown[:complete, 0], sample_times_s(rig, complete)):
+    if ended == Ended.DONE and arrays.wire.states[0]["time_s"] != targets.times_s[-1]:
         raise NumericsError("the compiled loop's clock differs from the rig's: report it with the rig file")
     run = CompiledRun(Ended(ended), complete, columns_of(arrays.shown, ticks))
     return with_endpoint(run, arrays.true_displacement_m, inside, noise)
@@ -104,24 +106,22 @@ def arrays_of(
     inside: SimulatedInside,
     wire: OneWire,
     ticks: LoopTicks,
-    targets: FloatArray,
+    targets: Targets,
     noise: FloatArray,
 ) -> LoopArrays:
     """Return the arrays of a loop; those that it changes are copies."""
-    samples = targets.shape[1]
+    samples = targets.times_s.size
     estimator, controller = ticks.estimator, ticks.controller
-    constants = wire.constants.copy()
     recorded = len(ticks.estimator_columns), len(ticks.controller_columns)
     return LoopArrays(
-        states=wire.state.copy().row,
-        constants=constants.row,
-        load_table_n=constants.load_table_n,
+        wire=wire_arrays(wire, inside.bench),
+        times_s=targets.times_s,
         bench=packed_bench(inside),
         limits=packed_limits(rig.protection_limits),
         memory=packed_memory(rig.protection),
         noise=noise,
-        air=air_of(inside, wire, samples),
-        targets=np.ascontiguousarray(targets),
+        air=air_of(inside, wire, targets.times_s),
+        targets=targets.values,
         estimator_constants=estimator.constants,
         estimator_state=estimator.state.copy(),
         estimator_answer=np.zeros(len(ESTIMATOR_ANSWERS) + recorded[0]),
@@ -141,21 +141,18 @@ def packed_bench(inside: SimulatedInside) -> NDArray[np.void]:
     return np.array([tuple(known[name] for name in BENCH.names or ())], BENCH)
 
 
-def air_of(inside: SimulatedInside, wire: OneWire, samples: int) -> FloatArray:
+def air_of(inside: SimulatedInside, wire: OneWire, times_s: FloatArray) -> FloatArray:
     """Return the air's temperature [K] and the wire's convection factor at each sample, (n_samples, 2); none if still.
 
-    The air is drawn here as a rig draws it from sample to sample.
+    The air is drawn here as a rig draws it from sample to sample: at their beginnings.
     """
     if inside.air is None:
         return np.empty((0, 2))
     period_s, ambient_k = inside.bench["sample_period_s"], inside.bench["ambient_temperature_k"]
-    time_s, per_sample = wire.state.time_s, round(period_s / inside.bench["time_step_s"])
-    found = np.empty((samples, 2))
-    for row in range(samples):
-        air = inside.air.after(time_s, period_s)
-        found[row] = ambient_k + air.warmer_k, wire.constants.convection_factor * air.convection_ratio
-        time_s += per_sample * inside.bench["time_step_s"]
-    return found
+    began_s = [wire.state.time_s, *times_s[:-1].tolist()]
+    drawn = [inside.air.after(time_s, period_s) for time_s in began_s]
+    still = wire.constants.convection_factor
+    return np.array([(ambient_k + air.warmer_k, still * air.convection_ratio) for air in drawn])
 
 
 def columns_of(shown: FloatArray, ticks: LoopTicks) -> dict[str, FloatArray]:
