@@ -11,14 +11,14 @@ from gymnasium.utils.env_checker import check_env
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.controllers.protection import Event, State, armed, protect_command, protect_reading, protection_table
-from musclewire.controllers.protection.protect import CONDITION_EVENTS
+from musclewire.controllers.protection import Event, State, allowed_drive_v, armed, protect_command, protect_reading
 from musclewire.errors import CallerError
 from musclewire.experiment.open_loop import characterize
 from musclewire.identify import fit
 from musclewire.interfaces.environments import ENVIRONMENT, Episode, WireEnv, WireVectorEnv
-from musclewire.interfaces.environments.kernels import MEMORY, protect_lane
+from musclewire.interfaces.environments.kernels import MEMORY, empty_ends, read_lanes
 from musclewire.interfaces.environments.vector import facts_of
+from musclewire.interfaces.environments.watch import Watch
 from musclewire.interfaces.simulated_wire import simulated_wire
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.sensing import SensingModel
@@ -172,33 +172,39 @@ def test_the_protection_ends_an_episode_in_both_at_the_same_sample() -> None:
     assert observed[3] == 0.0
 
 
-READINGS = st.lists(st.tuples(st.floats(0.3, 3.6), st.floats(-0.2, 1.3), st.floats(0.01, 2.0)), min_size=1, max_size=12)
+READINGS = st.lists(st.tuples(st.floats(0.3, 3.6), st.floats(-0.2, 1.3), st.floats(-0.1, 2.0)), min_size=1, max_size=12)
 
 
 @settings(max_examples=200)
 @given(READINGS, st.floats(300.0, 400.0), st.floats(0.01, 0.5))
-def test_the_compiled_protection_trips_as_the_table_does(
+def test_the_protection_of_many_is_that_of_every_rig(
     readings: list[tuple[float, float, float]], hottest_k: float, jump_share: float
 ) -> None:
-    """Readings of any circuit that carries a current, against ``protect_reading``."""
+    """Readings of any circuit, also of one without supply or current, in two lanes of which one stays sound."""
     wire = simulated_wire("simulated")
-    limits = wire.limits._replace(maximum_temperature_k=hottest_k, jump_share=jump_share, readings_noisy=0.0)
-    fact, kept = facts_of(wire)[0], np.zeros(1, MEMORY)[0]
-    fact["maximum_temperature_k"], fact["jump_share"] = hottest_k, jump_share
-    kept["temperature_k"] = limits.ambient_temperature_k
-    lasts_s = np.array([protection_table().lasts_s[event] for event in CONDITION_EVENTS])
+    limits = wire.limits._replace(maximum_temperature_k=hottest_k, jump_share=jump_share)
+    facts, memory = np.repeat(facts_of(wire), 2), np.zeros(2, MEMORY)
+    facts["maximum_temperature_k"][0], facts["jump_share"][0] = hottest_k, jump_share
+    facts["acquisition_noise_v"] = facts["displacement_noise_m"] = 0.0
+    facts["acquisition_step_v"] = 1e-12
+    watch = Watch([limits, wire.limits], facts, memory)
+    watch.rest(np.array([True, True]))
     state = armed(limits)
-    for place, (drive_v, wire_factor, current_a) in enumerate(readings):
-        # Never twice the same, and never without supply: what a circuit without faults does not do is not simulated.
-        wire_v = wire_factor * drive_v + 1e-6 * place
-        shunt_v = max(current_a, 0.5 * drive_v - abs(wire_v)) + 1e-6 * (place + 1)
-        kept["drive_voltage_v"] = drive_v
-        state = protect_reading(protect_command(state, limits, drive_v), limits, drive_v, wire_v, shunt_v, 0.05)
-        event = protect_lane(fact, kept, lasts_s, wire_v, shunt_v)
-        assert event == (int(state.event) if state.state is State.TRIPPED else Event.NONE)
-        assert kept["temperature_k"] == pytest.approx(state.temperature_k, rel=1e-12)
-        if event:
+    for drive_v, wire_factor, shunt_v in readings:
+        drives = np.array([drive_v, 1.0])
+        memory["drive_voltage_v"] = drives
+        watch.command(drives)
+        state = protect_command(state, limits, drive_v)
+        assert drives.tolist() == [allowed_drive_v(state, limits), 1.0]
+        means = np.array([[wire_factor * drive_v, 0.944], [shunt_v, 0.056], [0.0, 0.0]])
+        ends = empty_ends(2, np.empty((2, 6)))
+        read_lanes(facts, memory, 1, means, ends)
+        watch.judge(ends)
+        state = protect_reading(state, limits, drives[0], ends.wire_voltage_v[0], ends.shunt_voltage_v[0], 0.05)
+        assert ends.event.tolist() == [state.event if state.state is State.TRIPPED else Event.NONE, Event.NONE]
+        if state.state is State.TRIPPED:
             break
+        assert memory["temperature_k"][0] == state.temperature_k
 
 
 @pytest.mark.parametrize(

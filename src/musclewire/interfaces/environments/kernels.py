@@ -1,7 +1,7 @@
 """What happens to many simulated wires at the end of a sample, compiled: reading, protection, reward, observation.
 
-The lanes are in arrays of records, one record a lane. The arithmetic of the protection is that of
-``controllers.protection.protect`` and held to it by a test.
+The lanes are in arrays of records, one record a lane. A reading that is not sound is judged by the protection itself,
+in ``watch.py``.
 """
 
 from __future__ import annotations
@@ -14,32 +14,34 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.controllers.protection import ProtectionLimits
-from musclewire.controllers.protection.protect import (
-    CONDITION_EVENTS,
-    SATURATED_FRACTION,
-    SHORT_FRACTION,
-    STUCK_FRACTION,
-    TIME_ROUNDING_S,
-    Conditions,
-)
+from musclewire.controllers.protection import sound
+from musclewire.controllers.protection.sound import sound_reading
 from musclewire.interfaces.environments.episodes import MAX_RESISTANCE_FACTOR, PERCENT
 from musclewire.interfaces.environments.random_numbers import normal_pair, philox, uniform
 
-__all__ = ["FACTS", "MEMORY", "NO_CURVE", "Curve", "LaneEnds", "LaneRun", "draw_levels", "drive_lanes", "end_sample"]
+__all__ = [
+    "FACTS",
+    "MEMORY",
+    "NO_CURVE",
+    "Curve",
+    "LaneEnds",
+    "LaneRun",
+    "draw_levels",
+    "drive_lanes",
+    "empty_ends",
+    "judge_lanes",
+    "read_lanes",
+]
 
 # Streams of random numbers of a lane: the last word of the counter.
 TARGETS, READINGS = 0, 1
 # From this noise on, in steps of the converter, the error of rounding is independent of the voltage to 0.3 % of a step:
 # the mean of many readings is then one normal number with the variances of noise and rounding.
 MIN_DITHER_STEPS = 0.5
-CONDITIONS = len(Conditions._fields)
-EVENT_NUMBERS = np.array([int(event) for event in CONDITION_EVENTS])
-(SATURATED, SWAPPED, SHORT, CURRENT, POWER, STUCK, JUMP, OUTSIDE, _FROZEN, HOT) = range(CONDITIONS)
 
 # What a lane's rig is; the protection's limits are among it under their own names.
 FACTS = np.dtype(
-    [(name, np.float64) for name in ProtectionLimits._fields]
+    sound.LIMITS.descr
     + [
         (name, np.float64)
         for name in (
@@ -48,12 +50,11 @@ FACTS = np.dtype(
         )
     ]
 )  # fmt: skip
-# What a lane remembers beyond its wire: the protection's memory, the drive that is out, episode and sample by number.
+# What a lane remembers beyond its wire: the protection's memory under its own names, the drive that is out, episode and
+# sample by number, and whether the episode has ended.
 MEMORY = np.dtype(
     [
-        ("temperature_k", np.float64),
-        ("settled_ohm", np.float64),
-        ("lasting_s", np.float64, CONDITIONS),
+        *sound.MEMORY.descr,
         ("drive_voltage_v", np.float64),
         ("episode", np.int64),
         ("sample", np.int64),
@@ -81,23 +82,51 @@ NO_CURVE = Curve(0.0, 0.0, 0.0, 0.0, np.empty(0), np.empty(0))
 
 
 class LaneRun(NamedTuple):
-    """What all lanes have in common: seed, length of approach and level in samples, how long conditions must last."""
+    """What all lanes have in common: seed, length of approach and level in samples, and the estimator's curve."""
 
     seed: int
     approach: int
     hold: int
-    lasts_s: FloatArray
     curve: Curve
 
 
 class LaneEnds(NamedTuple):
-    """What a sample ends with, written in place: (n_lanes, n_observed), and (n_lanes,) for the others."""
+    """How a sample ends, written in place; (n_lanes,) each but what is observed, (n_lanes, n_observed).
 
+    Parameters
+    ----------
+    wire_voltage_v, shunt_voltage_v
+        Readings of the converter [V].
+    strain
+        Reading of the displacement sensor, as a strain.
+    sound
+        Whether a reading is sound.
+    event
+        Number of the event by which the protection has switched off; 0 for none.
+    observed
+        Observations.
+    reward
+        Rewards.
+    truncated
+        Whether the time of the episode has come to its end.
+    """
+
+    wire_voltage_v: FloatArray
+    shunt_voltage_v: FloatArray
+    strain: FloatArray
+    sound: NDArray[np.bool_]
+    event: NDArray[np.int64]
     observed: FloatArray
     reward: FloatArray
-    strain: FloatArray
-    event: NDArray[np.int64]
     truncated: NDArray[np.bool_]
+
+
+def empty_ends(count: int, observed: FloatArray) -> LaneEnds:
+    """Return the end of a sample of so many lanes, still to be filled in; observations are written where they were."""
+    wire_voltage_v, shunt_voltage_v, strain, reward = np.empty((4, count))
+    sound_ones, truncated = np.empty((2, count), np.bool_)
+    event = np.empty(count, np.int64)
+    return LaneEnds(wire_voltage_v, shunt_voltage_v, strain, sound_ones, event, observed, reward, truncated)
 
 
 @compiled
@@ -158,41 +187,17 @@ def read_lane(
 
 
 @compiled
-def protect_lane(fact: Record, kept: Record, lasts_s: FloatArray, wire_v: float, shunt_v: float) -> int:
-    """Return the number of the event by which a reading trips the protection, 0 for none.
-
-    A simulated circuit without faults always carries the sense current, and its noisy channels never freeze: the
-    conditions for missing readings and frozen channels cannot occur.
-    """
-    dt_s, drive_v = fact["sample_period_s"], kept["drive_voltage_v"]
-    current_a = shunt_v / fact["shunt_resistance_ohm"]
-    resistance = wire_v / shunt_v * fact["shunt_resistance_ohm"]
-    low, high, settled = fact["resistance_low_ohm"], fact["resistance_high_ohm"], kept["settled_ohm"]
-    outside = not low <= resistance <= high
-    jumped = not outside and settled > 0.0 and abs(resistance - settled) > fact["jump_share"] * settled
-    if not (outside or jumped):
-        kept["settled_ohm"] = resistance
-    rate = fact["heat_loss_w_per_k"] / fact["heat_capacity_j_per_k"] * dt_s
-    rise = dt_s * wire_v * current_a / fact["heat_capacity_j_per_k"]
-    ambient = fact["ambient_temperature_k"]
-    kept["temperature_k"] = ambient + (kept["temperature_k"] - ambient + rise) / (1.0 + rate)
-    fits = low <= shunt_v / wire_v * fact["shunt_resistance_ohm"] <= high
-    end = SATURATED_FRACTION
-    seen = np.zeros(CONDITIONS, np.bool_)
-    seen[SATURATED] = abs(wire_v) >= end * fact["wire_range_v"] or abs(shunt_v) >= end * fact["shunt_range_v"]
-    seen[SWAPPED] = resistance < 0.0 or (resistance < low and fits)
-    seen[SHORT] = resistance < SHORT_FRACTION * low
-    seen[CURRENT] = abs(current_a) > fact["maximum_current_a"]
-    seen[POWER] = wire_v * current_a > fact["maximum_power_w"]
-    seen[STUCK] = wire_v + shunt_v > drive_v + STUCK_FRACTION * fact["maximum_voltage_v"]
-    seen[JUMP], seen[OUTSIDE] = jumped, outside
-    seen[HOT] = kept["temperature_k"] > fact["maximum_temperature_k"]
-    tripped = 0
-    for place in range(CONDITIONS):
-        kept["lasting_s"][place] = kept["lasting_s"][place] + dt_s if seen[place] else 0.0
-        if tripped == 0 and seen[place] and kept["lasting_s"][place] > lasts_s[place] - TIME_ROUNDING_S:
-            tripped = EVENT_NUMBERS[place]
-    return tripped
+def read_lanes(facts: Rows, memory: Rows, seed: int, means: FloatArray, ends: LaneEnds) -> None:
+    """Read all lanes from their true means over a sample: wire voltage, shunt voltage, displacement, (3, n_lanes)."""
+    for lane in range(means.shape[1]):
+        fact, kept = facts[lane], memory[lane]
+        wire_v, shunt_v, displacement_m = read_lane(
+            fact, kept, lane, seed, (means[0, lane], means[1, lane], means[2, lane])
+        )
+        ends.wire_voltage_v[lane], ends.shunt_voltage_v[lane] = wire_v, shunt_v
+        ends.strain[lane] = displacement_m / fact["leg_length_m"]
+        drive_v, period_s = kept["drive_voltage_v"], fact["sample_period_s"]
+        ends.sound[lane] = sound_reading(kept, fact, drive_v, wire_v, shunt_v, period_s)
 
 
 @compiled
@@ -214,38 +219,31 @@ def level_at(run: LaneRun, levels: int, sample: int) -> int:
 
 
 @compiled
-def end_sample(facts: Rows, memory: Rows, targets: FloatArray, run: LaneRun, means: FloatArray, ends: LaneEnds) -> None:
-    """Read, protect, judge and observe all lanes at the end of a sample.
+def judge_lanes(facts: Rows, memory: Rows, targets: FloatArray, run: LaneRun, ends: LaneEnds) -> None:
+    """Reward and observe all lanes at the end of a sample; ``targets`` are their levels, (n_lanes, n_levels).
 
-    ``means`` are wire voltage, shunt voltage and displacement, (3, n_lanes); ``targets`` the levels, (n_lanes,
-    n_levels). A lane that had ended was at rest before this sample, which was the first of its episode.
+    A lane that had ended was at rest before this sample, which was the first of its episode.
     """
     levels = targets.shape[1]
     last = run.approach + levels * run.hold
     for lane in range(targets.shape[0]):
         fact, kept, seen = facts[lane], memory[lane], ends.observed[lane]
-        wire_v, shunt_v, displacement_m = read_lane(
-            fact, kept, lane, run.seed, (means[0, lane], means[1, lane], means[2, lane])
-        )
-        strain = displacement_m / fact["leg_length_m"]
-        event = protect_lane(fact, kept, run.lasts_s, wire_v, shunt_v)
-        first = kept["ended"] != 0
         # The sample that has just ended is judged by the target that was asked for while it was taken.
-        error = abs(targets[lane, level_at(run, levels, kept["sample"] - 1)] - strain)
-        reward = 0.0 if first else -PERCENT * error
-        if event:
-            highest = targets[lane].max()
-            reward = -PERCENT * highest * (last - kept["sample"] + 1)
+        error = abs(targets[lane, level_at(run, levels, kept["sample"] - 1)] - ends.strain[lane])
+        ends.reward[lane] = 0.0 if kept["ended"] else -PERCENT * error
+        tripped = ends.event[lane] != 0
+        if tripped:
+            ends.reward[lane] = -PERCENT * targets[lane].max() * (last - kept["sample"] + 1)
             kept["drive_voltage_v"] = 0.0
         else:
-            resistance = wire_v / shunt_v * fact["shunt_resistance_ohm"]
+            wire_v, shunt_v = ends.wire_voltage_v[lane], ends.shunt_voltage_v[lane]
+            resistance_ohm = wire_v / shunt_v * fact["shunt_resistance_ohm"]
             seen[0], seen[1] = wire_v, shunt_v
-            seen[2] = min(max(resistance, 0.0), MAX_RESISTANCE_FACTOR * fact["resistance_high_ohm"])
+            seen[2] = min(max(resistance_ohm, 0.0), MAX_RESISTANCE_FACTOR * fact["resistance_high_ohm"])
             if run.curve.heating.shape[0]:
-                seen[5] = estimate_of(run.curve, resistance)
+                seen[5] = estimate_of(run.curve, resistance_ohm)
         seen[3] = kept["drive_voltage_v"]
         seen[4] = targets[lane, level_at(run, levels, kept["sample"])]
-        ends.reward[lane], ends.strain[lane], ends.event[lane] = reward, strain, event
-        ends.truncated[lane] = event == 0 and kept["sample"] >= last
-        kept["ended"] = event != 0 or ends.truncated[lane]
+        ends.truncated[lane] = not tripped and kept["sample"] >= last
+        kept["ended"] = tripped or ends.truncated[lane]
         kept["sample"] += 1

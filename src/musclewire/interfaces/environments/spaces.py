@@ -27,6 +27,9 @@ OBSERVED = (
     "wire_voltage_v", "shunt_voltage_v", "wire_resistance_ohm", "drive_voltage_v", "target_strain", "estimated_strain",
 )  # fmt: skip
 
+# An estimate at the end of the model's range may be beyond it by this fraction of the range: it is a sum of powers.
+ROUNDING = 1e-9
+
 
 def action_space() -> Any:
     """Return the space of actions: one number, -1 for the sense voltage and 1 for the maximum."""
@@ -44,8 +47,9 @@ def observation_space(limits: ProtectionLimits, episode: Episode, model: Sensing
         episode.high,
     ]
     if model is not None:
-        low.append(model.quantity_min)
-        high.append(model.quantity_max)
+        rounding = ROUNDING * (model.quantity_max - model.quantity_min)
+        low.append(model.quantity_min - rounding)
+        high.append(model.quantity_max + rounding)
     return gymnasium.spaces.Box(np.array(low), np.array(high), dtype=np.float64)
 
 

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers.protection import Event, ProtectionLimits, protection_table
-from musclewire.controllers.protection.protect import CONDITION_EVENTS
 from musclewire.errors import CallerError
 from musclewire.interfaces.environments.episodes import Episode, episode_from
 from musclewire.interfaces.environments.kernels import (
@@ -25,10 +24,13 @@ from musclewire.interfaces.environments.kernels import (
     LaneRun,
     draw_levels,
     drive_lanes,
-    end_sample,
+    empty_ends,
+    judge_lanes,
+    read_lanes,
 )
 from musclewire.interfaces.environments.lanes import WireLanes
 from musclewire.interfaces.environments.spaces import action_space, checked_actions, observation_space, strain_model
+from musclewire.interfaces.environments.watch import Watch
 from musclewire.interfaces.simulated_wire import SimulatedWire, simulated_wire
 from musclewire.rigs.configuration import RigConfiguration
 from musclewire.sensing import SensingModel
@@ -95,8 +97,8 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         self._memory = np.zeros(num_envs, MEMORY)
         self._targets = np.zeros((num_envs, self._episode.levels))
         self._drive_v = np.zeros(num_envs)
-        lasts_s = np.array([protection_table().lasts_s[event] for event in CONDITION_EVENTS])
-        self._run = LaneRun(0, *self._episode.samples(period_s), lasts_s, curve_of(known))
+        self._watch = Watch([wire.limits for wire in lanes], self._facts, self._memory)
+        self._run = LaneRun(0, *self._episode.samples(period_s), curve_of(known))
         self.single_action_space = action_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.single_observation_space = observation_space(widest(wires), self._episode, known)
@@ -154,29 +156,26 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
 
     def _take_sample(self, actions: FloatArray) -> LaneEnds:
         """Advance all wires by a sample, those whose episode has ended from rest."""
-        ended = self._memory["ended"] != 0
+        count, ended = self.num_envs, self._memory["ended"] != 0
         if ended.any():
             self._restart(ended)
         drive_lanes(self._facts, self._memory, actions, self._drive_v)
-        means = self._lanes.advance(self._drive_v)
-        count = self.num_envs
-        ends = LaneEnds(
-            self._observed, np.empty(count), np.empty(count), np.empty(count, np.int64), np.empty(count, np.bool_)
-        )
-        end_sample(self._facts, self._memory, self._targets, self._run, means, ends)
+        self._watch.command(self._drive_v)
+        ends = empty_ends(count, self._observed)
+        read_lanes(self._facts, self._memory, self._run.seed, self._lanes.advance(self._drive_v), ends)
+        self._watch.judge(ends)
+        judge_lanes(self._facts, self._memory, self._targets, self._run, ends)
         return ends
 
     def _restart(self, lanes: Mask) -> None:
         """Begin the next episode of some wires: cold, with new targets."""
         self._lanes.rest(lanes)
-        begun = self._memory[lanes]
-        begun["temperature_k"] = self._facts["ambient_temperature_k"][lanes]
-        begun["settled_ohm"], begun["lasting_s"], begun["sample"] = 0.0, 0.0, 0
-        begun["episode"] += 1
-        self._memory[lanes] = begun
-        draws = np.empty((len(begun), self._episode.levels))
-        for row, lane in enumerate(np.flatnonzero(lanes)):
-            draw_levels(self._run.seed, int(lane), begun["episode"][row], draws[row])
+        self._watch.rest(lanes)
+        self._memory["sample"][lanes] = 0
+        self._memory["episode"][lanes] += 1
+        draws = np.empty((int(lanes.sum()), self._episode.levels))
+        for row, lane in enumerate(np.flatnonzero(lanes).tolist()):
+            draw_levels(self._run.seed, lane, int(self._memory["episode"][lane]), draws[row])
         self._targets[lanes] = self._episode.drawn(draws)
 
 
