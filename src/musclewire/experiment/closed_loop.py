@@ -9,7 +9,7 @@ recorded as well and compared afterwards; nothing here reads them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, NamedTuple, Unpack
 
 from musclewire.controllers.controller import (
@@ -241,6 +241,11 @@ class LoopChoice:
     settings: Any = None
     load: KnownSpring | None = None
     approach_s: float = APPROACH_S
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The keywords of ``control``."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     @property
     def metadata(self) -> dict[str, MetadataValue]:

@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
-from functools import partial
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple, TypedDict, Unpack
@@ -38,7 +38,7 @@ from musclewire.sensing.model import SensingModel
 from musclewire.signals.compiled_tick import declared_tick
 from musclewire.signals.recording import MetadataValue, Recording
 
-__all__ = ["ManyLoopsOptions", "control_many"]
+__all__ = ["ManyLoopsOptions", "control_compiled", "control_many"]
 
 # If a compiled loop ended like this, the loop in Python must end with an error. After a reading that is not sound the
 # protection may also hold the drive and go on.
@@ -71,6 +71,8 @@ class Case(NamedTuple):
 class CompiledLoop(NamedTuple):
     """What the loops of one rig and one model share: ticks, targets, and where they start."""
 
+    model: SensingModel
+    choice: LoopChoice
     prepared: PreparedLoop
     ticks: LoopTicks
     targets: Targets
@@ -146,11 +148,10 @@ def control_many(
     """
     choice = LoopChoice(estimator, controller, settings, load, options.get("approach_s", APPROACH_S))
     cases = cases_of(rig, model, tuple(seeds))
-    in_python = partial(loop_in_python, reference=reference, choice=choice)
     if options.get("in_python", False):
-        found: Iterable[LoopOutcome] = map(in_python, cases)
+        found = outcomes_in_python(cases, reference, choice)
     else:
-        found = compiled_outcomes(cases, reference, choice, options.get("threads"), in_python)
+        found = compiled_outcomes(cases, reference, choice, options.get("threads"))
     kept = options.get("keep_recordings", False)
     outcomes: list[LoopOutcome] = []
     for outcome in found:
@@ -158,6 +159,66 @@ def control_many(
         if "on_outcome" in options:
             options["on_outcome"](outcomes[-1])
     return ManyControlRuns(tuple(outcomes))
+
+
+def control_compiled(
+    rig: GuardedRig,
+    model: SensingModel,
+    reference: Reference | None = None,
+    *,
+    estimator: str | EstimatorFactory = "polynomial",
+    controller: str | ControllerFactory = "fuzzy-pid",
+    settings: Any = None,
+    load: KnownSpring | None = None,
+    approach_s: float = APPROACH_S,
+) -> ControlRun:
+    """Run the loop of ``control`` from the present state of a simulated rig in compiled code, and close the rig.
+
+    For studies that open a rig, do something with it, and end with a closed loop. The recording is that of ``control``,
+    to the bit. Where something unusual happens, ``control`` runs the loop.
+
+    Parameters
+    ----------
+    rig
+        The rig, open, and not being driven: after an experiment it is at its sense voltage.
+    model
+        The model of its wire.
+    reference
+        The target over time, in the model's quantity; the paper's staircase if None.
+    estimator
+        Name of an estimator, or a factory of one. It needs a compiled tick.
+    controller
+        Name of a controller, or a factory of one. It needs a compiled tick.
+    settings
+        The controller's settings; its defaults if None.
+    load
+        A known spring, if force is controlled through its stiffness.
+    approach_s
+        Time [s] in which the wire reaches the reference's start.
+
+    Returns
+    -------
+    The recording with its metrics.
+
+    Raises
+    ------
+    CallerError
+        If estimator, controller or rig has no compiled form, and as ``control`` does.
+    RigError
+        As ``control`` does.
+    NumericsError
+        As ``control`` does, and if a compiled tick ends a run that its ``step`` in Python does not end.
+    """
+    choice = LoopChoice(estimator, controller, settings, load, approach_s)
+    with rig:
+        loop = compiled_loop_on(rig, model, reference, choice)
+        run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
+        if run.ended is Ended.DONE:
+            return control_run(rig, loop, run)
+        in_python = control(rig, model, loop.prepared.reference, **choice.options)
+        if run.ended in ENDS_A_RUN:
+            raise NumericsError(unlike(run.ended))
+        return in_python
 
 
 def cases_of(rigs: Any, models: SensingModel | Sequence[SensingModel], seeds: tuple[int, ...]) -> list[Case]:
@@ -174,45 +235,50 @@ def cases_of(rigs: Any, models: SensingModel | Sequence[SensingModel], seeds: tu
     return list(map(Case, configurations, each_model * (len(seeds) // len(each_model)), seeds))
 
 
+def outcomes_in_python(cases: list[Case], reference: Reference | None, choice: LoopChoice) -> Iterator[LoopOutcome]:
+    """Yield the outcomes of loops in Python, one after another."""
+    for case in cases:
+        with open_rig(case.rig, seed=case.seed) as rig:
+            yield outcome_in_python(rig, case.model, reference, choice, case.seed)
+
+
 def compiled_outcomes(
-    cases: list[Case],
-    reference: Reference | None,
-    choice: LoopChoice,
-    threads: int | None,
-    in_python: Callable[[Case], LoopOutcome],
+    cases: list[Case], reference: Reference | None, choice: LoopChoice, threads: int | None
 ) -> Iterator[LoopOutcome]:
     """Yield the outcomes of compiled loops in the order of the cases."""
     loops: dict[tuple[int, int], CompiledLoop] = {}
     for case in cases:
         key = (id(case.rig), id(case.model))
         if key not in loops:
-            loops[key] = shared_loop(case, reference, choice)
-    run = partial(compiled_outcome, software_version=version("musclewire"))
-    count = min(threads or os.cpu_count() or 1, len(cases))
-    with ThreadPoolExecutor(count) as pool:
+            with open_rig(case.rig, seed=case.seed) as rig:
+                loops[key] = compiled_loop_on(rig, case.model, reference, choice)
+
+    def outcome(case: Case) -> LoopOutcome:
+        with open_rig(case.rig, seed=case.seed) as rig:
+            return outcome_on(rig, loops[id(case.rig), id(case.model)], case.seed)
+
+    with ThreadPoolExecutor(min(threads or os.cpu_count() or 1, len(cases))) as pool:
         try:
-            for case, (ended, outcome) in zip(
-                cases, pool.map(lambda case: run(case, loops[id(case.rig), id(case.model)]), cases), strict=True
-            ):
-                yield outcome if outcome is not None else repeated(case, ended, in_python)
+            yield from pool.map(outcome, cases)
         finally:
             pool.shutdown(cancel_futures=True)
 
 
-def shared_loop(case: Case, reference: Reference | None, choice: LoopChoice) -> CompiledLoop:
-    """Return what all loops of a rig and a model share. Raises CallerError for what has no compiled form."""
-    with open_rig(case.rig, seed=case.seed) as rig:
-        prepared = prepared_loop(rig, case.model, reference, choice)
-        first_drive_v = prepared.controller.limits.clamp(rig.drive_voltage_v)
-        ticks = ticks_of(prepared, choice, first_drive_v)
-        times_s = times_on_rig_s(rig, round(prepared.duration_s / rig.sample_period_s))
-        start_s = times_s[0] - rig.sample_period_s
-        # As the loop in Python rounds them; NumPy would round the product and not the number.
-        elapsed_s = np.array([round(time_s - start_s, 9) for time_s in times_s.tolist()])
-        held = np.maximum(elapsed_s - rig.sample_period_s - choice.approach_s, 0.0)
-        following = np.maximum(elapsed_s - choice.approach_s, 0.0)
-        values = np.array([prepared.reference.targets_at(held), prepared.reference.targets_at(following)])
-        return CompiledLoop(prepared, ticks, Targets(times_s, values), elapsed_s, first_drive_v)
+def compiled_loop_on(
+    rig: GuardedRig, model: SensingModel, reference: Reference | None, choice: LoopChoice
+) -> CompiledLoop:
+    """Return what all loops on such a rig with one model share. Raises CallerError for what has no compiled form."""
+    prepared = prepared_loop(rig, model, reference, choice)
+    first_drive_v = prepared.controller.limits.clamp(rig.drive_voltage_v)
+    ticks = ticks_of(prepared, choice, first_drive_v)
+    times_s = times_on_rig_s(rig, round(prepared.duration_s / rig.sample_period_s))
+    start_s = times_s[0] - rig.sample_period_s
+    # As the loop in Python rounds them; NumPy would round the product and not the number.
+    elapsed_s = np.array([round(time_s - start_s, 9) for time_s in times_s.tolist()])
+    held = np.maximum(elapsed_s - rig.sample_period_s - choice.approach_s, 0.0)
+    following = np.maximum(elapsed_s - choice.approach_s, 0.0)
+    values = np.array([prepared.reference.targets_at(held), prepared.reference.targets_at(following)])
+    return CompiledLoop(model, choice, prepared, ticks, Targets(times_s, values), elapsed_s, first_drive_v)
 
 
 def ticks_of(prepared: PreparedLoop, choice: LoopChoice, first_drive_v: float) -> LoopTicks:
@@ -238,19 +304,40 @@ def ticks_of(prepared: PreparedLoop, choice: LoopChoice, first_drive_v: float) -
     return LoopTicks(estimator, controller, prepared.estimator.columns, prepared.controller.columns)
 
 
-def compiled_outcome(case: Case, loop: CompiledLoop, *, software_version: str) -> tuple[Ended, LoopOutcome | None]:
-    """Run one compiled loop; return how it ended, and its outcome unless it has to be repeated in Python."""
-    with open_rig(case.rig, seed=case.seed) as rig:
-        run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
-        if run.ended is not Ended.DONE:
-            return run.ended, None
-        recording = recording_of(rig, loop, run, software_version)
+def outcome_on(rig: GuardedRig, loop: CompiledLoop, seed: int) -> LoopOutcome:
+    """Return the outcome of a compiled loop on a rig, or that of ``control`` where something unusual happened."""
+    run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
+    if run.ended is Ended.DONE:
+        whole = control_run(rig, loop, run)
+        return LoopOutcome(seed, "done", True, whole.metrics, whole)
+    outcome = outcome_in_python(rig, loop.model, loop.prepared.reference, loop.choice, seed)
+    if outcome.ended == "done" and run.ended in ENDS_A_RUN:
+        raise NumericsError(unlike(run.ended, f"of seed {seed} "))
+    return outcome
+
+
+def unlike(ended: Ended, which: str = "") -> str:
+    """Return the message on a compiled loop that ended where the loop in Python goes on."""
+    return (
+        f"the compiled loop {which}ended by {ended.name.lower()}, the loop in Python did not: a compiled tick differs "
+        "from its step; run the loops in Python (in_python=True, --in-python)"
+    )
+
+
+def control_run(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> ControlRun:
+    """Return a compiled loop that reached its end as ``control`` returns it."""
+    recording = recording_of(rig, loop, run)
     metrics = control_metrics(recording, loop.prepared.model.quantity, loop.prepared.reference)
-    whole = ControlRun(recording.columns, recording.metadata, metrics)
-    return run.ended, LoopOutcome(case.seed, "done", True, metrics, whole)
+    return ControlRun(recording.columns, recording.metadata, metrics)
 
 
-def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun, software_version: str) -> Recording:
+@cache
+def software_version() -> str:
+    """Return the version that recordings state; asking for it takes longer than a loop's Python part."""
+    return version("musclewire")
+
+
+def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recording:
     """Return a compiled loop as the recording that ``control`` would have made; it has no times of computing."""
     suffix = COLUMN_SUFFIX[loop.prepared.model.quantity]
     renamed = {"target": f"target_{suffix}", "estimated": f"estimated_{suffix}"}
@@ -259,7 +346,7 @@ def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun, software
         **what_protects(rig),
         **rig.metadata(),
         **loop.prepared.metadata,
-        "software_version": software_version,
+        "software_version": software_version(),
         "start_time": datetime.now(UTC).isoformat(timespec="seconds"),
         "pace": NO_CLOCK,
         "compiled_loop": True,
@@ -268,31 +355,12 @@ def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun, software
     return Recording({**columns, "time_s": loop.elapsed_s}, metadata)
 
 
-def repeated(case: Case, ended: Ended, in_python: Callable[[Case], LoopOutcome]) -> LoopOutcome:
-    """Return the outcome of a loop in Python after the compiled one ended before its time."""
-    outcome = in_python(case)
-    if outcome.ended == "done" and ended in ENDS_A_RUN:
-        raise NumericsError(
-            f"the compiled loop of seed {case.seed} ended by {ended.name.lower()}, the loop in Python did not: a "
-            "compiled tick differs from its step; run the loops in Python (in_python=True, --in-python)"
-        )
-    return outcome
-
-
-def loop_in_python(case: Case, reference: Reference | None, choice: LoopChoice) -> LoopOutcome:
-    """Return the outcome of ``control`` on a rig of a seed; its error, if it is one of the run, is part of it."""
-    with open_rig(case.rig, seed=case.seed) as rig:
-        try:
-            run = control(
-                rig,
-                case.model,
-                reference,
-                estimator=choice.estimator,
-                controller=choice.controller,
-                settings=choice.settings,
-                load=choice.load,
-                approach_s=choice.approach_s,
-            )
-        except (RigError, NumericsError) as error:
-            return LoopOutcome(case.seed, cause_of(error), False, None, getattr(error, "recording", None))
-    return LoopOutcome(case.seed, "done", False, run.metrics, run)
+def outcome_in_python(
+    rig: GuardedRig, model: SensingModel, reference: Reference | None, choice: LoopChoice, seed: int
+) -> LoopOutcome:
+    """Return the outcome of ``control`` on a rig; its error, if it is one of the run, is part of it."""
+    try:
+        run = control(rig, model, reference, **choice.options)
+    except (RigError, NumericsError) as error:
+        return LoopOutcome(seed, cause_of(error), False, None, getattr(error, "recording", None))
+    return LoopOutcome(seed, "done", False, run.metrics, run)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from typing import NamedTuple
 
 import numpy as np
@@ -104,7 +105,8 @@ class Instruments:
 
     def __init__(self, bench: Mapping[str, float], seed: int, at_endpoint: bool = False) -> None:
         """Take noise, steps and ranges from the bench's numbers; ``at_endpoint`` with instruments at an endpoint."""
-        self._draw = np.random.default_rng(seed).standard_normal
+        self._generator = np.random.default_rng(seed)
+        self._draw = self._generator.standard_normal
         self._readings = int(bench["acquisition_readings"])
         self._noise: FloatArray = np.empty(2 * self._readings + (4 if at_endpoint else 2))
         voltage_range_v = bench["acquisition_range_v"]
@@ -135,9 +137,9 @@ class Instruments:
             force_n + force_noise_n * self._noise.item(-1),
         )
 
-    def drawn(self, samples: int) -> FloatArray:
-        """Draw the noise of the next samples, a row each, as they would draw it one by one."""
-        return self._draw((samples, self._noise.size))
+    def noise_ahead(self, samples: int) -> FloatArray:
+        """Return the noise that the next samples will draw, a row each; nothing is drawn by that."""
+        return deepcopy(self._generator).standard_normal((samples, self._noise.size))
 
     @property
     def readings(self) -> int:

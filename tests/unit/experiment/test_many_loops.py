@@ -13,9 +13,10 @@ from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.controllers import ControllerSetup, staircase
 from musclewire.controllers.pid import PidSettings
-from musclewire.errors import CallerError, NumericsError
+from musclewire.errors import CallerError, NumericsError, RigError
+from musclewire.experiment.closed_loop import control
 from musclewire.experiment.loop_outcomes import LoopOutcome
-from musclewire.experiment.many_loops import control_many
+from musclewire.experiment.many_loops import control_compiled, control_many
 from musclewire.experiment.open_loop import characterize
 from musclewire.identify.sensing_model import fit
 from musclewire.rigs.air import Surroundings
@@ -112,6 +113,31 @@ def test_each_loop_may_have_its_own_rig_and_model(model: SensingModel) -> None:
     found = control_many(rigs, models, SHORT, seeds=[1, 1])
     for rig, own, outcome in zip(rigs, models, found.outcomes, strict=True):
         assert control_many(rig, own, SHORT, seeds=[1]).outcomes == (outcome,)
+
+
+def test_a_loop_goes_on_from_where_an_experiment_has_left_the_rig(model: SensingModel) -> None:
+    after = []
+    for run in (control, control_compiled):
+        with open_rig(seed=5) as rig:
+            characterize(rig, cycles=1)
+            after.append(run(rig, model, SHORT))
+    assert list(after[0].columns) == list(after[1].columns)
+    for name in after[0].columns:
+        np.testing.assert_array_equal(after[1][name], after[0][name], err_msg=name)
+    assert after[0].metrics == after[1].metrics
+
+
+def test_a_compiled_loop_closes_its_rig_and_fails_as_in_python(model: SensingModel) -> None:
+    with open_rig() as rig:
+        control_compiled(rig, model, SHORT)
+        with pytest.raises(RigError, match="closed"):
+            rig.exchange(0.3)
+    with open_rig(resistivity_factor=1.2) as rig, pytest.raises(RigError, match="not this model's wire"):
+        control_compiled(rig, model, SHORT)
+    with open_rig() as rig:
+        rig.exchange(0.3)
+        with pytest.raises(CallerError, match="being driven"):
+            control_compiled(rig, model, SHORT)
 
 
 def test_a_wire_of_another_resistance_ends_as_in_python(model: SensingModel) -> None:

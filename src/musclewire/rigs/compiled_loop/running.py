@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import callback
-from musclewire.controllers.protection import armed, protection_table
+from musclewire.controllers.protection import State, protection_table
 from musclewire.controllers.protection.sound import packed_limits, packed_memory
 from musclewire.errors import CallerError, NumericsError
 from musclewire.rigs.compiled_loop.kernel import BENCH, RIG_COLUMNS, Ended, LoopArrays, run_loop
@@ -52,8 +53,10 @@ def uncompiled(rig: GuardedRig) -> str:
         return "the rig file lists faults"
     if not isinstance(inside.wires, OneWire):
         return "the rig has two wires"
-    if rig.protection != armed(rig.protection_limits):
-        return "the rig has been driven before"
+    if rig.protection.state is not State.ARMED:
+        return "the rig is being driven, or has failed"
+    if inside.air is not None and inside.wires.state.time_s > 0.0:
+        return "the air moves, and the rig has been driven before"
     return ""
 
 
@@ -85,13 +88,13 @@ class Targets(NamedTuple):
 
 
 def run_compiled(rig: GuardedRig, ticks: LoopTicks, targets: Targets, first_drive_v: float) -> CompiledRun:
-    """Run a closed loop on a rig that has just been opened; afterwards the rig must be closed.
+    """Run a closed loop from the present state of a rig, which itself is left as it is.
 
     The columns are those of the loop in Python, to the bit. The interpreter is free meanwhile: loops of several rigs
     run in threads. Raises CallerError for a rig whose loop has no compiled form.
     """
     inside, wire = inside_of(rig)
-    noise = inside.instruments.drawn(targets.times_s.size)
+    noise = inside.instruments.noise_ahead(targets.times_s.size)
     arrays = arrays_of(rig, inside, wire, ticks, targets, noise)
     functions = (callback(ticks.estimator.function, 4), callback(ticks.controller.function, 4))
     ended, complete = run_loop(*functions, arrays, first_drive_v)
@@ -148,9 +151,10 @@ def air_of(inside: SimulatedInside, wire: OneWire, times_s: FloatArray) -> Float
     """
     if inside.air is None:
         return np.empty((0, 2))
+    model = deepcopy(inside.air)
     period_s, ambient_k = inside.bench["sample_period_s"], inside.bench["ambient_temperature_k"]
     began_s = [wire.state.time_s, *times_s[:-1].tolist()]
-    drawn = [inside.air.after(time_s, period_s) for time_s in began_s]
+    drawn = [model.after(time_s, period_s) for time_s in began_s]
     still = wire.constants.convection_factor
     return np.array([(ambient_k + air.warmer_k, still * air.convection_ratio) for air in drawn])
 
