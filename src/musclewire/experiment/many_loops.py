@@ -222,7 +222,10 @@ def control_compiled(
 
 
 def cases_of(rigs: Any, models: SensingModel | Sequence[SensingModel], seeds: tuple[int, ...]) -> list[Case]:
-    """Return the loops to run. Raises CallerError for no seeds, and for lists that are not as long as the seeds."""
+    """Return the loops to run.
+
+    Raises CallerError for no seeds, for lists that are not as long as the seeds, and for an open rig.
+    """
     if not seeds:
         raise CallerError("no seeds: give at least one, such as range(1, 1001)")
     each_rig = list(rigs) if isinstance(rigs, Sequence) and not isinstance(rigs, str) else [rigs]
@@ -230,6 +233,10 @@ def cases_of(rigs: Any, models: SensingModel | Sequence[SensingModel], seeds: tu
     for name, given in (("rigs", each_rig), ("models", each_model)):
         if len(given) not in (1, len(seeds)):
             raise CallerError(f"{len(given)} {name} for {len(seeds)} seeds: give one, or one for each seed")
+    if any(isinstance(one, GuardedRig) for one in each_rig):
+        raise CallerError(
+            "an open rig cannot run many loops: give its name, file or configuration, each loop opens its own"
+        )
     known = {id(one): rig_configuration(one)[0] for one in each_rig}
     configurations = [known[id(one)] for one in each_rig] * (len(seeds) // len(each_rig))
     return list(map(Case, configurations, each_model * (len(seeds) // len(each_model)), seeds))

@@ -232,6 +232,11 @@ def test_lists_must_be_as_long_as_the_seeds(model: SensingModel) -> None:
         control_many("simulated", model, seeds=[])
 
 
+def test_an_open_rig_is_one_rig_and_not_many(model: SensingModel) -> None:
+    with open_rig() as rig, pytest.raises(CallerError, match="each loop opens its own"):
+        control_many(rig, model, seeds=[1, 2])  # type: ignore[arg-type]
+
+
 def test_outcomes_come_in_the_order_of_the_seeds_and_keep_recordings_only_on_request(model: SensingModel) -> None:
     seen: list[LoopOutcome] = []
     found = control_many("simulated", model, SHORT, seeds=[3, 1, 2], on_outcome=seen.append)
