@@ -46,7 +46,7 @@ def test_every_core_dependency_has_its_reason() -> None:
 
 def test_the_files_of_the_journey_exist_and_hold_what_is_named() -> None:
     journey = ARCHITECTURE[ARCHITECTURE.index("## One sample's journey") : ARCHITECTURE.index("## The one loop")]
-    steps = re.findall(r"([\w.]+)\([^)]*\).*?(\w+/\w+\.py)", journey)
+    steps = re.findall(r"([\w.]+)\([^)]*\).*?((?:\w+/)+\w+\.py)", journey)
     assert len(steps) >= 8
     for name, file in steps:
         assert name.split(".")[-1] in (ROOT / "src/musclewire" / file).read_text("utf-8")

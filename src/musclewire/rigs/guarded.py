@@ -7,21 +7,8 @@ from time import perf_counter_ns
 from types import TracebackType
 from typing import NoReturn, Self, final
 
-from musclewire.controllers.protection import (
-    Event,
-    ProtectionLimits,
-    ProtectionState,
-    State,
-    allowed_drive_v,
-    armed,
-    closed,
-    protect_command,
-    protect_missing,
-    protect_reading,
-    protection_table,
-    rested,
-    tripped_by,
-)
+from musclewire.controllers.protection import Event, ProtectionLimits, ProtectionState, protection_table
+from musclewire.controllers.protection.running import RunningProtection
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.rigs.device import Device, HasOnBoardLoop, Missing
 from musclewire.rigs.protocol import Metadata
@@ -29,8 +16,6 @@ from musclewire.signals.exchange import Command, Drive, RawSample, Target, as_co
 
 __all__ = ["GuardedRig", "ProtectionTripError"]
 
-# What every sample compares with: to look up a member of an enumeration takes longer than to compare it.
-RUN, TRIPPED = State.RUN, State.TRIPPED
 # No more is known of a device that does not answer.
 NOT_CONFIRMED = (
     "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian has tried to switch "
@@ -88,16 +73,12 @@ class GuardedRig:
             device.off()
             raise
         self._accepts_targets = isinstance(device, HasOnBoardLoop)
-        self._guard = armed(self._limits)
-        self._table, self._period_s = protection_table(), self._facts.sample_period_s
-        # Durations are sums of samples: a little less than the table's period still counts as reached.
-        self._reading_s = self._table.reading_period_s - 1e-9
+        self._protection = RunningProtection(self._limits, self._facts.sample_period_s)
         # Held whenever the protection's state is read and written, never while a sample is awaited.
         self._deciding = RLock()
         self._last_time_s: float | None = None
         self._off_for_good, self._off_confirmed = False, True
         self.drive_at_ns = self.sample_at_ns = 0
-        self._start_block()
 
     @property
     def sample_period_s(self) -> float:
@@ -147,7 +128,7 @@ class GuardedRig:
     @property
     def protection(self) -> ProtectionState:
         """State of the protection, with the last event and the estimated temperature."""
-        return self._guard
+        return self._protection.state
 
     @property
     def protection_limits(self) -> ProtectionLimits:
@@ -199,8 +180,7 @@ class GuardedRig:
                 self._end_as_switched_off()
             if isinstance(allowed, Target):
                 # The protection judges what the device put out as if the host had commanded it.
-                put_out_v = min(sample.drive_voltage_v, self.maximum_voltage_v)
-                self._guard = protect_command(self._guard, self._limits, put_out_v, self._table)
+                self._protection.command(min(sample.drive_voltage_v, self.maximum_voltage_v))
             self._judge(sample)
         return sample
 
@@ -213,18 +193,14 @@ class GuardedRig:
         except CallerError:
             self.make_safe()
             raise
-        self._guard = protect_command(self._guard, self._limits, drive_voltage_v, self._table)
-        if self._guard.state is TRIPPED:
+        self._protection.command(drive_voltage_v)
+        if self._protection.tripped:
             self.close()
             raise ProtectionTripError(
                 f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; {self._off_in_words()}",
                 Event.COMMAND_REFUSED,
             )
-        return self._allowed_drive()
-
-    def _allowed_drive(self) -> Drive:
-        """Return the drive that is allowed now."""
-        return Drive(allowed_drive_v(self._guard, self._limits), self._guard.state is not RUN)
+        return Drive(*self._protection.allowed())
 
     def _awaited(self, command: Command) -> RawSample:
         """Return the sample of a command; while it is missing, the table decides the drive and how long to wait."""
@@ -251,51 +227,38 @@ class GuardedRig:
                     self._trip(Event.DEVICE_LOST, f"the device waits, but its clock stays at {answer.missing_s:.3f} s")
                 waited_s = answer.missing_s
                 self._miss(answer)
-                command = self._allowed_drive()
+                command = Drive(*self._protection.allowed())
             if answer.sample is not None:
                 self.sample_at_ns = perf_counter_ns()
                 return answer.sample
 
     def _miss(self, missing: Missing) -> None:
         """Let the protection hold, go to the sense voltage or trip, by the total time that something was missing."""
-        self._guard = protect_missing(self._guard, missing.event, missing.missing_s)
-        if self._guard.state is TRIPPED:
+        self._protection.missing(missing.event, missing.missing_s)
+        if self._protection.tripped:
             self._trip(missing.event, f"missing for {missing.missing_s:.3f} s")
 
     def _judge(self, sample: RawSample) -> None:
-        """Run the protection over a sample; readings faster than the table's period are averaged first."""
+        """Run the protection over a sample."""
         last_s, time_s = self._last_time_s, sample.time_s
         if last_s is not None and not time_s > last_s:
             self._trip(Event.CLOCK_BACKWARDS, f"{time_s:.6f} s after {last_s:.6f} s")
         self._last_time_s = time_s
-        self._block_s += self._period_s
-        weight = self._period_s / self._block_s
-        self._block_drive_v += weight * (sample.drive_voltage_v - self._block_drive_v)
-        self._block_wire_v += weight * (sample.wire_voltage_v - self._block_wire_v)
-        self._block_shunt_v += weight * (sample.shunt_voltage_v - self._block_shunt_v)
-        if self._block_s >= self._reading_s:
-            self._judge_block(time_s)
-
-    def _judge_block(self, time_s: float) -> None:
-        """Run the protection over the mean of the samples since the last reading."""
-        drive_v, wire_v, shunt_v = self._block_drive_v, self._block_wire_v, self._block_shunt_v
-        self._guard = protect_reading(self._guard, self._limits, drive_v, wire_v, shunt_v, self._block_s, self._table)
-        self._start_block()
-        if self._guard.state is TRIPPED:
-            self._trip(self._guard.event, f"at {time_s:.3f} s: {self._measured(drive_v, wire_v, shunt_v)}")
-
-    def _start_block(self) -> None:
-        self._block_s = self._block_drive_v = self._block_wire_v = self._block_shunt_v = 0.0
+        protection = self._protection
+        protection.sample(sample.drive_voltage_v, sample.wire_voltage_v, sample.shunt_voltage_v)
+        if protection.tripped:
+            measured = self._measured(*protection.last_reading_v)
+            self._trip(protection.state.event, f"at {time_s:.3f} s: {measured}")
 
     def _measured(self, drive_v: float, wire_v: float, shunt_v: float) -> str:
         """Describe the reading at which the protection tripped."""
         ohm = f", {wire_v / shunt_v * self.shunt_resistance_ohm:.3f} ohm" if shunt_v else ""
-        warmth = f"estimated {self._guard.temperature_k - 273.15:.0f} C"
+        warmth = f"estimated {self._protection.state.temperature_k - 273.15:.0f} C"
         return f"drive {drive_v:.3f} V, wire {wire_v:.4f} V, shunt {shunt_v:.4f} V{ohm}, {warmth}"
 
     def _trip(self, event: Event, details: str) -> NoReturn:
         """Switch the drive off for good and raise the RigError of an event; the first cause stays."""
-        self._guard = tripped_by(self._guard, event)
+        self._protection.trip(event)
         self.close()
         row = protection_table().row(event)
         off = "0 V was ordered" if event is Event.OUTPUT_STUCK else self._off_in_words()
@@ -327,14 +290,13 @@ class GuardedRig:
     def forget_readings(self) -> None:
         """Start again after a pause, or after the wire was changed: the next reading is not compared with the last."""
         with self._deciding:
-            self._guard = rested(self._guard, self._limits)
-            self._start_block()
+            self._protection.rest()
 
     def close(self) -> None:
         """Switch the drive off and release the hardware; may be called twice, and from another thread."""
         with self._deciding:
             self._off_for_good = True
-            self._guard = closed(self._guard)
+            self._protection.close()
             self._off_confirmed = self.device.off()
 
     def __enter__(self) -> Self:

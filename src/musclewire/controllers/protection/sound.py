@@ -1,9 +1,9 @@
 """Whether a reading is sound, compiled: nothing is missing and no condition of the protection table holds.
 
 While every reading of a driven rig is sound, the state is ``run``, nothing lasts, and the protection changes only what
-it remembers of readings and the estimated temperature. A loop in compiled code goes on as long as that is so; what
-``protect.py`` does when it is not, is written there and nowhere else. The tests hold both to the same verdicts and
-the same numbers.
+it remembers of readings and the estimated temperature. A rig (``running.py``) and a loop in compiled code go on as
+long as that is so; what ``protect.py`` does when it is not, is written there and nowhere else. The tests hold both to
+the same verdicts and the same numbers.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.controllers.protection.protect import (
     DRIVEN_FRACTION,
@@ -29,7 +30,17 @@ from musclewire.controllers.protection.protect import (
 )
 from musclewire.controllers.protection.table import ProtectionLimits
 
-__all__ = ["LIMITS", "MEMORY", "packed_limits", "packed_memory", "sound_command", "sound_reading"]
+__all__ = [
+    "LIMITS",
+    "MEMORY",
+    "REMEMBERED",
+    "fills_block",
+    "packed_limits",
+    "packed_memory",
+    "sound_command",
+    "sound_reading",
+    "sound_sample",
+]
 
 LIMITS = np.dtype([(name, np.float64) for name in ProtectionLimits._fields])
 # What the protection remembers of readings, by the names of its state.
@@ -38,16 +49,19 @@ REMEMBERED = (
     "repeats_drive_v",
 )  # fmt: skip
 MEMORY = np.dtype([(name, np.float64) for name in REMEMBERED])
-# A row of a structured array; mypy knows no fields of it.
+# A block of samples counts as full from this much less than the period of readings [s]: its duration is a sum.
+PERIOD_ROUNDING_S = 1e-9
+# A structured array, and a row of one; mypy knows no fields of either.
+Rows = NDArray[np.void]
 Row = Any
 
 
-def packed_limits(limits: ProtectionLimits) -> NDArray[np.void]:
+def packed_limits(limits: ProtectionLimits) -> Rows:
     """Return the limits as a structured array of length 1."""
     return np.array([tuple(limits)], LIMITS)
 
 
-def packed_memory(state: ProtectionState) -> NDArray[np.void]:
+def packed_memory(state: ProtectionState) -> Rows:
     """Return what a state remembers of readings as a structured array of length 1."""
     return np.array([tuple(getattr(state, name) for name in REMEMBERED)], MEMORY)
 
@@ -90,38 +104,76 @@ def sound_reading(
         or wire_voltage_v + shunt_voltage_v > drive_voltage_v + STUCK_FRACTION * limits["maximum_voltage_v"]
     ):
         return False
-    take_reading(memory, limits, drive_voltage_v, wire_voltage_v, shunt_voltage_v, power_w, dt_s)
-    memory["settled_ohm"] = settled_ohm
-    frozen = driven and is_frozen(memory, limits, drive_voltage_v, dt_s)
-    return not (frozen or memory["temperature_k"] > limits["maximum_temperature_k"])
+    temperature_k = temperature_after(memory, limits, power_w, dt_s)
+    wire_repeats = memory["wire_repeats"] + 1.0 if wire_voltage_v == memory["wire_voltage_v"] else 0.0
+    shunt_repeats = memory["shunt_repeats"] + 1.0 if shunt_voltage_v == memory["shunt_voltage_v"] else 0.0
+    repeats_drive_v = memory["repeats_drive_v"] if wire_repeats + shunt_repeats > 0.0 else drive_voltage_v
+    moved_v = abs(drive_voltage_v - repeats_drive_v)
+    if temperature_k > limits["maximum_temperature_k"]:
+        return False
+    if driven and is_frozen(limits, max(wire_repeats, shunt_repeats), moved_v, dt_s):
+        return False
+    memory["temperature_k"], memory["settled_ohm"] = temperature_k, settled_ohm
+    memory["wire_voltage_v"], memory["shunt_voltage_v"] = wire_voltage_v, shunt_voltage_v
+    memory["wire_repeats"], memory["shunt_repeats"] = wire_repeats, shunt_repeats
+    memory["repeats_drive_v"] = repeats_drive_v
+    return True
 
 
 @compiled
-def take_reading(
-    memory: Row,
-    limits: Row,
-    drive_voltage_v: float,
-    wire_voltage_v: float,
-    shunt_voltage_v: float,
-    power_w: float,
-    dt_s: float,
-) -> None:
-    """Update the estimated temperature by a reading's power, and how often a channel has repeated its number."""
+def temperature_after(memory: Row, limits: Row, power_w: float, dt_s: float) -> float:
+    """Return the estimated temperature [K] after a power in the wire."""
     rate = limits["heat_loss_w_per_k"] / limits["heat_capacity_j_per_k"] * dt_s
     rise = dt_s * power_w / limits["heat_capacity_j_per_k"]
     ambient_k = limits["ambient_temperature_k"]
-    memory["temperature_k"] = ambient_k + (memory["temperature_k"] - ambient_k + rise) / (1.0 + rate)
-    memory["wire_repeats"] = memory["wire_repeats"] + 1.0 if wire_voltage_v == memory["wire_voltage_v"] else 0.0
-    memory["shunt_repeats"] = memory["shunt_repeats"] + 1.0 if shunt_voltage_v == memory["shunt_voltage_v"] else 0.0
-    memory["wire_voltage_v"], memory["shunt_voltage_v"] = wire_voltage_v, shunt_voltage_v
-    if not memory["wire_repeats"] + memory["shunt_repeats"] > 0.0:
-        memory["repeats_drive_v"] = drive_voltage_v
+    return ambient_k + (memory["temperature_k"] - ambient_k + rise) / (1.0 + rate)
 
 
 @compiled
-def is_frozen(memory: Row, limits: Row, drive_voltage_v: float, dt_s: float) -> bool:
-    """Whether equal numbers in a row cannot be chance."""
-    repeats = max(memory["wire_repeats"], memory["shunt_repeats"])
-    moved = abs(drive_voltage_v - memory["repeats_drive_v"]) > MOVED_FRACTION * limits["maximum_voltage_v"]
+def is_frozen(limits: Row, repeats: float, moved_v: float, dt_s: float) -> bool:
+    """Whether so many equal numbers in a row cannot be chance, after the drive has moved by ``moved_v``."""
+    moved = moved_v > MOVED_FRACTION * limits["maximum_voltage_v"]
     long = repeats >= FROZEN_READINGS and repeats * dt_s > FROZEN_S - TIME_ROUNDING_S
     return long and (limits["readings_noisy"] > 0.0 or moved)
+
+
+@compiled
+def fills_block(
+    block: FloatArray,
+    drive_voltage_v: float,
+    wire_voltage_v: float,
+    shunt_voltage_v: float,
+    period_s: float,
+    reading_period_s: float,
+) -> bool:
+    """Add a sample to a block, (4,): the time that it covers [s], means of the three voltages; whether it is full."""
+    weight = period_s / (block[0] + period_s)
+    block[0] += period_s
+    block[1] += weight * (drive_voltage_v - block[1])
+    block[2] += weight * (wire_voltage_v - block[2])
+    block[3] += weight * (shunt_voltage_v - block[3])
+    return block[0] >= reading_period_s - PERIOD_ROUNDING_S
+
+
+@compiled
+def sound_sample(
+    block: FloatArray,
+    memories: Rows,
+    limits: Rows,
+    drive_voltage_v: float,
+    wire_voltage_v: float,
+    shunt_voltage_v: float,
+    period_s: float,
+    reading_period_s: float,
+) -> bool:
+    """Whether a sample is sound; those that come faster than readings are judged are averaged first.
+
+    ``memories`` and ``limits`` are arrays of one row. A full block is empty afterwards, unless its reading is not
+    sound: then it still holds the reading, and the memory has not taken it.
+    """
+    if not fills_block(block, drive_voltage_v, wire_voltage_v, shunt_voltage_v, period_s, reading_period_s):
+        return True
+    if not sound_reading(memories[0], limits[0], block[1], block[2], block[3], block[0]):
+        return False
+    block[:] = 0.0
+    return True

@@ -13,7 +13,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.controllers.protection.sound import sound_command, sound_reading
+from musclewire.controllers.protection.sound import sound_command, sound_sample
 from musclewire.rigs.compiled_loop.one_wire import WireArrays, advance_sample, is_resolved, surround
 from musclewire.rigs.simulated import read_sample
 from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
@@ -29,8 +29,6 @@ Tick = Any
 BENCH = np.dtype([(name, np.float64) for name in ("sample_period_s", "amplifier_resolution_v", "reading_period_s")])
 # The columns that the loop writes first.
 RIG_COLUMNS = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "displacement_m", "force_n")
-# A block of readings counts as full from this much less than the protection's reading period [s].
-PERIOD_ROUNDING_S = 1e-9
 
 
 class Ended(IntEnum):
@@ -98,17 +96,10 @@ def exchange(arrays: LoopArrays, row: int, drive_voltage_v: float) -> bool:
 
 @compiled
 def is_sound(arrays: LoopArrays, row: int, block: FloatArray) -> bool:
-    """Whether the protection goes on after a sample; readings faster than the table's period are averaged first."""
-    period_s, shown = arrays.bench[0]["sample_period_s"], arrays.shown[row]
-    weight = period_s / (block[0] + period_s)
-    block[0] += period_s
-    for place in range(1, 4):
-        block[place] += weight * (shown[place] - block[place])
-    if block[0] < arrays.bench[0]["reading_period_s"] - PERIOD_ROUNDING_S:
-        return True
-    sound = sound_reading(arrays.memory[0], arrays.limits[0], block[1], block[2], block[3], block[0])
-    block[:] = 0.0
-    return sound
+    """Whether the protection goes on after a sample."""
+    bench, shown = arrays.bench[0], arrays.shown[row]
+    periods_s = bench["sample_period_s"], bench["reading_period_s"]
+    return sound_sample(block, arrays.memory, arrays.limits, shown[1], shown[2], shown[3], *periods_s)
 
 
 @compiled

@@ -1,0 +1,142 @@
+"""A running protection goes through the states that the functions of ``protect.py`` go through, number by number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.controllers.protection import (
+    Event,
+    ProtectionLimits,
+    ProtectionState,
+    State,
+    allowed_drive_v,
+    armed,
+    closed,
+    protect_command,
+    protect_missing,
+    protect_reading,
+    protection_table,
+    rested,
+    tripped_by,
+)
+from musclewire.controllers.protection.running import RunningProtection
+
+LIMITS = ProtectionLimits(
+    sense_voltage_v=0.3,
+    maximum_voltage_v=3.6,
+    shunt_resistance_ohm=1.0,
+    minimum_current_a=0.001,
+    maximum_current_a=0.4,
+    maximum_power_w=1.4,
+    resistance_low_ohm=10.0,
+    resistance_high_ohm=26.0,
+    jump_share=0.1,
+    wire_range_v=5.0,
+    shunt_range_v=0.3,
+    readings_noisy=1.0,
+    heat_capacity_j_per_k=5.4e-3,
+    heat_loss_w_per_k=6e-3,
+    ambient_temperature_k=295.15,
+    maximum_temperature_k=373.15,
+)
+
+
+class ByFunctions:
+    """The same by the functions alone, with a block of samples averaged in Python."""
+
+    def __init__(self, period_s: float) -> None:
+        self.period_s, self.state = period_s, armed(LIMITS)
+        self.block = (0.0, 0.0, 0.0, 0.0)
+
+    def command(self, volts: float) -> None:
+        self.state = protect_command(self.state, LIMITS, volts)
+
+    def sample(self, *volts: float) -> None:
+        covered_s, *means = self.block
+        weight = self.period_s / (covered_s + self.period_s)
+        covered_s += self.period_s
+        means = [mean + weight * (volt - mean) for mean, volt in zip(means, volts, strict=True)]
+        self.block = (covered_s, means[0], means[1], means[2])
+        if covered_s >= protection_table().reading_period_s - 1e-9:
+            self.block = (0.0, 0.0, 0.0, 0.0)
+            self.state = protect_reading(self.state, LIMITS, means[0], means[1], means[2], covered_s)
+
+    def missing(self, event: Event, missing_s: float) -> None:
+        self.state = protect_missing(self.state, event, missing_s)
+
+    def trip(self, event: Event) -> None:
+        self.state = tripped_by(self.state, event)
+
+    def close(self) -> None:
+        self.state = closed(self.state)
+
+    def rest(self) -> None:
+        self.state, self.block = rested(self.state, LIMITS), (0.0, 0.0, 0.0, 0.0)
+
+    def allowed(self) -> tuple[float, bool]:
+        return allowed_drive_v(self.state, LIMITS), self.state.state is not State.RUN
+
+
+Protection = RunningProtection | ByFunctions
+Act = Callable[[Protection], None]
+
+
+def sample_of(drive_v: float, ohm: float, noise_v: float) -> Act:
+    """A sample of a wire with a resistance."""
+    current_a = drive_v / (ohm + 1.0)
+    return lambda protection: protection.sample(drive_v, current_a * ohm + noise_v, current_a + noise_v)
+
+
+volts = st.floats(0.0, 3.6) | st.sampled_from([-0.1, 3.6, 4.0, math.nan, math.inf])
+sound = st.builds(sample_of, st.floats(0.0, 3.6), st.floats(14.0, 18.0), st.floats(0.0, 1e-4))
+same = st.just(sample_of(1.0, 16.0, 0.0))
+odd = st.builds(sample_of, st.floats(0.0, 3.6), st.floats(-2.0, 40.0), st.floats(-6.0, 6.0) | st.just(math.nan))
+events = st.sampled_from([Event.SAMPLE_LATE, Event.COMMAND_MISSING])
+commands = st.builds(lambda v: lambda protection: protection.command(v), volts)
+others = st.one_of(
+    st.builds(lambda event, s: lambda protection: protection.missing(event, s), events, st.floats(0.0, 0.3)),
+    st.just(lambda protection: protection.rest()),
+    st.just(lambda protection: protection.close()),
+    st.just(lambda protection: protection.trip(Event.DEVICE_LOST)),
+)
+# Mostly sound, so that most sequences stay in the quick part for a while.
+acts = st.one_of(sound, sound, sound, same, commands, commands, odd, others)
+
+
+def numbers_of(state: ProtectionState) -> tuple[object, ...]:
+    """The state with its NaN comparable."""
+    return tuple("NaN" if value != value else value for value in state)
+
+
+@pytest.mark.parametrize("period_s", [1e-3, 0.05])
+@given(st.lists(acts, max_size=60))
+def test_every_state_on_the_way_is_that_of_the_functions(period_s: float, acts: list[Act]) -> None:
+    running, by_functions = RunningProtection(LIMITS, period_s), ByFunctions(period_s)
+    for act in [lambda protection: protection.command(1.0), *acts]:
+        act(running)
+        act(by_functions)
+        assert numbers_of(running.state) == numbers_of(by_functions.state)
+        assert running.allowed() == by_functions.allowed()
+        assert running.tripped == (by_functions.state.state is State.TRIPPED)
+
+
+def test_a_sample_of_whole_numbers_is_judged_as_floats() -> None:
+    running, by_functions = RunningProtection(LIMITS, 0.05), ByFunctions(0.05)
+    for protection in (running, by_functions):
+        protection.command(2)
+        protection.sample(2, 1, 1)
+    assert numbers_of(running.state) == numbers_of(by_functions.state)
+
+
+def test_a_reading_that_trips_is_kept_for_the_message() -> None:
+    running = RunningProtection(LIMITS, 0.05)
+    running.command(1.0)
+    for _ in range(20):
+        running.sample(1.0, 0.5, 0.31)
+    assert running.tripped
+    assert running.last_reading_v == (1.0, 0.5, 0.31)
