@@ -18,7 +18,7 @@ def test_a_row_has_the_keys_of_the_interface(musclewire: Callable[..., Any]) -> 
 
 
 def test_the_table_says_what_the_time_is_for_and_on_which_machine(musclewire: Callable[..., Any]) -> None:
-    answer = musclewire("bench", "--quick", "--only", "closed_loop")
+    answer = musclewire("bench", "--quick", "--only", "closed_loop_period")
     assert answer.code == 0, answer.err
     assert "solve_ivp" in answer.out
     assert "What the time is for" in answer.out

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.speed.cases import Case, cases
+from musclewire.speed.cases import cases
 from musclewire.speed.machine import Machine, measured_machine
-from musclewire.speed.measure import Comparison, comparison, paired_us
+from musclewire.speed.measure import Case, Comparison, comparison, paired_us
 
 __all__ = ["Benchmark", "bench"]
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from functools import partial
 
 from musclewire.rigs.configuration import open_rig
@@ -12,35 +11,22 @@ from musclewire.signals.exchange import Drive
 from musclewire.speed import fuzzy_tick
 from musclewire.speed.compiled_wires import EXPLICIT_STEP_S, numba_cycle
 from musclewire.speed.easier_wire import PERIOD_S, ScipyLoop, drive_v, scipy_cycle
-from musclewire.speed.measure import Side
+from musclewire.speed.loop_cases import loop_cases
+from musclewire.speed.measure import Case, Side
 from musclewire.speed.our_wire import fixed_cycle, one_period, paper_wire, start_of
 from musclewire.speed.plain_grains import GRAINS, GrainWire
 from musclewire.speed.processes import first_period_of_ours, first_period_of_scipy
 
-__all__ = ["Case", "cases"]
+__all__ = ["cases"]
 
 CONTROL_PERIOD_S = 0.01
 SAMPLE_S = 0.05
 EASIER = "theirs is an easier wire: two phases, no minor loops, no friction"
 
 
-@dataclass(frozen=True)
-class Case:
-    """One comparison before it is measured.
-
-    ``sides`` makes ours and theirs; ``needs`` is the extra without which theirs cannot run, "" if it can.
-    """
-
-    name: str
-    work: str
-    theirs: str
-    sides: Callable[[bool], tuple[Side, Side]]
-    needs: str = ""
-
-
 def cases() -> list[Case]:
     """Return every case in the order in which it is printed."""
-    return [*steps(), slow_loop(), closed_loop_period(), exchange(), *fuzzy_pid_ticks(), first_step()]
+    return [*steps(), slow_loop(), closed_loop_period(), exchange(), *loop_cases(), *fuzzy_pid_ticks(), first_step()]
 
 
 def steps() -> Iterator[Case]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
-__all__ = ["Comparison", "Side", "comparison", "paired_us"]
+__all__ = ["Case", "Comparison", "Side", "comparison", "paired_us"]
 
 
 def nothing() -> None:
@@ -29,6 +29,20 @@ class Side:
         began_s = clock()
         self.run(prepared)
         return 1e6 * (clock() - began_s) / self.units
+
+
+@dataclass(frozen=True)
+class Case:
+    """One comparison before it is measured.
+
+    ``sides`` makes ours and theirs, quick or not; ``needs`` is the extra without which theirs cannot run, "" if it can.
+    """
+
+    name: str
+    work: str
+    theirs: str
+    sides: Callable[[bool], tuple[Side, Side]]
+    needs: str = ""
 
 
 @dataclass(frozen=True)
