@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.simulate.paths import isobaric_path
-from musclewire.wire.state import WireConstants
+from musclewire.wire.constants import WireConstants
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))
 

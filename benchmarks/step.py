@@ -26,7 +26,8 @@ from scipy.integrate import solve_ivp
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state
-from musclewire.wire.state import WireConstants, WireState
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.state import WireState
 
 PERIOD_S = 90.0
 CONTROL_PERIOD_S = 0.01

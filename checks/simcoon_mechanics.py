@@ -25,8 +25,8 @@ except ImportError:
 
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
 from musclewire.simulate.paths import isobaric_path
-from musclewire.wire.state import WireConstants
-from musclewire.wire.step import total_strain
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.prescribed import total_strain
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))
 

@@ -35,7 +35,6 @@ USB_6001 = Model(
     bits=14,
     noise_v=0.7e-3,
 )
-MIN_STEP_S = 0.001
 
 
 class WiredRig:
@@ -90,7 +89,6 @@ def card_of(
     rig = open_rig(
         wire,
         sample_period_s=tick_s,
-        time_step_s=min(tick_s, MIN_STEP_S),
         acquisition_readings=1,
         acquisition_bits=model.bits,
         acquisition_noise_v=model.noise_v,

@@ -14,12 +14,13 @@ from musclewire.rigs.mechanism import Mechanism
 from musclewire.rigs.simulated_building import wires_of
 from musclewire.rigs.simulated_configuration import with_settings
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
+from musclewire.simulate.stepping import CHOSEN
 from musclewire.wire.loads import spring_load
 
 __all__ = ["BenchWire", "Converted", "Truth"]
 
 # Step of the simulated wire [s]; it divides every board's tick.
-STEP_S = 1e-3
+FIRST_READING_S = 1e-3
 NOISE_AHEAD = 4096
 FAULT = TypeAdapter(SimulatedFault)
 # Faults that occur at a board's pins; the other faults of a rig file belong to the host.
@@ -71,7 +72,6 @@ class BenchWire:
         self._leg_m = bench.wire_length_m.value / bench.legs.value
         spring = Mechanism(spring_load(bench.spring_stiffness_n_per_m.value), 0.0, True, None)
         self._wires = wires_of(load_alloy(chosen.alloy), chosen, bench, (), spring, new_wire=False)
-        self._steps = round(board["tick_period_s"] / STEP_S)
         self._random = np.random.default_rng(seed)
         self._noise: list[float] = []
         self._faults: list[SimulatedFault] = []
@@ -81,7 +81,7 @@ class BenchWire:
         self._noise_v = float(board.get("bench_noise_v", board["converter_noise_v"]))
         self.time_s = 0.0
         # A voltage that does not heat shows the resistance before anything is driven.
-        self._wire_ohm = self._measured_ohm(self._wires.advance(1e-3, STEP_S, 1))
+        self._wire_ohm = self._measured_ohm(self._wires.advance(1e-3, FIRST_READING_S, CHOSEN))
 
     def _measured_ohm(self, means: Any) -> float:
         return float(means.wire_voltage_v / (means.shunt_voltage_v / self._shunt_ohm))
@@ -108,7 +108,7 @@ class BenchWire:
         circuit = self._active.circuit(output_v, self._wire_ohm + self._lead_ohm, self._shunt_ohm, self.time_s)
         # The simulated wire has its own shunt in series: this is the drive that sends the circuit's current through it.
         through_v = circuit.wire_current_a * (self._wire_ohm + self._lead_ohm + self._shunt_ohm)
-        means = self._wires.advance(through_v, STEP_S, self._steps)
+        means = self._wires.advance(through_v, float(self._board["tick_period_s"]), CHOSEN)
         if means.shunt_voltage_v > 0.0:
             self._wire_ohm = self._measured_ohm(means)
         faulty = bool(self._faults)

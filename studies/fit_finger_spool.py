@@ -117,8 +117,8 @@ def show_frontier() -> None:
     print("\nBarrier shift, the R-phase shift that puts the least gap at 0.71 N, gap there, over slack, over too much")
     for shift in FRONTIER_K:
         trial = with_smallest_gap_at_paper(own_trial(), shift)
-        rows = sweep(trial, time_step_s=0.005, grains=160)
-        path = slow_path(trial, PAPER_N, time_step_s=0.005, grains=160)
+        rows = sweep(trial, time_step_s=0.005)
+        path = slow_path(trial, PAPER_N, time_step_s=0.005)
         read = np.mean([read_gap_pct(path, seed) for seed in range(1, 9)])
         print(
             f"  {shift:4.1f} K  {trial.wire['r_phase_shift_k']:+6.2f} K  {at_paper(rows).gap_pct:5.2f} %, "
@@ -128,7 +128,7 @@ def show_frontier() -> None:
 
 def show_readings(seeds: int) -> None:
     """Print how much the instruments' noise adds to the gap."""
-    path = slow_path(own_trial(), PAPER_N, time_step_s=0.005, grains=160)
+    path = slow_path(own_trial(), PAPER_N, time_step_s=0.005)
     read = [read_gap_pct(path, seed) for seed in range(1, seeds + 1)]
     spread = np.std(read, ddof=1)
     print(
@@ -170,7 +170,7 @@ def show_fit() -> None:
     found = fitted(replace(start, amplitude_v=AMPLITUDE_V), seeds=8)
     for name in ("r_phase_shift_k", "martensite_barrier_shift_k"):
         print(f"{name}: {start.wire[name]:.2f} in the file, {found.wire[name]:.2f} fitted")
-    show("Fitted spool", sweep(found, time_step_s=0.005, grains=160))
+    show("Fitted spool", sweep(found, time_step_s=0.005))
 
 
 def main() -> int:
@@ -183,8 +183,8 @@ def main() -> int:
     if given.fit:
         show_fit()
         return 0
-    show(f"The wire of section II, {AMPLITUDE_V} V", sweep(Trial(AMPLITUDE_V), time_step_s=0.005, grains=160))
-    own = sweep(own_trial(), time_step_s=0.005, grains=160)
+    show(f"The wire of section II, {AMPLITUDE_V} V", sweep(Trial(AMPLITUDE_V), time_step_s=0.005))
+    own = sweep(own_trial(), time_step_s=0.005)
     show(f"Wire {OWN_WIRE}", own)
     no_r_phase_change = replace(own_trial(), wire={**own_trial().wire, "r_phase_shift_k": 0.0})
     show("The same, its R-phase where the alloy's is", sweep(no_r_phase_change))

@@ -11,7 +11,7 @@ from scipy.special import ndtri
 from musclewire.parameters import Alloy, Bench, Parameter, Wire, load_alloy, load_bench, load_wire
 from musclewire.parameters.priors import load_priors
 from musclewire.parameters.published_ranges import PublishedRange, outside, published_ranges
-from musclewire.wire.grains import signed_power
+from musclewire.wire.distribution import signed_power
 
 ALLOY, BENCH = "flexinol", "paper"
 WIRES = ("paper-100um", "paper-125um", "paper-200um", "finger-100um", "isobar-sample")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
+from musclewire.wire.switching import driving_forces_at
 from physics_runs import (
     Branch,
     FloatArray,
@@ -24,9 +25,8 @@ from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.library import read_published
 from musclewire.simulate.paths import isobaric_path
 from musclewire.wire.building import cooled_wire
-from musclewire.wire.grains import signed_power
-from musclewire.wire.state import WireConstants
-from musclewire.wire.switching import driving_forces_at
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.distribution import signed_power
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -18,7 +18,7 @@ from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 from musclewire.sensing.segments import find_segments
 from musclewire.simulate.paths import DrivenPath, drive_path
 from musclewire.wire.building import constants_from, with_pretension
-from musclewire.wire.state import WireConstants
+from musclewire.wire.constants import WireConstants
 
 FloatArray = NDArray[np.float64]
 
@@ -73,10 +73,10 @@ def constants_of_wire(name: str) -> WireConstants:
 def slow_loop(constants: WireConstants, wire: str) -> LoopTruth:
     """Return the second of two slow sines of a wire: the first one only settles it."""
     bench = load_bench("paper").values()
-    sample_s, step_s = bench["sample_period_s"], bench["time_step_s"]
+    sample_s = bench["sample_period_s"]
     drive = slow_sine(load_wire(wire).drive_amplitude_v.value, bench["sense_voltage_v"], PERIOD_S)
     times = sample_s * np.arange(round(2.0 * PERIOD_S / sample_s))
-    path, _ = drive_path(constants, np.array([drive(t) for t in times]), dt_s=step_s, steps=round(sample_s / step_s))
+    path, _ = drive_path(constants, np.array([drive(t) for t in times]), sample_s=sample_s)
     means = means_of(path, constants)
     contraction = means.contraction
     found = find_segments(means.resistance_ohm, contraction)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from musclewire.wire.state import Row, WireConstants, WireState
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.row import Row
+from musclewire.wire.state import WireState
 
 HEAD = """# The row of a wire
 

@@ -99,9 +99,9 @@ def compiled(function: Function) -> Function:
 
 
 def compiled_inline(function: Function) -> Function:
-    """Compile as :func:`compiled` does, and copy the function into each compiled caller.
+    """Compile as :func:`compiled` does, and copy the function's machine code into each compiled caller.
 
-    Worth it for a few lines in an inner loop.
+    Worth it in an inner loop: only so can a loop over many wires become vector instructions.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def compiled_inline(function: Function) -> Function:
     -------
     The function, compiled; ``.py_func`` is the plain one.
     """
-    return _compile(function, inline="always")
+    return _compile(function, forceinline=True)
 
 
 class Callback(numba.types.WrapperAddressProtocol):

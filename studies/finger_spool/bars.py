@@ -45,11 +45,9 @@ class Bars:
         return ", ".join(f"{item.name} {'yes' if getattr(self, item.name) else 'NO'}" for item in fields(self))
 
 
-def sweep(
-    trial: Trial, pretensions_n: Sequence[float] = PRETENSIONS_N, *, time_step_s: float = 0.025, grains: int = 80
-) -> list[LoopRow]:
+def sweep(trial: Trial, pretensions_n: Sequence[float] = PRETENSIONS_N, *, time_step_s: float = 0.025) -> list[LoopRow]:
     """Return the rows of a spool over pretensions, noise-free; the coarse steps err by about 0.01 points of gap."""
-    return [row_of(slow_path(trial, force, time_step_s=time_step_s, grains=grains), force) for force in pretensions_n]
+    return [row_of(slow_path(trial, force, time_step_s=time_step_s), force) for force in pretensions_n]
 
 
 def bars(rows: Sequence[LoopRow]) -> Bars:

@@ -16,6 +16,7 @@ from musclewire.rigs.simulated import Instruments
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 from musclewire.sensing.segments import find_segments
 from musclewire.simulate.paths import DrivenPath, drive_path
+from musclewire.simulate.stepping import fixed_steps
 from musclewire.wire.building import constants_of
 
 FloatArray = NDArray[np.float64]
@@ -67,15 +68,15 @@ def leg_length_m() -> float:
     return numbers["wire_length_m"] / numbers["legs"]
 
 
-def slow_path(trial: Trial, pretension_n: float, *, time_step_s: float, grains: int) -> DrivenPath:
+def slow_path(trial: Trial, pretension_n: float, *, time_step_s: float) -> DrivenPath:
     """Return what the slow sine does to a spool, noise-free, sample by sample of the rig."""
-    own = {**load_bench(RIG).values(), **trial.bench, "pretension_n": pretension_n, "grains": float(grains)}
+    own = {**load_bench(RIG).values(), **trial.bench, "pretension_n": pretension_n}
     material = {**load_alloy("flexinol").values(), **trial.alloy}
     constants = constants_of(material, {**load_wire(COMMON_WIRE).values(), **trial.wire}, own, load=mechanism().load)
     period = own["sample_period_s"]
     drive_at = slow_sine(trial.amplitude_v, own["sense_voltage_v"], PERIOD_S)
     drive = np.array([drive_at(period * index) for index in range(round(CYCLES * PERIOD_S / period))])
-    path, _ = drive_path(constants, drive, dt_s=time_step_s, steps=round(period / time_step_s))
+    path, _ = drive_path(constants, drive, sample_s=period, stepping=fixed_steps(time_step_s))
     return path
 
 

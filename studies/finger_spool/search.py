@@ -106,7 +106,7 @@ def fitted(start: Trial, *, seeds: int) -> Trial:
     low, high = BARRIER_SHIFTS_K
     while high - low > BARRIER_STEP_K:
         middle = 0.5 * (low + high)
-        path = slow_path(with_smallest_gap_at_paper(start, middle), PAPER_N, time_step_s=0.005, grains=160)
+        path = slow_path(with_smallest_gap_at_paper(start, middle), PAPER_N, time_step_s=0.005)
         read = np.mean([read_gap_pct(path, seed) for seed in range(1, seeds + 1)])
         low, high = (middle, high) if read < PAPER_PCT else (low, middle)
     return with_smallest_gap_at_paper(start, round(0.5 * (low + high), 2))

@@ -9,6 +9,7 @@ import numpy as np
 from musclewire.identify.isobaric_loops import half_transformation_slope_pa_per_k, simulated_isobar, summarize_isobar
 from musclewire.parameters.library import read_published
 from musclewire.simulate.paths import drive_path
+from musclewire.simulate.stepping import fixed_steps
 from musclewire.wire.building import constants_from
 from paper_wires.loops import Loop, analysed
 from paper_wires.unknowns import NAMES, PULL, FloatArray, PaperWires, changed, paper_wires
@@ -35,14 +36,13 @@ def slow_loop(
         wires.bench,
         pretension_n=pretension_n,
         spring_stiffness_n_per_m=stiffness * own["spring_stiffness_n_per_m"],
-        time_step_s=STEP_S,
     )
     constants = constants_from(wires.alloy, wires.wires[diameter_um], bench)
     time_s = STEP_S * STEPS * np.arange(round(90.0 / (STEP_S * STEPS)))
     amplitude = wires.amplitude_v(diameter_um) if amplitude_v is None else amplitude_v
     sense = own["sense_voltage_v"]
     drive = sense + (amplitude - sense) * 0.5 * (1.0 - np.cos(2.0 * math.pi * time_s / 90.0))
-    path, _ = drive_path(constants, drive, dt_s=STEP_S, steps=STEPS)
+    path, _ = drive_path(constants, drive, sample_s=STEPS * STEP_S, stepping=fixed_steps(STEP_S))
     return analysed(path, pretension_n, constants.leg_length_m, constants.shunt_resistance_ohm)
 
 

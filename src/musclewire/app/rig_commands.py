@@ -91,7 +91,6 @@ def demo_json(result: DemoResult) -> dict[str, Any]:
         **metrics_json(result.run.metrics),
         "best_pretension_n": result.sweep.best.pretension_n,
         "time_step_s": result.run.metadata["time_step_s"],
-        "grains": result.run.metadata["grains"],
         "warnings": list(result.model.warnings),
     }
 

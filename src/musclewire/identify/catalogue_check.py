@@ -17,7 +17,8 @@ from musclewire.errors import NumericsError
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.simulate.paths import DrivenPath, drive_path, isobaric_path
 from musclewire.wire.building import constants_from
-from musclewire.wire.state import WireConstants, WireState
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.state import WireState
 
 __all__ = ["PULL_STRESS_PA", "UNCOUNTED_STRAIN", "CatalogueRun", "dead_weight_bench", "run_catalogue_test"]
 
@@ -31,7 +32,6 @@ HOTTEST_K, STROKE_POINTS = 493.15, 100
 STEP_FRACTION = 0.02
 MIN_STEP_S, MAX_STEP_S = 5e-4, 5e-3
 COOLING_CHUNKS, MAX_COOLING_S = 200, 120.0
-GRAINS = 100.0
 
 
 class CatalogueRun(NamedTuple):
@@ -59,7 +59,6 @@ def dead_weight_bench(bench: Bench, diameter_m: float, stress_pa: float = PULL_S
         "spring_stiffness_n_per_m": 0.0,
         "guide_friction_n": 0.0,
         "pretension_n": float(weight_n),
-        "grains": GRAINS,
     }
     return bench.model_copy(
         update={name: getattr(bench, name).model_copy(update={"value": value}) for name, value in numbers.items()}
@@ -103,7 +102,7 @@ def heated_by(
 ) -> tuple[DrivenPath, WireState]:
     """Return path and final state of a cold wire under a constant current [A], in steps of about ``step_s``."""
     samples = max(round(heating_s / step_s), 1)
-    return drive_path(constants, np.full(samples, current_a), dt_s=heating_s / samples, steps=1, regulated_current=True)
+    return drive_path(constants, np.full(samples, current_a), sample_s=heating_s / samples, regulated_current=True)
 
 
 def step_for(constants: WireConstants) -> float:
@@ -127,7 +126,7 @@ def cooling_curve(constants: WireConstants, state: WireState, step_s: float) -> 
     pieces: list[FloatArray] = []
     off = np.zeros(COOLING_CHUNKS)
     for _ in range(int(MAX_COOLING_S / (COOLING_CHUNKS * step_s)) + 1):
-        path, state = drive_path(constants, off, dt_s=step_s, steps=1, state=state)
+        path, state = drive_path(constants, off, sample_s=step_s, state=state)
         pieces.append(path.displacement_m / constants.leg_length_m)
         if state.contraction < 0.01 * UNCOUNTED_STRAIN:
             break

@@ -15,7 +15,8 @@ from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.simulate.paths import DrivenPath, drive_path
 from musclewire.wire.building import constants_from, resting_state
-from musclewire.wire.state import WireConstants, WireState
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.state import WireState
 
 __all__ = [
     "OVERHEATED_K",
@@ -76,8 +77,7 @@ def heat(constants: WireConstants, current_a: float, seconds: float) -> tuple[Dr
     return drive_path(
         constants,
         np.full(samples, current_a),
-        dt_s=seconds / samples,
-        steps=1,
+        sample_s=seconds / samples,
         state=resting_state(constants),
         regulated_current=True,
     )
@@ -143,9 +143,9 @@ def relaxation_time_s(
     constants = constants_from(alloy, wire, bench)
     samples = max(round(on_s / COARSE_STEP_S), 1)
     on = np.full(samples, drive)
-    _, state = drive_path(constants, on, dt_s=on_s / samples, steps=1, regulated_current=regulated_current)
+    _, state = drive_path(constants, on, sample_s=on_s / samples, regulated_current=regulated_current)
     off = np.zeros(round(max_s / COARSE_STEP_S))
-    path, _ = drive_path(constants, off, dt_s=COARSE_STEP_S, steps=1, state=state)
+    path, _ = drive_path(constants, off, sample_s=COARSE_STEP_S, state=state)
     stretched = np.flatnonzero(path.displacement_m > RELAXED_STRAIN * constants.leg_length_m)
     return COARSE_STEP_S * (int(stretched[-1]) + 1) if stretched.size else 0.0
 

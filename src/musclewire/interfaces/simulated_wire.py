@@ -11,7 +11,7 @@ from musclewire.errors import CallerError
 from musclewire.rigs.configuration import RigConfiguration, simulated_configuration
 from musclewire.rigs.simulated_opening import open_simulated
 from musclewire.simulate.wires import OneWire
-from musclewire.wire.state import WireConstants
+from musclewire.wire.constants import WireConstants
 
 __all__ = ["SimulatedWire", "simulated_wire"]
 

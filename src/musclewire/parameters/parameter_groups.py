@@ -199,5 +199,9 @@ class Bench(ParameterGroup):
         "N", "noise of the load cell under an object that a finger touches, rms per sample", "not negative"
     )
     ambient_temperature_k: Parameter = parameter("K", "temperature of the still air around the wire")
-    time_step_s: Parameter = parameter("s", "step of the simulation")
-    grains: Parameter = parameter("1", "grain classes of the simulated ensemble", "whole")
+    time_step_s: Parameter = parameter(
+        "s", "fixed step of the simulation; 0: as long as the tolerances allow", "not negative"
+    )
+    temperature_tolerance_k: Parameter = parameter("K", "error of a step in temperature that is accepted")
+    resistance_tolerance: Parameter = parameter("1", "error of a step in resistance, as a fraction of it")
+    strain_tolerance: Parameter = parameter("1", "error of a step in strain")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from typing import NamedTuple
@@ -12,7 +11,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.controllers.protection import Event
-from musclewire.errors import CallerError, NumericsError, RigError
+from musclewire.errors import CallerError, RigError
 from musclewire.parameters.parameter_groups import Bench
 from musclewire.physics.heat import convection_range_note
 from musclewire.physics.resistance import series_resistance_ohm
@@ -25,6 +24,7 @@ from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_building import Spool, force_limit_n, simulated_limits, wires_of
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
+from musclewire.simulate.stepping import Stepping, steps_within
 from musclewire.simulate.wires import SampleMeans, SimulatedWires
 from musclewire.wire.loads import spring_load
 from musclewire.wire.state import WireState
@@ -37,6 +37,7 @@ class SimulatedInside(NamedTuple):
 
     wires: SimulatedWires
     bench: Mapping[str, float]
+    stepping: Stepping
     instruments: Instruments
     air: AirModel | None
     mechanism: Mechanism
@@ -227,7 +228,7 @@ class SimulatedDevice:
         self._faults = SimulatedFaults(faults) if faults else None
         self._wire_ohm = self._wire_values["resistance_per_metre_ohm_per_m"] * self._bench["wire_length_m"]
         self._pacer = Pacer(self._bench["sample_period_s"]) if real_time else None
-        self._steps = self._steps_of_a_sample()
+        self._stepping = self._stepping_of_the_bench()
 
     def _mechanism_at(self, pretension_n: float, tendon_slack_m: float | None) -> Mechanism:
         """Return the wire's load at a setting of the stages."""
@@ -241,14 +242,17 @@ class SimulatedDevice:
             tendon_slack_m=tendon_slack_m,
         )
 
-    def _steps_of_a_sample(self) -> int:
-        ratio = self._bench["sample_period_s"] / self._bench["time_step_s"]
-        if ratio < 1.0 or abs(ratio - round(ratio)) > 1e-6:
-            raise CallerError(
-                f"time_step_s {self._bench['time_step_s']} must divide sample_period_s "
-                f"{self._bench['sample_period_s']} without a rest"
-            )
-        return round(ratio)
+    def _stepping_of_the_bench(self) -> Stepping:
+        """Return how samples are divided into steps. Raises CallerError for a fixed step that does not divide them."""
+        bench = self._bench
+        stepping = Stepping(
+            bench["time_step_s"],
+            bench["temperature_tolerance_k"],
+            bench["resistance_tolerance"],
+            bench["strain_tolerance"],
+        )
+        steps_within(stepping, bench["sample_period_s"])
+        return stepping
 
     @property
     def facts(self) -> DeviceFacts:
@@ -298,6 +302,7 @@ class SimulatedDevice:
         return SimulatedInside(
             wires=self._wires,
             bench=self._bench,
+            stepping=self._stepping,
             instruments=self._instruments,
             air=self._air,
             mechanism=self._mechanism,
@@ -310,7 +315,7 @@ class SimulatedDevice:
         """Name the wire, its pretension and its drive."""
         return (
             f"SimulatedDevice(wire {self._wire.name}, pretension {self._pretension_n:g} N, "
-            f"drive {self._drive_voltage_v:.3f} V, at {self._wires.state.time_s:.2f} s)"
+            f"drive {self._drive_voltage_v:.3f} V, at {self._wires.time_s:.2f} s)"
         )
 
     def metadata(self) -> Metadata:
@@ -329,7 +334,6 @@ class SimulatedDevice:
             **self._load_metadata(),
             "sample_period_s": self._facts.sample_period_s,
             "time_step_s": self._bench["time_step_s"],
-            "grains": int(self._bench["grains"]),
             "new_wire": self._new_wire,
             "seed": self._seed,
         }
@@ -411,27 +415,24 @@ class SimulatedDevice:
         if self._off:  # looked at after it was put out, so that 0 V is the last word whichever thread comes first
             self._drive_voltage_v = 0.0
             return SWITCHED_OFF
-        time_s = self._wires.state.time_s
+        time_s = self._wires.time_s
         if self._faults is not None and self._faults.device_lost(time_s):
             return DeviceFault(Event.DEVICE_LOST, f"at {time_s:.2f} s, by the rig file's [[fault]]")
         if self._air is not None:
             air = self._air.after(time_s, self._facts.sample_period_s)
             self._wires.surround(self._bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
         means = self._advance(self._drive_voltage_v) if self._faults is None else self._advance_faulty(self._faults)
-        if not math.isfinite(self._wires.state.temperature_k):
-            raise NumericsError(
-                f"the simulated wire left its numbers at {self._wires.state.time_s:.3f} s: make time_step_s smaller"
-            )
+        self._wires.require_resolved()
         if self._pacer is not None:
             self._pacer.wait()
         return self._read(means)
 
     def _advance(self, drive_voltage_v: float) -> SampleMeans:
-        return self._wires.advance(drive_voltage_v, self._bench["time_step_s"], self._steps)
+        return self._wires.advance(drive_voltage_v, self._bench["sample_period_s"], self._stepping)
 
     def _advance_faulty(self, faults: SimulatedFaults) -> SampleMeans:
         """Advance the wire with its current in the faulty circuit; return the voltages at the terminals."""
-        time_s, shunt_ohm = self._wires.state.time_s, self._facts.limits.shunt_resistance_ohm
+        time_s, shunt_ohm = self._wires.time_s, self._facts.limits.shunt_resistance_ohm
         output_v = faults.output_v(self._drive_voltage_v, time_s)
         current_a = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s).wire_current_a
         means = self._advance(current_a * (self._wire_ohm + shunt_ohm))
@@ -445,7 +446,7 @@ class SimulatedDevice:
         wire_voltage, shunt_voltage, displacement_m, force_n = self._instruments.sample(
             means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n
         )
-        time_s = self._wires.state.time_s
+        time_s = self._wires.time_s
         if self._faults is not None:
             began_s = time_s - self._facts.sample_period_s
             wire_voltage, shunt_voltage = self._faults.readings_v(wire_voltage, shunt_voltage, began_s)
@@ -489,4 +490,4 @@ class SimulatedDevice:
         """Switch the drive off; while the fault ``device_lost`` is present nothing is confirmed."""
         self._off = True
         self._drive_voltage_v = 0.0
-        return self._faults is None or not self._faults.device_lost(self._wires.state.time_s)
+        return self._faults is None or not self._faults.device_lost(self._wires.time_s)

@@ -17,8 +17,8 @@ from musclewire.rigs.wire_limits import WireCircuit, limits_of
 from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
 from musclewire.simulate.wires import OneWire, SimulatedWires, TwoWires
 from musclewire.wire.building import constants_from
+from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import ConnectorLoad, ElasticObject, spring_load
-from musclewire.wire.state import WireConstants
 
 __all__ = ["Spool", "force_limit_n", "simulated_limits", "wires_of"]
 

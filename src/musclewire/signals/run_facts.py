@@ -78,7 +78,7 @@ class RunFacts:
     period_s = NumberFact("period of the slow sine")
     approach_s = NumberFact("time before the reference of a closed loop begins", may_be_zero=True)
     closing_s = NumberFact("time in which a grip closes")
-    time_step_s = NumberFact("time step of the simulation")
+    time_step_s = NumberFact("fixed step of the simulation; 0 for chosen steps", may_be_zero=True)
 
     @property
     def leg_length_m(self) -> float:

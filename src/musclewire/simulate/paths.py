@@ -12,11 +12,15 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.errors import CallerError
-from musclewire.simulate.wires import advance_rows
+from musclewire.simulate.stepping import Stepping
+from musclewire.simulate.wires import CHOSEN, Drive, advance_wire, plan_of, require_resolved
 from musclewire.wire.building import cooled_wire, resting_state
-from musclewire.wire.state import Rows, WireConstants, WireState
-from musclewire.wire.step import resistance_ahead_ohm, resistance_of, total_strain
-from musclewire.wire.switching import follow, phase_fractions
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.fronts import shakedown_of
+from musclewire.wire.prescribed import follow, resistance_of, total_strain
+from musclewire.wire.row import Rows
+from musclewire.wire.state import WireState
+from musclewire.wire.step import RunningWire
 
 __all__ = ["DrivenPath", "IsobaricPath", "drive_path", "isobaric_path"]
 
@@ -51,19 +55,18 @@ class IsobaricPath(NamedTuple):
 def drive_rows(
     states: Rows,
     constants: Rows,
-    load_table_n: FloatArray,
+    cells: Rows,
+    load: Rows,
     drive: FloatArray,
-    dt_s: float,
-    steps: int,
-    regulated_current: bool,
+    is_current: bool,
+    plan: FloatArray,
 ) -> FloatArray:
     """Drive a wire in place on arrays of one record; return the columns of a :class:`DrivenPath`."""
-    state, series = states[0], constants[0].series_resistance_ohm
+    wire = RunningWire(states[0], constants[0], cells[0], load[0])
+    state = wire.state
     shown = np.empty((9, drive.shape[0]))
     for sample in range(drive.shape[0]):
-        resistance = resistance_ahead_ohm(state, dt_s)  # as in one step in the circuit
-        voltage = drive[sample] * (resistance + series) if regulated_current else drive[sample]
-        means = advance_rows(states, constants, load_table_n, voltage, dt_s, steps)
+        means = advance_wire(wire, Drive(drive[sample], is_current), plan)
         shown[0, sample] = means[0]
         shown[1, sample] = means[1]
         shown[2, sample] = means[2]
@@ -80,36 +83,47 @@ def drive_path(
     constants: WireConstants,
     drive: FloatArray,
     *,
-    dt_s: float,
-    steps: int,
+    sample_s: float,
+    stepping: Stepping = CHOSEN,
     state: WireState | None = None,
     regulated_current: bool = False,
 ) -> tuple[DrivenPath, WireState]:
     """Return the response of a wire to ``drive``, (n_samples,) in volts, and the state at the end.
 
-    Each drive is held for ``steps`` steps of ``dt_s``. With ``regulated_current`` the drive is a current in amperes,
-    which a source regulates by the wire's resistance at the start of each sample. The wire starts at rest, cold, unless
-    a ``state`` is given, which is not changed. The numbers equal those of ``simulate.wires.advance`` sample by sample
-    to the bit. Raises CallerError for steps that are not positive.
+    Each drive is held for ``sample_s``, divided into steps by ``stepping``. With ``regulated_current`` the drive is a
+    current in amperes. The wire starts at rest, cold, unless a ``state`` is given, which is not changed. The numbers
+    equal those of ``simulate.wires.advance`` sample by sample to the bit. Raises CallerError for a sample or steps that
+    are not positive, and NumericsError if a step was
+    not solved, or too long for what the wire did in it.
     """
-    if not dt_s > 0.0 or steps < 1:
-        raise CallerError(f"a path needs a positive time step and at least one step a sample, got {dt_s} s and {steps}")
-    after = resting_state(constants) if state is None else state.copy()
+    plan = plan_of(stepping, sample_s)
+    before = resting_state(constants) if state is None else state
+    after = before.copy()
     held = np.ascontiguousarray(drive, dtype=np.float64)
-    shown = drive_rows(after.row, constants.row, constants.load_table_n, held, dt_s, steps, regulated_current)
+    shown = drive_rows(after.row, *constants.step_arrays(), held, regulated_current, plan)
+    require_resolved(after, stepping, sample_s, before)
     return DrivenPath(*shown), after
 
 
 @compiled
-def isobaric_rows(states: Rows, constants: Rows, stress_pa: float, temperature_k: FloatArray) -> FloatArray:
+def isobaric_rows(
+    states: Rows,
+    constants: Rows,
+    cells: Rows,
+    load: Rows,
+    stress_pa: float,
+    temperature_k: FloatArray,
+) -> FloatArray:
     """Follow temperatures in place on arrays of one record; return the columns of an :class:`IsobaricPath`."""
-    state, of = states[0], constants[0]
+    wire = RunningWire(states[0], constants[0], cells[0], load[0])
+    state, of = wire.state, wire.constants
+    over = shakedown_of(of, np.inf)
     shown = np.empty((4, temperature_k.shape[0]))
     for point in range(temperature_k.shape[0]):
-        follow(state, of, temperature_k[point], stress_pa, 1.0)
-        martensite, r_phase = phase_fractions(state)
+        follow(wire, over, temperature_k[point], stress_pa)
+        martensite, r_phase = state.martensite_fraction, state.r_phase_fraction
         shown[0, point] = total_strain(of, stress_pa, martensite, r_phase, temperature_k[point])
-        shown[1, point] = resistance_of(of, stress_pa, martensite, r_phase, temperature_k[point], 0.0)
+        shown[1, point] = resistance_of(of, stress_pa, martensite, r_phase, temperature_k[point], np.inf)
         shown[2, point] = martensite
         shown[3, point] = r_phase
     return shown
@@ -125,4 +139,4 @@ def isobaric_path(constants: WireConstants, stress_pa: float, temperature_k: Flo
         raise CallerError(f"stress is {stress_pa} Pa: a wire cannot be pushed, give 0 or more")
     path = np.ascontiguousarray(temperature_k, dtype=np.float64)
     state = cooled_wire(constants, stress_pa, float(path[0]))
-    return IsobaricPath(*isobaric_rows(state.row, constants.row, stress_pa, path))
+    return IsobaricPath(*isobaric_rows(state.row, *constants.step_arrays(), stress_pa, path))

@@ -7,37 +7,66 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.errors import CallerError
-from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
+from musclewire.wire.balance import settled
 from musclewire.wire.building import resting_state
-from musclewire.wire.state import Rows, WireConstants, WireState
-from musclewire.wire.step import find_equilibrium, running
-from musclewire.wire.switching import follow, phase_fractions
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.fronts import shakedown_of
+from musclewire.wire.row import Rows
+from musclewire.wire.state import WireState
+from musclewire.wire.step import (
+    MAX_EVALUATIONS,
+    NO_PUSH,
+    RunningWire,
+    accept,
+    equilibrium_of,
+    next_stress_pa,
+    stress_balanced,
+    trial_at,
+)
 
 __all__ = ["heated_state"]
 
-# Stress follows temperature by one Newton step at a time: in steps this fine nothing remains to be balanced.
+# Far below any spread of the grains, so that the balance is found from the stress before in one or two evaluations.
 STEP_K = 0.1
 
 
 @compiled
-def warm_rows(states: Rows, constants: Rows, load_table_n: FloatArray, temperature_k: FloatArray) -> None:
-    """Take a wire, a row of (1,), through temperatures, (n,), in equilibrium with its load, in place."""
-    state, of = states[0], constants[0]
-    wire = running(state, of, load_table_n)
+def warm_rows(states: Rows, constants: Rows, cells: Rows, load: Rows, temperature_k: FloatArray) -> None:
+    """Take a wire, a row of (1,), through temperatures, (n,), in balance with its load, in place."""
+    wire = RunningWire(states[0], constants[0], cells[0], load[0])
+    state, k = wire.state, wire.constants
     for point in range(temperature_k.shape[0]):
-        rise_k = temperature_k[point] - state.temperature_k
-        follow(state, of, temperature_k[point], state.stress_pa, wire.shakedown.barrier_factor)
-        state.martensite_fraction, state.r_phase_fraction = phase_fractions(state)
-        transformed = state.martensite_fraction + of.r_phase_entropy_ratio * state.r_phase_fraction
-        state.temperature_k = temperature_k[point]
-        state.enthalpy_j = (
-            of.heat_capacity_j_per_k * (temperature_k[point] - REFERENCE_TEMPERATURE_K) - of.latent_heat_j * transformed
-        )
-        find_equilibrium(wire, rise_k, 1.0, 0.0, 0.0)
-    # At rest: the rates of the last step do not hold any more.
-    state.stress_slope_pa_per_k = 0.0
-    state.temperature_rate_k_per_s = 0.0
-    state.resistance_rate_ohm_per_s = 0.0
+        balance_at_temperature(wire, temperature_k[point])
+    # At rest: the slopes of the last step do not hold any more.
+    state.temperature_slope_k_per_j = k.per_capacity_k_per_j
+    state.stress_slope_pa_per_j = 0.0
+    state.contraction_slope_per_j = 0.0
+    state.resistance_slope_ohm_per_j = 0.0
+    state.last_heat_j = 0.0
+
+
+@compiled
+def balance_at_temperature(wire: RunningWire, temperature_k: float) -> None:
+    """Bring a wire to a temperature, its stress in balance with the load, in place."""
+    state, k = wire.state, wire.constants
+    shakedown = shakedown_of(k, state.cycles)
+    stress_pa = state.stress_pa
+    low_pa, high_pa = 0.0, np.inf
+    evaluations = 0
+    while True:
+        evaluations += 1
+        point = trial_at(wire, shakedown, NO_PUSH, temperature_k, stress_pa, 0.0)
+        if point.balance.excess_pa > 0.0:
+            high_pa = min(high_pa, stress_pa)
+        else:
+            low_pa = max(low_pa, stress_pa)
+        solved = stress_balanced(k, point, stress_pa, high_pa - low_pa)
+        if solved or evaluations >= MAX_EVALUATIONS:
+            break
+        stress_pa = next_stress_pa(point, stress_pa, low_pa, high_pa)
+    enthalpy_j = point.balance.heat_j  # of a trial for enthalpy 0
+    after = settled(k, shakedown, point, (0.0, 0.0), (temperature_k, stress_pa, enthalpy_j))
+    accept(wire, equilibrium_of(point, after, evaluations, solved), enthalpy_j - state.enthalpy_j, NO_PUSH)
 
 
 def heated_state(constants: WireConstants, temperature_k: float) -> WireState:
@@ -70,5 +99,5 @@ def heated_state(constants: WireConstants, temperature_k: float) -> WireState:
     start = resting_state(constants)
     steps = int((temperature_k - ambient) / STEP_K) + 1
     way = np.linspace(ambient, temperature_k, steps + 1)[1:]
-    warm_rows(start.row, constants.row, constants.load_table_n, way)
+    warm_rows(start.row, *constants.step_arrays(), way)
     return start

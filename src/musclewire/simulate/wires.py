@@ -9,13 +9,57 @@ import math
 from typing import NamedTuple, Protocol
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inline
+from musclewire.errors import NumericsError
 from musclewire.simulate.pairs import Grip, Pair, advance_pair
+from musclewire.simulate.stepping import (
+    CHOSEN,
+    DURATION,
+    MIN_STEP_S,
+    STEPS,
+    Attempt,
+    Drive,
+    Instant,
+    Stepping,
+    circuit_at,
+    error_ratio,
+    instant_of,
+    longest_step_s,
+    next_step_s,
+    owed_j,
+    plan_of,
+    shorter_step_s,
+)
 from musclewire.wire.building import resting_state
-from musclewire.wire.state import Rows, WireConstants, WireState
-from musclewire.wire.step import resistance_ahead_ohm, running, step
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.fronts import shakedown_of
+from musclewire.wire.row import Rows
+from musclewire.wire.state import WireState
+from musclewire.wire.step import NO_PUSH, RunningWire, accept, guess_after, middle_of_step, solve
 
-__all__ = ["WireMeans", "advance", "advance_rows", "SampleMeans", "OneWire", "SimulatedWires", "TwoWires"]
+__all__ = [
+    "CHOSEN",
+    "Drive",
+    "Instant",
+    "WireMeans",
+    "attempt",
+    "circuit_at",
+    "owed_j",
+    "take",
+    "advance",
+    "advance_rows",
+    "advance_wire",
+    "plan_of",
+    "is_resolved",
+    "require_resolved",
+    "SampleMeans",
+    "OneWire",
+    "SimulatedWires",
+    "TwoWires",
+]
+
+# A step with a larger estimated error in temperature shows the step, not the wire.
+MAX_STEP_ERROR_K = 2.0
 
 
 class WireMeans(NamedTuple):
@@ -40,9 +84,13 @@ class WireMeans(NamedTuple):
 
 
 def advance(
-    state: WireState, constants: WireConstants, drive_voltage_v: float, dt_s: float, steps: int
+    state: WireState,
+    constants: WireConstants,
+    drive_voltage_v: float,
+    duration_s: float,
+    stepping: Stepping = CHOSEN,
 ) -> tuple[WireState, WireMeans]:
-    """Return the state after ``steps`` steps of ``dt_s`` at one drive voltage, and the means over these steps.
+    """Return the state after a time at one drive voltage, and the means over that time.
 
     The state passed in is not changed. Energy is conserved to rounding: enthalpy changes by heat in minus heat
     out, and temperature follows from enthalpy and phase fractions.
@@ -54,52 +102,156 @@ def advance(
     constants
         Its constants, with the load's table.
     drive_voltage_v
-        Drive voltage of the buffer amplifier [V], the same in all steps.
-    dt_s
-        Length of a step [s]; the shipped benches take 1 ms, see docs/explanation/numerics.md.
-    steps
-        How many steps, 1 or more.
+        Drive voltage of the buffer amplifier [V], the same all the time.
+    duration_s
+        The time [s].
+    stepping
+        How it is divided into steps; by default as the tolerances ask, the whole time in one step at most.
 
     Returns
     -------
-    The state after the last step, and the means over all steps.
+    The state at the end, and the means.
+
+    Raises
+    ------
+    CallerError
+        For a duration that is not positive or that fixed steps do not divide.
 
     References
     ----------
     The circuit is that of Lan and Fan 2010, Fig. 2.
     """
+    plan = plan_of(stepping, duration_s)
     after = state.copy()
     # Arrays go into compiled code and plain numbers come back. Numba would call the class of a named tuple on the way
     # out; a Ctrl-C that arrives during that call is not handled, and the process dies.
-    means = advance_rows(after.row, constants.row, constants.load_table_n, drive_voltage_v, dt_s, steps)
+    means = advance_rows(after.row, *constants.step_arrays(), drive_voltage_v, plan)
     return after, WireMeans(*means)
+
+
+@compiled_inline
+def attempt(wire: RunningWire, drive: Drive, started: Instant, step_s: float) -> Attempt:
+    """Return a step of a wire; the wire itself does not move yet.
+
+    Power and loss in the middle of the step give its heat. The trapezoidal rule with the end as found would give a
+    little more or less: that is made good in the next step, and is the estimate of this one's error.
+    """
+    state, k = wire.state, wire.constants
+    middle = middle_of_step(state, k, 0.5 * step_s * (started.power_w - started.loss_w))
+    within = instant_of(k, drive, middle.resistance_ohm, middle.temperature_k)
+    heat_j = (within.power_w - within.loss_w) * step_s + state.carried_heat_j
+    shakedown = shakedown_of(k, state.cycles)
+    found = solve(wire, shakedown, state.enthalpy_j + heat_j, guess_after(state, middle, heat_j), NO_PUSH)
+    ended = instant_of(k, drive, found.wire.resistance_ohm, found.wire.temperature_k)
+    owes_j = owed_j(started, within, ended, step_s)
+    slope = max(found.temperature_slope_k_per_j, middle.temperature_slope_k_per_j)
+    return Attempt(found, within, ended, heat_j, owes_j, abs(owes_j) * slope)
+
+
+@compiled_inline
+def take(wire: RunningWire, tried: Attempt, started: Instant, step_s: float) -> None:
+    """Move a wire by a step that was tried, in place."""
+    state = wire.state
+    accept(wire, tried.found, tried.heat_j, NO_PUSH)
+    state.carried_heat_j = tried.owed_j
+    state.heat_in_j += 0.5 * (started.power_w + tried.ended.power_w) * step_s
+    state.heat_out_j += 0.5 * (started.loss_w + tried.ended.loss_w) * step_s
+    state.step_error_k = max(state.step_error_k, tried.error_k)
+
+
+@compiled_inline
+def advance_wire(wire: RunningWire, drive: Drive, plan: FloatArray) -> tuple[float, float, float, float]:
+    """Advance a wire in place by a duration; return the means of :func:`advance`."""
+    state, k = wire.state, wire.constants
+    started = instant_of(k, drive, state.resistance_ohm, state.temperature_k)
+    fixed = plan[STEPS] > 0.0
+    left_s = duration_s = plan[DURATION]
+    step_s = duration_s / plan[STEPS] if fixed else longest_step_s(state, duration_s)
+    steps_left = int(plan[STEPS])
+    voltage_sum = current_sum = moved_sum = stress_sum = 0.0
+    while steps_left > 0 if fixed else left_s > 0.0:
+        if not fixed:  # equal steps over what is left, none longer than the tolerance asks for
+            step_s = left_s / math.ceil(left_s / step_s * (1.0 - 1e-9))
+        tried = attempt(wire, drive, started, step_s)
+        if not fixed:
+            ratio = error_ratio(state, tried, started, step_s, plan)
+            if ratio > 1.0 and step_s > MIN_STEP_S:
+                step_s = shorter_step_s(step_s, ratio)
+                continue
+            state.step_s = next_step_s(step_s, ratio)
+        resistance_ohm, connector, stress_pa = state.resistance_ohm, state.connector_contraction, state.stress_pa
+        take(wire, tried, started, step_s)
+        # The trapezoidal rule for all four alike: otherwise strain would be late or early beside resistance.
+        ended = tried.ended
+        voltage_sum += step_s * (started.current_a * resistance_ohm + ended.current_a * state.resistance_ohm)
+        current_sum += step_s * (started.current_a + ended.current_a)
+        moved_sum += step_s * (connector + state.connector_contraction)
+        stress_sum += step_s * (stress_pa + state.stress_pa)
+        started = ended
+        left_s -= step_s
+        steps_left -= 1
+        step_s = step_s if fixed else state.step_s
+    # Adding up time step by step would accumulate rounding errors.
+    state.time_s += duration_s
+    mean = 0.5 / duration_s
+    return (
+        mean * voltage_sum,
+        mean * current_sum * k.shunt_resistance_ohm,
+        mean * moved_sum * k.leg_length_m,
+        mean * stress_sum * k.section_m2,
+    )
 
 
 @compiled
 def advance_rows(
-    states: Rows, constants: Rows, load_table_n: FloatArray, drive_voltage_v: float, dt_s: float, steps: int
+    states: Rows,
+    constants: Rows,
+    cells: Rows,
+    load: Rows,
+    drive_voltage_v: float,
+    plan: FloatArray,
 ) -> tuple[float, float, float, float]:
     """Advance a wire in place, arrays of one record, (1,); return the means of :func:`advance`."""
-    state, of = states[0], constants[0]
-    wire = running(state, of, load_table_n)
-    wire_voltage_sum = 0.0
-    shunt_voltage_sum = 0.0
-    displacement_sum = 0.0
-    force_sum = 0.0
-    for _ in range(steps):
-        resistance_ohm = resistance_ahead_ohm(state, dt_s)
-        # The buffer amplifier drives wire, shunt and leads in series.
-        current = drive_voltage_v / (resistance_ohm + of.series_resistance_ohm)
-        wire_voltage_sum += current * resistance_ohm
-        shunt_voltage_sum += current * of.shunt_resistance_ohm
-        contraction, stress_pa = state.contraction, state.stress_pa
-        step(wire, current * current * resistance_ohm, dt_s)
-        # The mean over a step, as for the voltages: otherwise strain would lag resistance by a step.
-        displacement_sum += 0.5 * (contraction + state.contraction) * of.leg_length_m
-        force_sum += 0.5 * (stress_pa + state.stress_pa) * of.legs * of.area_m2
-    # Adding up time step by step would accumulate rounding errors.
-    state.time_s += steps * dt_s
-    return wire_voltage_sum / steps, shunt_voltage_sum / steps, displacement_sum / steps, force_sum / steps
+    return advance_wire(RunningWire(states[0], constants[0], cells[0], load[0]), Drive(drive_voltage_v, False), plan)
+
+
+@compiled
+def is_resolved(state: WireState) -> bool:
+    """Whether all steps of a wire were solved, and none too long for what happened in it."""
+    # Not a number is not less than anything: written so that it is not resolved.
+    solved = state.unsolved_steps == 0.0 and state.step_error_k <= MAX_STEP_ERROR_K
+    return solved and abs(state.temperature_k) < math.inf
+
+
+def require_resolved(after: WireState, stepping: Stepping, sample_s: float, before: WireState | None = None) -> None:
+    """Raise NumericsError if steps up to a state were not solved, or too long for what happened in them.
+
+    Parameters
+    ----------
+    after
+        The wire after these steps.
+    stepping
+        How they were chosen, for the message.
+    sample_s
+        Length of a sample [s], the longest step.
+    before
+        The wire before them; None to judge all steps since the wire was first at rest.
+    """
+    numbers = after.record
+    missed = numbers.unsolved_steps - (before.unsolved_steps if before is not None else 0.0)
+    if missed == 0.0 and numbers.step_error_k <= MAX_STEP_ERROR_K and abs(numbers.temperature_k) < math.inf:
+        return
+    length_s = stepping.fixed_s or sample_s
+    steps = f"steps of {1e3 * length_s:g} ms" if stepping.fixed_s else f"chosen steps of {1e3 * length_s:g} ms at most"
+    raise NumericsError(
+        f"the simulation does not resolve what the wire does up to {numbers.time_s:.3f} s: {steps} leave an error of "
+        f"{numbers.step_error_k:.3g} K in temperature and {missed:.0f} balances unsolved; "
+        + (
+            "set time_step_s to 0 for steps chosen by tolerance, or to a fraction of this"
+            if stepping.fixed_s
+            else "look for a load or a drive that no wire could follow, or lower the tolerances"
+        )
+    )
 
 
 class SampleMeans(NamedTuple):
@@ -128,22 +280,31 @@ class SimulatedWires(Protocol):
         """State of the second wire; None if there is one wire."""
         ...
 
-    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> SampleMeans:
-        """Advance by some steps at one drive voltage.
+    @property
+    def time_s(self) -> float:
+        """Time since the wires were first at rest [s]."""
+        ...
+
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
+        """Advance by one sample at one drive voltage.
 
         Parameters
         ----------
         drive_voltage_v
-            Drive voltage [V] during all of the steps.
-        dt_s
-            Length of a step [s].
-        steps
-            Number of steps in one sample period.
+            Drive voltage [V] during the sample.
+        duration_s
+            Length of the sample [s].
+        stepping
+            How it is divided into steps.
 
         Returns
         -------
-        Means over the steps, as averaging instruments measure them.
+        Means over the sample, as averaging instruments measure them.
         """
+        ...
+
+    def require_resolved(self) -> None:
+        """Raise NumericsError if steps of the last sample were unsolved or too long."""
         ...
 
     def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
@@ -179,30 +340,59 @@ def aged(constants: WireConstants, before: WireState) -> tuple[WireConstants, Wi
 
 
 class OneWire:
-    """A wire on its load."""
+    """A wire on its load. It runs in place; a state that was handed out is left alone and copied first."""
 
     partner_state: WireState | None = None
 
     def __init__(self, constants: WireConstants) -> None:
         """Cool the wire under its pretension."""
-        self.constants = constants
-        self.state = resting_state(constants)
-        self._still_factor = constants.convection_factor
+        self._last = (CHOSEN, 0.0)
+        self._stand_at(constants, resting_state(constants))
 
-    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> SampleMeans:
-        """Advance by some steps at one drive voltage."""
-        self.state, means = advance(self.state, self.constants, drive_voltage_v, dt_s, steps)
+    def _stand_at(self, constants: WireConstants, state: WireState) -> None:
+        """Take constants, those of still air, and a state of one's own."""
+        self._state, self._handed_out = state, False
+        self.constants = constants
+        derived, *tables = constants.step_arrays()
+        self._derived, (self._cells, self._load) = derived.copy(), tables
+
+    @property
+    def state(self) -> WireState:
+        """The present state; it does not change any more."""
+        self._handed_out = True
+        return self._state
+
+    @property
+    def time_s(self) -> float:
+        """Time since the wire was first at rest [s]."""
+        return float(self._state.numbers[0])
+
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
+        """Advance by one sample at one drive voltage."""
+        if self._handed_out:
+            self._state, self._handed_out = self._state.copy(), False
+        self._last = (stepping, duration_s)
+        plan = plan_of(stepping, duration_s)
+        means = advance_rows(self._state.row, self._derived, self._cells, self._load, drive_voltage_v, plan)
         return SampleMeans(*means)
+
+    def require_resolved(self) -> None:
+        """Raise NumericsError if steps were unsolved or too long."""
+        if not is_resolved(self._state.row[0]):
+            require_resolved(self._state, *self._last)
 
     def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
         """Change the temperature and the convection of the air from now on."""
-        self.constants = self.constants.replace(
-            ambient_temperature_k=ambient_temperature_k, convection_factor=self._still_factor * convection_ratio
-        )
+        self._derived["ambient_temperature_k"] = ambient_temperature_k
+        self._derived["surface_factor_m2"] = self.surface_factor_m2(convection_ratio)
+
+    def surface_factor_m2(self, convection_ratio: float) -> float:
+        """Return surface times convection factor [m2] for a loss to the air as a multiple of that in still air."""
+        return self.constants.surface_m2 * (self.constants.convection_factor * convection_ratio)
 
     def age_like(self, before: SimulatedWires) -> None:
         """Take over clock and cycles from the wire at the previous setting."""
-        self.constants, self.state = aged(self.constants, before.state)
+        self._stand_at(*aged(self.constants, before.state))
 
 
 class TwoWires:
@@ -213,6 +403,7 @@ class TwoWires:
         self._both = constants
         self._states = (resting_state(constants[0]), resting_state(constants[1]))
         self._pair, self._grip = pair, grip
+        self._last = (CHOSEN, 0.0)
         self._still_factors = tuple(one.convection_factor for one in constants)
 
     @property
@@ -225,10 +416,16 @@ class TwoWires:
         """State of the second wire."""
         return self._states[1]
 
-    def advance(self, drive_voltage_v: float, dt_s: float, steps: int) -> SampleMeans:
-        """Advance by some steps at one drive voltage."""
+    @property
+    def time_s(self) -> float:
+        """Time since the wires were first at rest [s]."""
+        return self._states[0].time_s
+
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
+        """Advance by one sample at one drive voltage."""
+        self._last = (stepping, duration_s)
         self._states, means = advance_pair(
-            self._states, self._both, self._pair, self._grip, drive_voltage_v, dt_s, steps
+            self._states, self._both, self._pair, self._grip, drive_voltage_v, duration_s, stepping
         )
         together_n = means.force_n + means.partner_force_n if self._pair.direction > 0.0 else means.force_n
         return SampleMeans(
@@ -238,6 +435,11 @@ class TwoWires:
             together_n,
             means.grip_n,
         )
+
+    def require_resolved(self) -> None:
+        """Raise NumericsError if steps of a wire were unsolved or too long."""
+        for state in self._states:
+            require_resolved(state, *self._last)
 
     def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
         """Change the temperature and the convection of the air around both wires from now on."""

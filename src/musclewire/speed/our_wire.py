@@ -7,11 +7,13 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.simulate.paths import drive_path
+from musclewire.simulate.stepping import fixed_steps
 from musclewire.simulate.wires import advance
 from musclewire.speed.easier_wire import AMPLITUDE_V, PERIOD_S, SENSE_V
 from musclewire.wire.building import constants_from, resting_state
+from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import ConnectorLoad
-from musclewire.wire.state import WireConstants, WireState
+from musclewire.wire.state import WireState
 
 __all__ = ["fixed_cycle", "one_period", "paper_wire", "slow_sine", "start_of"]
 
@@ -35,9 +37,9 @@ def slow_sine(sample_s: float) -> FloatArray:
 
 def fixed_cycle(wire: WireConstants, start: WireState, sample_s: float, step_s: float) -> None:
     """Follow one cycle of the slow sine in one call, in steps of one length."""
-    drive_path(wire, slow_sine(sample_s), dt_s=step_s, steps=round(sample_s / step_s), state=start)
+    drive_path(wire, slow_sine(sample_s), sample_s=sample_s, stepping=fixed_steps(step_s), state=start)
 
 
 def one_period(state: WireState, wire: WireConstants, drive_voltage_v: float, period_s: float) -> WireState:
     """Return the state after one period of a closed loop, as a program of one's own calls it."""
-    return advance(state, wire, drive_voltage_v, 1e-3, round(1e3 * period_s))[0]
+    return advance(state, wire, drive_voltage_v, period_s, fixed_steps(period_s))[0]

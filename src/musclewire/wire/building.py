@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled
 from musclewire.errors import CallerError
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
-from musclewire.wire.grains import spread_grains
+from musclewire.wire.constants import CONVECTION_POINTS, WireConstants
+from musclewire.wire.distribution import ONE_CLASS, BarrierClass, Distribution, of_classes, signed_power_distribution
 from musclewire.wire.loads import ConnectorLoad, spring_load
-from musclewire.wire.state import CONVECTION_POINTS, WireConstants, WireState
-from musclewire.wire.step import resistance_of, total_strain
-from musclewire.wire.switching import cool_from_hot
+from musclewire.wire.prescribed import cool_from_hot, resistance_of, total_strain
+from musclewire.wire.row import Rows
+from musclewire.wire.state import WireState
+from musclewire.wire.step import RunningWire
 
 __all__ = ["constants_from", "constants_of", "cooled_wire", "resting_state", "with_pretension"]
 
-MIN_PRESLIDING_M = 5e-6
+# Stresses at which the spreads must be positive: none, and about the strength of the wire.
+STRESSES_PA = (0.0, 1e9)
+MIN_SPREAD_K = 1e-3
 TABLE_START_K = 200.0
 TABLE_STEP_K = 2.0
 
@@ -51,14 +56,20 @@ def constants_of(
     *,
     load: ConnectorLoad | None = None,
     new_wire: bool = False,
+    distribution: Distribution | None = None,
+    classes: Sequence[BarrierClass] = ONE_CLASS,
 ) -> WireConstants:
-    """Return the constants from plain numbers by name, as a search that tries thousands of sets needs them."""
+    """Return the constants from plain numbers by name, as a search that tries thousands of sets needs them.
+
+    ``distribution`` replaces that of the alloy's ``grain_skew`` and ``grain_tail``; ``classes`` divide the grains by
+    their barrier. Raises CallerError if the numbers cannot describe a wire.
+    """
     attached = load or spring_load(bench["spring_stiffness_n_per_m"])
-    require_a_wire(material, spool, bench, attached)
-    grains = int(bench["grains"])
-    spread = spread_grains(grains, material["grain_skew"], material["grain_tail"])
+    require_a_wire(material, spool, bench)
+    spread = distribution or signed_power_distribution(material["grain_skew"], material["grain_tail"])
+    weights, barriers_k = of_classes(classes)
     constants = WireConstants.of(
-        grains,
+        len(weights),
         **alloy_on_spool(material, spool, new_wire=new_wire),
         **body(material, spool, bench),
         series_resistance_ohm=bench["shunt_resistance_ohm"] + bench["lead_resistance_ohm"],
@@ -74,28 +85,42 @@ def constants_of(
         friction_n=bench["guide_friction_n"],
         friction_presliding_m=bench["guide_presliding_m"],
         cold_strain=0.0,
-        grain_edges=spread.edges,
-        grain_middle=spread.middle,
-        grain_width=spread.width,
+        distribution_start=spread.start,
+        distribution_step=spread.step,
+        class_weight=weights,
+        class_barrier_k=barriers_k,
     )
+    constants.distribution_cells = spread.cells[np.newaxis]
     constants.load_table_n = attached.table_n()
     return with_pretension(constants, bench["pretension_n"])
 
 
-def require_a_wire(
-    material: Mapping[str, float], spool: Mapping[str, float], bench: Mapping[str, float], load: ConnectorLoad
-) -> None:
-    """Raise CallerError for numbers that cannot describe a wire, or with which a step would be unstable."""
+def require_a_wire(material: Mapping[str, float], spool: Mapping[str, float], bench: Mapping[str, float]) -> None:
+    """Raise CallerError for numbers that cannot describe a wire."""
     if min(bench["wire_length_m"], bench["legs"], spool["diameter_m"]) <= 0.0:
         raise CallerError("wire_length_m, legs and diameter_m must be above 0: there is no wire otherwise")
-    rubs = bench["guide_friction_n"] > 0.0 or load.friction_n.max() > 0.0
-    if rubs and bench["guide_presliding_m"] < MIN_PRESLIDING_M:
-        raise CallerError(
-            f"guide_presliding_m is {bench['guide_presliding_m']:g} m: below {MIN_PRESLIDING_M:g} m the friction of "
-            "the guide is stiffer than the wire and the step cannot follow it"
-        )
+    if bench["guide_friction_n"] < 0.0 or not bench["guide_presliding_m"] > 0.0:
+        raise CallerError("guide_friction_n must be 0 or more, and guide_presliding_m above 0")
+    require_spreads(material)
     if material["r_phase_entropy_ratio"] >= 1.0:
         raise CallerError("r_phase_entropy_ratio must be below 1: A to R is a part of the way from A to M")
+
+
+def require_spreads(material: Mapping[str, float]) -> None:
+    """Raise CallerError for spreads with which two fronts could not describe the phases.
+
+    The driving force of martensite against R-phase must spread in the same order over the grains as that against
+    austenite does: r_phase_entropy_ratio * r_phase_spread_k below the spread of martensite, at any stress.
+    """
+    spread_r = material["r_phase_entropy_ratio"] * material["r_phase_spread_k"]
+    for stress_pa in STRESSES_PA:
+        spread_m = material["martensite_spread_k"] + material["martensite_spread_per_pa"] * stress_pa
+        if not spread_r >= MIN_SPREAD_K or not spread_m - spread_r >= MIN_SPREAD_K:
+            raise CallerError(
+                f"at {stress_pa / 1e6:g} MPa martensite's spread is {spread_m:.4g} K, the R-phase's (its ratio times "
+                f"r_phase_spread_k) {spread_r:.4g} K: that must be {MIN_SPREAD_K:g} K or more, and martensite's larger "
+                "by as much: raise martensite_spread_k or lower r_phase_spread_k"
+            )
 
 
 def alloy_on_spool(material: Mapping[str, float], spool: Mapping[str, float], *, new_wire: bool) -> dict[str, float]:
@@ -152,8 +177,7 @@ def with_pretension(constants: WireConstants, pretension_n: float) -> WireConsta
         raise CallerError(f"pretension is {pretension_n} N: a wire cannot be pushed, give 0 or more")
     stress = pretension_n / (constants.legs * constants.area_m2)
     ambient = constants.ambient_temperature_k
-    martensite, r_phase = mean_phases(cooled_wire(constants, stress, ambient))
-    cold = total_strain(constants.record, stress, martensite, r_phase, ambient)
+    cold = cold_strain_of(*constants.step_arrays(), WireState.zeros(constants.classes).row, ambient, stress)
     return constants.replace(
         pretension_n=pretension_n,
         cold_strain=cold,
@@ -161,32 +185,48 @@ def with_pretension(constants: WireConstants, pretension_n: float) -> WireConsta
     )
 
 
+@compiled
+def cold_strain_of(
+    constants: Rows,
+    cells: Rows,
+    load: Rows,
+    states: Rows,
+    temperature_k: float,
+    stress_pa: float,
+) -> float:
+    """Return the strain of a wire cooled from hot at a stress; ``states``, (1,), is left at these phases."""
+    wire = RunningWire(states[0], constants[0], cells[0], load[0])
+    cool_from_hot(wire, temperature_k, stress_pa)
+    state = wire.state
+    return total_strain(wire.constants, stress_pa, state.martensite_fraction, state.r_phase_fraction, temperature_k)
+
+
 def cooled_wire(constants: WireConstants, stress_pa: float, temperature_k: float) -> WireState:
-    """Return a row with the grains of a wire cooled from hot to a temperature under a stress; all else is 0."""
-    state = WireState.zeros(constants.grains)
-    cool_from_hot(state.row, constants.row, stress_pa, temperature_k)
+    """Return a row with the phases of a wire cooled from hot to a temperature under a stress; all else is 0."""
+    state = WireState.zeros(constants.classes)
+    cold_strain_of(*constants.step_arrays(), state.row, temperature_k, stress_pa)
     return state
-
-
-def mean_phases(state: WireState) -> tuple[float, float]:
-    """Return the fractions of martensite and R-phase, as means over the grains."""
-    return float(state.grain_martensite.mean()), float(state.grain_r_phase.mean())
 
 
 def resting_state(constants: WireConstants) -> WireState:
     """Return a wire at rest, cooled to ambient under its pretension."""
-    stress = constants.pretension_n / (constants.legs * constants.area_m2)
-    temperature = constants.ambient_temperature_k
-    cooled = cooled_wire(constants, stress, temperature)
-    martensite, r_phase = mean_phases(cooled)
-    transformed = martensite + constants.r_phase_entropy_ratio * r_phase
-    return cooled.replace(
-        temperature_k=temperature,
-        stress_pa=stress,
-        enthalpy_j=constants.heat_capacity_j_per_k * (temperature - REFERENCE_TEMPERATURE_K)
-        - constants.latent_heat_j * transformed,
-        martensite_fraction=martensite,
-        r_phase_fraction=r_phase,
-        resistance_ohm=resistance_of(constants.record, stress, martensite, r_phase, temperature, 1.0),
-        capacity_j_per_k=constants.heat_capacity_j_per_k,
+    state = WireState.zeros(constants.classes)
+    rest_rows(*constants.step_arrays(), state.row)
+    return state
+
+
+@compiled
+def rest_rows(constants: Rows, cells: Rows, load: Rows, states: Rows) -> None:
+    """Fill in the row, (1,), of a wire at rest in the ambient air under its pretension."""
+    wire = RunningWire(states[0], constants[0], cells[0], load[0])
+    state, k = wire.state, wire.constants
+    temperature_k, stress_pa = k.ambient_temperature_k, k.pretension_n * k.per_section_m2
+    cool_from_hot(wire, temperature_k, stress_pa)
+    martensite, r_phase = state.martensite_fraction, state.r_phase_fraction
+    state.temperature_k = temperature_k
+    state.stress_pa = stress_pa
+    state.enthalpy_j = k.capacity_j_per_k * (temperature_k - REFERENCE_TEMPERATURE_K) - k.latent_heat_j * (
+        martensite + k.r_phase_entropy_ratio * r_phase
     )
+    state.resistance_ohm = resistance_of(k, stress_pa, martensite, r_phase, temperature_k, 0.0)
+    state.temperature_slope_k_per_j = k.per_capacity_k_per_j

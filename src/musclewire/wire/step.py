@@ -1,6 +1,6 @@
-"""One step of one wire, compiled: heat in enthalpy form, grains, equilibrium with the load.
+"""One step of one wire, compiled: heat in, then temperature and stress together from enthalpy and the load's force.
 
-Works in place on the records of a :class:`RunningWire`. Its order and its two linear predictions are explained in
+Works in place on the state's record of a :class:`RunningWire`. The method, its order and its error are explained in
 docs/explanation/numerics.md.
 """
 
@@ -9,491 +9,467 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
-from musclewire.physics.material import (
-    friction_force_n,
-    maximum_transformation_strain,
-    maximum_transformation_strain_slope_per_pa,
-    reuss_modulus_pa,
+from musclewire.wire.balance import (
+    LoadPoint,
+    Push,
+    Settled,
+    Trial,
+    balance_at,
+    contraction_of,
+    settled,
+    strain_at,
 )
-from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K, phase_resistivity_ohm_m, wire_resistance_ohm
-from musclewire.wire.state import RunningWire, Shakedown, WireConstants, WireState
-from musclewire.wire.switching import follow
+from musclewire.wire.constants import StepConstants
+from musclewire.wire.fronts import Phases, Shakedown, cumulative_at, fronts_after, phases_of_class
+from musclewire.wire.row import Rows
+from musclewire.wire.state import WireState
 
 __all__ = [
-    "compliance_per_pa",
-    "contraction_at_stress",
-    "contraction_of",
-    "convection_w_per_m2_k",
-    "friction_limit_n",
-    "load_beyond_spring",
-    "resistance_of",
-    "strain_at",
-    "equilibrium_stress_pa",
-    "total_strain",
-    "find_equilibrium",
-    "heat",
-    "resistance_ahead_ohm",
-    "running",
-    "settle_at",
-    "shakedown_of",
-    "step",
+    "MAX_EVALUATIONS",
+    "NO_HEAT_J",
+    "NO_PUSH",
+    "SMALL_BEND_N",
+    "SOLVED_K",
+    "Equilibrium",
+    "Middle",
+    "RunningWire",
+    "accept",
+    "equilibrium_of",
+    "friction_at",
+    "guess_after",
+    "load_at",
+    "middle_of_step",
+    "next_stress_pa",
+    "phases_at",
+    "solve",
+    "stress_balanced",
+    "trial_at",
 ]
 
-# Deviation of the load from its linearisation above which Newton's method continues; less is of second order.
-SMALL_BEND_N = 1e-5
-MAX_NEWTON_STEPS = 30
-# A predicted heat capacity above this multiple of the sensible one means a plateau; more would only slow recovery.
-MAX_CAPACITY_RATIO = 30.0
-# Limit of the predicted slope of stress over temperature, as a fraction of the Clausius-Clapeyron slope. At rest the
-# slope consists of rounding errors; if it were steeper than the phase boundary, a cooling wire would be predicted to
-# lose stress faster than martensite requires, and would transform to austenite by cooling. A soft load corrects this in
-# the next step, a stiff one cannot.
-SAFE_SLOPE_FRACTION = 0.8
-# Maximum number of parts of a step's heat, and the fraction of it that may be left to the next step.
-MAX_PARTS = 6
-SMALL_PART = 1e-2
-# Rises below this are rounding.
-NO_RISE_K = 1e-9
+# Newton's last step may be this long: it is applied linearly, and the error that remains is of second order in it.
+SOLVED_K = 1e-3
+# After so many plain Newton steps the safe method begins, and after so many evaluations a step counts as unsolved.
+PLAIN_STEPS = 4
+MAX_EVALUATIONS = 200
+# From here on the safe method halves its bracket instead of trusting slopes.
+BISECT_AFTER = 60
+# Bend of the load within the last Newton step that may be left.
+SMALL_BEND_N = 1e-6
+# A connector whose load is balanced by friction to within this stays where it is.
+HELD_N = 1e-9
+# Heat below this is rounding.
+NO_HEAT_J = 1e-12
+NO_PUSH = Push(0.0, 0.0, 0.0)
 
 
-@compiled
-def strain_at(
-    constants: WireConstants, stress_pa: float, martensite: float, r_phase: float, temperature_k: float
-) -> tuple[float, float, float]:
-    """Return transformation strain, elastic strain and thermal strain of the wire.
+class RunningWire(NamedTuple):
+    """A wire in compiled code: its two records, of which a step changes the state, and both tables."""
 
-    Parameters
-    ----------
-    constants
-        The wire's constants, one record.
-    stress_pa
-        Stress of a leg [Pa].
-    martensite
-        Volume fraction of martensite, 0 to 1.
-    r_phase
-        Volume fraction of R-phase, 0 to 1 - ``martensite``.
-    temperature_k
-        Temperature of the wire [K].
-
-    Returns
-    -------
-    The three strains, each positive for a longer wire. Transformation strain is 0 in austenite, elastic strain is 0
-    without stress, thermal strain is 0 at 20 C.
-
-    References
-    ----------
-    Transformation strain after Lagoudas et al. 2012, doi 10.1016/j.ijplas.2011.10.009; modulus after Reuss.
-    """
-    orientable = maximum_transformation_strain(
-        stress_pa, constants.strain_at_no_stress, constants.strain_saturated, constants.strain_stress_scale_pa
-    )
-    transformation = orientable * martensite + constants.r_phase_strain * r_phase
-    elastic = stress_pa / reuss_modulus_pa(martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa)
-    expansion = constants.martensite_expansion_per_k * martensite + constants.austenite_expansion_per_k * (
-        1.0 - martensite
-    )
-    return transformation, elastic, expansion * (temperature_k - REFERENCE_TEMPERATURE_K)
+    state: WireState
+    constants: StepConstants
+    cells: Rows
+    load: Rows
 
 
-@compiled
-def total_strain(
-    constants: WireConstants, stress_pa: float, martensite: float, r_phase: float, temperature_k: float
-) -> float:
-    """Return the total strain of the wire relative to stress-free austenite at 20 C.
-
-    Parameters
-    ----------
-    constants
-        The wire's constants, one record.
-    stress_pa
-        Stress of a leg [Pa].
-    martensite
-        Volume fraction of martensite, 0 to 1.
-    r_phase
-        Volume fraction of R-phase, 0 to 1 - ``martensite``.
-    temperature_k
-        Temperature of the wire [K].
-
-    Returns
-    -------
-    The sum of transformation, elastic and thermal strain, without the residual strain of shakedown.
-    """
-    transformation, elastic, thermal = strain_at(constants, stress_pa, martensite, r_phase, temperature_k)
-    return transformation + elastic + thermal
-
-
-@compiled
-def contraction_of(constants: WireConstants, strain: float) -> float:
-    """Return the contraction of the wire relative to its cold length under pretension.
-
-    Strain is relative to stress-free austenite, contraction to the longer, cold wire that a ruler measures.
-
-    Parameters
-    ----------
-    constants
-        The wire's constants, one record; its ``cold_strain`` is the strain of the cold wire under pretension.
-    strain
-        Total strain relative to stress-free austenite at 20 C, residual strain included.
-
-    Returns
-    -------
-    The contraction, positive if the wire is shorter than cold; for a finger's wire, 0.04 is 4 % of stroke.
-    """
-    return (constants.cold_strain - strain) / (1.0 + constants.cold_strain)
-
-
-@compiled
-def contraction_at_stress(
-    constants: WireConstants,
-    stress_pa: float,
-    martensite: float,
-    r_phase: float,
-    temperature_k: float,
-    residual_strain: float,
-) -> float:
-    """Return the contraction of a wire at a stress, with unchanged phases."""
-    strain = total_strain(constants, stress_pa, martensite, r_phase, temperature_k) + residual_strain
-    return contraction_of(constants, strain)
-
-
-@compiled
-def compliance_per_pa(constants: WireConstants, stress_pa: float, martensite: float) -> float:
-    """Return the derivative of strain by stress [1/Pa], with unchanged phases."""
-    return 1.0 / reuss_modulus_pa(
-        martensite, constants.austenite_modulus_pa, constants.martensite_modulus_pa
-    ) + martensite * maximum_transformation_strain_slope_per_pa(
-        stress_pa,
-        constants.strain_at_no_stress,
-        constants.strain_saturated,
-        constants.strain_stress_scale_pa,
-    )
-
-
-@compiled
-def load_beyond_spring(load_table_n: FloatArray, step_m: float, displacement_m: float) -> tuple[float, float]:
-    """Return force [N] and stiffness [N/m] that a load's table adds to pretension and spring.
-
-    Below 0 the force is that of the first point, without stiffness; beyond the last point it keeps its slope.
-    """
-    table = load_table_n[0]
-    if displacement_m <= 0.0:
-        return table[0], 0.0
-    place = displacement_m / step_m
-    low = min(int(place), table.shape[0] - 2)
-    rise = table[low + 1] - table[low]
-    return table[low] + rise * (place - low), rise / step_m
-
-
-@compiled
-def friction_limit_n(constants: WireConstants, load_table_n: FloatArray, displacement_m: float) -> float:
-    """Return the Coulomb friction [N] at a displacement: the guide's plus the load's."""
-    table = load_table_n[1]
-    place = min(max(displacement_m / constants.load_step_m, 0.0), table.shape[0] - 1.0)
-    low = min(int(place), table.shape[0] - 2)
-    limit_n: float = constants.friction_n + table[low] + (table[low + 1] - table[low]) * (place - low)
-    return limit_n
-
-
-@compiled
-def equilibrium_stress_pa(wire: RunningWire, push_n: float, push_n_per_m: float) -> float:
-    """Return the leg stress [Pa] at which wire and load are in equilibrium: one Newton step, several at a kink.
-
-    The balance is F_T = F_p + k S l_leg + force of the load's table + friction + push, with sigma = F_T / (legs A); a
-    slack wire carries nothing.
+class Equilibrium(NamedTuple):
+    """A solution of both balances with the slopes that the next guess needs.
 
     Parameters
     ----------
     wire
-        The wire with its load; its phases and temperature are those after the step's heat.
-    push_n
-        Another force on the connector at the wire's displacement [N]: that of a second wire; 0 without one.
-    push_n_per_m
-        Stiffness of that force [N/m].
+        The wire there.
+    temperature_slope_k_per_j, stress_slope_pa_per_j, contraction_slope_per_j
+        Slopes over heat, the load in balance.
+    stress_per_contraction_pa
+        Slope of the wire's stress over contraction at constant enthalpy [Pa], negative: what a second wire on the same
+        connector feels.
+    evaluations
+        How often the balances were evaluated.
+    solved
+        Whether they are met.
+    """
+
+    wire: Settled
+    temperature_slope_k_per_j: float
+    stress_slope_pa_per_j: float
+    contraction_slope_per_j: float
+    stress_per_contraction_pa: float
+    evaluations: int
+    solved: bool
+
+
+@compiled_inline
+def friction_at(
+    limit_n: float, limit_per_contraction_n: float, per_presliding: float, before_n: float, moved: float
+) -> tuple[float, float]:
+    """Return friction [N] after a motion, with its slope over contraction [N]: elastic first, then Coulomb.
+
+    Parameters
+    ----------
+    limit_n
+        Friction at which the guide slides [N], 0 or more.
+    limit_per_contraction_n
+        Its slope over contraction [N].
+    per_presliding
+        Contraction per motion over which friction rises from 0 to its limit.
+    before_n
+        Friction before the motion [N].
+    moved
+        The motion, as a contraction.
 
     Returns
     -------
-    Stress of a leg [Pa], 0 or more.
-
-    Notes
-    -----
-    The equation is almost linear in stress, so that one step leaves an error of second order. If the slope of the table
-    changes within that step, more steps follow, bracketed by stresses known to be too low and too high: at a wall a
-    single step would overshoot far out of it, and the next one far into it.
+    Friction of the sign of the motion once it slides, and its slope.
 
     References
     ----------
-    Lan and Fan 2010, Eq. 8, F_T = F_p + F.
+    Dahl's model with exponent 0: Dahl 1968, Aerospace Corp. TOR-0158(3107-18)-1.
     """
-    state, constants, load_table_n = wire.state, wire.constants, wire.load_table_n
-    martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
-    residual_strain = wire.shakedown.residual_strain
-    stress_pa = state.stress_pa
-    spring = constants.spring_stiffness_n_per_m * constants.leg_length_m
-    section = constants.legs * constants.area_m2
-    per_stretch = 1.0 / (1.0 + constants.cold_strain)
-    start = contraction_at_stress(constants, stress_pa, martensite, r_phase, temperature_k, residual_strain)
-    contraction = start
-    low_pa, high_pa = 0.0, math.inf
-    for _ in range(MAX_NEWTON_STEPS):
-        moved_m = (contraction - start) * constants.leg_length_m
-        place_m = contraction * constants.leg_length_m
-        beyond_n, beyond_n_per_m = load_beyond_spring(load_table_n, constants.load_step_m, place_m)
-        stiffness = spring + (beyond_n_per_m + push_n_per_m) * constants.leg_length_m
-        pushed_n = push_n + push_n_per_m * moved_m
-        wanted = (constants.pretension_n + spring * contraction + beyond_n + pushed_n + state.friction_n) / section
-        excess_pa = stress_pa - wanted
-        low_pa, high_pa = (low_pa, stress_pa) if excess_pa > 0.0 else (stress_pa, high_pa)
-        compliance = compliance_per_pa(constants, stress_pa, martensite)
-        stress_pa = max(stress_pa - excess_pa / (1.0 + stiffness * per_stretch * compliance / section), 0.0)
-        if stress_pa > high_pa or stress_pa < low_pa:
-            stress_pa = 0.5 * (low_pa + high_pa)
-        if load_table_n.shape[1] == 2:  # a plain spring is linear
-            break
-        contraction = contraction_at_stress(constants, stress_pa, martensite, r_phase, temperature_k, residual_strain)
-        after_m = contraction * constants.leg_length_m
-        straight_n = beyond_n + beyond_n_per_m * (after_m - place_m)
-        if abs(load_beyond_spring(load_table_n, constants.load_step_m, after_m)[0] - straight_n) < SMALL_BEND_N:
-            break
-    return stress_pa
+    per_contraction = limit_n * per_presliding
+    elastic = before_n + per_contraction * moved
+    above, below = elastic > limit_n, elastic < -limit_n
+    friction = limit_n if above else (-limit_n if below else elastic)
+    slope = limit_per_contraction_n if above else (-limit_per_contraction_n if below else per_contraction)
+    return friction, slope
 
 
-@compiled
-def resistance_of(
-    constants: WireConstants,
-    stress_pa: float,
-    martensite: float,
-    r_phase: float,
-    temperature_k: float,
-    shakedown_remaining: float,
-) -> float:
-    """Return the wire's resistance [ohm]: phases mixed by volume, then the change of shape.
+@compiled_inline
+def load_at(
+    constants: StepConstants, load: Rows, contraction: float, before: tuple[float, float], push: Push
+) -> LoadPoint:
+    """Return the load's force at a contraction: pretension, spring, table, push, and friction after the motion there.
 
     Parameters
     ----------
     constants
-        The wire's constants, one record.
-    stress_pa
-        Stress of a leg [Pa], for transformation strain and elastic strain.
-    martensite
-        Volume fraction of martensite, 0 to 1.
-    r_phase
-        Volume fraction of R-phase, 0 to 1 - ``martensite``.
-    temperature_k
-        Temperature of the wire [K].
-    shakedown_remaining
-        Fraction of the shakedown that remains: 1 for a new wire, 0 in the end. It raises the resistivity of
-        martensite by ``shakedown_resistivity``.
+        One record of the wire's derived constants.
+    load
+        Record of force and friction beyond spring and guide [N], ``table`` (2, n_points). Below 0 the force is that of
+        the first point; beyond the last point it keeps its slope, and friction its value.
+    contraction
+        Where the connector is, over the leg's length.
+    before
+        The connector's contraction and the friction [N] before the motion.
+    push
+        Another force on the connector.
 
     Returns
     -------
-    Resistance of the whole wire [ohm], without leads and shunt.
+    Force and slope.
     """
-    transformation, elastic, thermal = strain_at(constants, stress_pa, martensite, r_phase, temperature_k)
-    martensite_resistivity = constants.martensite_resistivity_ohm_m * (
-        1.0 + constants.shakedown_resistivity * shakedown_remaining
+    k = constants
+    force_n = k.pretension_n + k.spring_n * contraction
+    force_n += push.force_n + push.per_contraction_n * (contraction - push.contraction)
+    slope_n = k.spring_n + push.per_contraction_n
+    limit_n, limit_slope_n = k.friction_n, 0.0
+    if load.table.shape[1] > 2:
+        last = load.table.shape[1] - 1
+        place = contraction * k.load_points_per_contraction
+        inside = place if place > 0.0 else 0.0
+        low = int(inside) if inside < last else last - 1
+        rise_n = load.table[0, low + 1] - load.table[0, low]
+        force_n += load.table[0, low] + rise_n * (inside - low)
+        slope_n += rise_n * k.load_points_per_contraction if place > 0.0 else 0.0
+        part = inside - low if inside < last else 1.0
+        rub_n = load.table[1, low + 1] - load.table[1, low]
+        limit_n += load.table[1, low] + rub_n * part
+        limit_slope_n = rub_n * k.load_points_per_contraction if (place > 0.0) & (place < last) else 0.0
+        limit_slope_n = limit_slope_n if limit_n > 0.0 else 0.0
+        limit_n = limit_n if limit_n > 0.0 else 0.0
+    friction_n, friction_slope_n = friction_at(
+        limit_n, limit_slope_n, k.per_presliding, before[1], contraction - before[0]
     )
-    resistivity = (
-        martensite
-        * phase_resistivity_ohm_m(martensite_resistivity, constants.martensite_resistivity_per_k, temperature_k)
-        + r_phase
-        * phase_resistivity_ohm_m(
-            constants.r_phase_resistivity_ohm_m, constants.r_phase_resistivity_per_k, temperature_k
+    return LoadPoint(force_n + friction_n, slope_n + friction_slope_n, friction_n, friction_slope_n, limit_n)
+
+
+@compiled_inline
+def phases_at(wire: RunningWire, shakedown: Shakedown, temperature_k: float, stress_pa: float) -> Phases:
+    """Return the volume fractions at a trial point, from the fronts before; those after go to ``front_trial``."""
+    state, k = wire.state, wire.constants
+    trial = state.front_trial
+    whole = Phases(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for row in range(state.front_austenite.shape[0]):
+        before = (state.front_austenite[row], state.front_martensite[row])
+        after = fronts_after(k, temperature_k, stress_pa, shakedown.barrier_factor, k.class_barrier_k[row], before)
+        martensite = cumulative_at(k, wire.cells, row, after.martensite)
+        austenite = cumulative_at(k, wire.cells, row, after.austenite)
+        part = phases_of_class(k.class_weight[row], after, martensite, austenite)
+        whole = Phases(
+            whole.martensite + part.martensite,
+            whole.r_phase + part.r_phase,
+            whole.martensite_per_k + part.martensite_per_k,
+            whole.martensite_per_pa + part.martensite_per_pa,
+            whole.r_phase_per_k + part.r_phase_per_k,
+            whole.r_phase_per_pa + part.r_phase_per_pa,
         )
-        + (1.0 - martensite - r_phase)
-        * phase_resistivity_ohm_m(
-            constants.austenite_resistivity_ohm_m, constants.austenite_resistivity_per_k, temperature_k
-        )
-    )
-    return wire_resistance_ohm(
-        resistivity, constants.austenite_length_m, constants.area_m2, transformation, elastic, thermal
-    )
+        trial[6 * row] = after.austenite
+        trial[6 * row + 1] = after.martensite
+        trial[6 * row + 2] = after.austenite_per_k
+        trial[6 * row + 3] = after.austenite_per_pa
+        trial[6 * row + 4] = after.martensite_per_k
+        trial[6 * row + 5] = after.martensite_per_pa
+    return whole
 
 
-@compiled
-def convection_w_per_m2_k(constants: WireConstants, temperature_k: float) -> float:
-    """Return the heat transfer coefficient at this wall temperature, from the wire's table."""
-    table = constants.convection_table_w_per_m2_k
-    place = (temperature_k - constants.convection_table_start_k) / constants.convection_table_step_k
-    place = min(max(place, 0.0), table.shape[0] - 1.001)
-    low = int(place)
-    part = place - low
-    coefficient: float = constants.convection_factor * (table[low] * (1.0 - part) + table[low + 1] * part)
-    return coefficient
+@compiled_inline
+def trial_at(
+    wire: RunningWire, shakedown: Shakedown, push: Push, temperature_k: float, stress_pa: float, enthalpy_j: float
+) -> Trial:
+    """Return both balances at a trial temperature and stress."""
+    state, k = wire.state, wire.constants
+    phases = phases_at(wire, shakedown, temperature_k, stress_pa)
+    strain = strain_at(k, temperature_k, stress_pa, phases.martensite, phases.r_phase)
+    before = (state.connector_contraction, state.friction_n)
+    load = load_at(k, wire.load, contraction_of(k, shakedown, strain), before, push)
+    balance = balance_at(k, shakedown, phases, strain, load, (temperature_k, stress_pa, enthalpy_j))
+    return Trial(phases, strain, load, balance)
 
 
-class EnthalpyStep(NamedTuple):
-    """Result of a step's heat: temperature, phases, apparent heat capacity, and the rise that the grains followed.
+@compiled_inline
+def bend_n(wire: RunningWire, point: Trial, push: Push, moved: float) -> float:
+    """Return how far the load after a motion is from its straight continuation [N]: 0 for a spring without friction."""
+    state, k = wire.state, wire.constants
+    if wire.load.table.shape[1] == 2 and k.friction_n == 0.0:
+        return 0.0
+    before = (state.connector_contraction, state.friction_n)
+    after = load_at(k, wire.load, point.balance.contraction + moved, before, push)
+    return abs(after.force_n - (point.load.force_n + point.load.per_contraction_n * moved))
+
+
+@compiled_inline
+def solve(
+    wire: RunningWire, shakedown: Shakedown, enthalpy_j: float, guess: tuple[float, float], push: Push
+) -> Equilibrium:
+    """Return temperature and stress of a wire at an enthalpy, in balance with its load.
+
+    Newton's method in both unknowns, with one evaluation a step as a rule. If four steps do not suffice (a wall, a
+    jump of the drive), stress is balanced at constant temperature in a bracket, and temperature by the reduced
+    equation in another.
 
     Parameters
     ----------
-    temperature_k
-        Temperature after the step [K].
-    martensite
-        Volume fraction of martensite after the step.
-    r_phase
-        Volume fraction of R-phase after the step.
-    capacity_j_per_k
-        Heat over rise in the last part of the step, latent heat included [J/K]; at least the sensible heat capacity.
-    rise_k
-        Rise of temperature that the grains followed [K].
+    wire
+        The wire before the step. Only its ``front_trial`` changes.
+    shakedown
+        Effects of its shakedown.
+    enthalpy_j
+        Enthalpy after the step [J].
+    guess
+        Temperature [K] and stress [Pa] to begin with.
+    push
+        Another force on the connector.
+
+    Returns
+    -------
+    The solution, or the last trial if there is none: ``solved`` says which.
+    """
+    temperature_k, stress_pa = guess
+    k = wire.constants
+    low_k, high_k, low_pa, high_pa = -math.inf, math.inf, 0.0, math.inf
+    evaluations = 0
+    solved = False
+    while True:
+        evaluations += 1
+        point = trial_at(wire, shakedown, push, temperature_k, stress_pa, enthalpy_j)
+        balance = point.balance
+        rise_k, rise_pa = balance.rise_k, balance.rise_pa
+        slack = stress_pa <= 0.0 and rise_pa < 0.0
+        if slack:  # temperature alone meets the enthalpy
+            rise_k, rise_pa = -balance.heat_j / balance.heat_per_k, 0.0
+        if abs(rise_k) < SOLVED_K and abs(rise_pa) * k.martensite_k_per_pa < SOLVED_K:
+            moved = balance.contraction_per_k * rise_k + balance.contraction_per_pa * rise_pa
+            solved = slack or bend_n(wire, point, push, moved) < SMALL_BEND_N
+        if solved or evaluations >= MAX_EVALUATIONS:
+            break
+        if evaluations <= PLAIN_STEPS:
+            temperature_k += rise_k
+            stress_pa = max(stress_pa + rise_pa, 0.0)
+            continue
+        if balance.excess_pa > 0.0:
+            high_pa = min(high_pa, stress_pa)
+        else:
+            low_pa = max(low_pa, stress_pa)
+        if not stress_balanced(k, point, stress_pa, high_pa - low_pa):
+            stress_pa = next_stress_pa(point, stress_pa, low_pa, high_pa)
+            continue
+        low_pa, high_pa = 0.0, math.inf
+        if balance.heat_j > 0.0:
+            high_k = min(high_k, temperature_k)
+        else:
+            low_k = max(low_k, temperature_k)
+        if high_k - low_k < 1e-3 * SOLVED_K:
+            solved = True
+            rise_k = rise_pa = 0.0
+            break
+        temperature_k = next_temperature_k(k, point, temperature_k, (low_k, high_k), evaluations)
+    if not solved:
+        rise_k = rise_pa = 0.0
+    after = settled(k, shakedown, point, (rise_k, rise_pa), (temperature_k, stress_pa, enthalpy_j))
+    return equilibrium_of(point, after, evaluations, solved)
+
+
+@compiled_inline
+def stress_balanced(constants: StepConstants, point: Trial, stress_pa: float, bracket_pa: float) -> bool:
+    """Return whether the force is balanced at the trial's temperature, or the wire is slack."""
+    only_pa = point.balance.excess_pa / point.balance.excess_per_pa
+    if abs(only_pa) * constants.martensite_k_per_pa < 0.1 * SOLVED_K or bracket_pa < 1.0:
+        return True
+    return stress_pa <= 0.0 and point.balance.excess_pa > 0.0
+
+
+@compiled_inline
+def next_stress_pa(point: Trial, stress_pa: float, low_pa: float, high_pa: float) -> float:
+    """Return the next trial stress [Pa] at constant temperature, within its bracket."""
+    new_pa = stress_pa - point.balance.excess_pa / point.balance.excess_per_pa
+    if point.balance.excess_per_pa > 0.0 and low_pa < new_pa < high_pa:
+        return new_pa
+    if point.balance.excess_per_pa > 0.0 and new_pa <= 0.0 and low_pa == 0.0:
+        return 0.0
+    return 0.5 * (low_pa + high_pa) if high_pa < math.inf else 2.0 * stress_pa + 1e7
+
+
+@compiled_inline
+def next_temperature_k(
+    constants: StepConstants, point: Trial, temperature_k: float, bracket_k: tuple[float, float], evaluations: int
+) -> float:
+    """Return the next trial temperature [K] by the equation reduced to it, within its bracket."""
+    balance = point.balance
+    low_k, high_k = bracket_k
+    slope = balance.heat_per_k - balance.heat_per_pa * balance.excess_per_k / balance.excess_per_pa
+    new_k = temperature_k - balance.heat_j / slope
+    if low_k < new_k < high_k and evaluations <= BISECT_AFTER:
+        return new_k
+    if low_k > -math.inf and high_k < math.inf:
+        return 0.5 * (low_k + high_k)
+    # The capacity without latent heat never falls short of the root: it closes the bracket at once.
+    return temperature_k - balance.heat_j * constants.per_capacity_k_per_j
+
+
+@compiled_inline
+def equilibrium_of(point: Trial, after: Settled, evaluations: int, solved: bool) -> Equilibrium:
+    """Return a solution with its slopes over heat; a slack wire has those of temperature alone."""
+    balance = point.balance
+    taut = after.stress_pa > 0.0
+    temperature_slope = balance.excess_per_pa * balance.per_determinant if taut else 1.0 / balance.heat_per_k
+    stress_slope = -balance.excess_per_k * balance.per_determinant if taut else 0.0
+    per_pa = balance.contraction_per_pa - balance.contraction_per_k * balance.heat_per_pa / balance.heat_per_k
+    return Equilibrium(
+        after,
+        temperature_slope,
+        stress_slope,
+        balance.contraction_per_k * temperature_slope + balance.contraction_per_pa * stress_slope,
+        1.0 / per_pa,
+        evaluations,
+        solved,
+    )
+
+
+class Middle(NamedTuple):
+    """Wire half a step ahead, by the slopes over heat of the last step.
+
+    Parameters
+    ----------
+    temperature_k, resistance_ohm
+        Predicted temperature [K] and resistance [ohm].
+    temperature_slope_k_per_j, stress_slope_pa_per_j
+        Slopes over heat to start the solution with.
     """
 
     temperature_k: float
-    martensite: float
-    r_phase: float
-    capacity_j_per_k: float
-    rise_k: float
+    resistance_ohm: float
+    temperature_slope_k_per_j: float
+    stress_slope_pa_per_j: float
 
 
-@compiled
-def shakedown_of(constants: WireConstants, cycles: float) -> Shakedown:
-    """Return the state of a wire's shakedown after a number of cycles.
+@compiled_inline
+def middle_of_step(state: WireState, constants: StepConstants, half_heat_j: float) -> Middle:
+    """Return a wire half a step ahead, after half of the step's heat at the rate of its start.
 
-    Parameters
-    ----------
-    constants
-        The wire's constants, one record.
-    cycles
-        Full transformation cycles since the wire was new, 0 or more; half a cycle counts as half.
-
-    Returns
-    -------
-    The fraction that remains, exp(-cycles / shakedown_cycles), and its effects. It has none in a wire whose shakedown
-    was over at the start: its constants are 0.
-
-    References
-    ----------
-    The form is assumed; the signs are those of Churchill and Shaw, SMASIS2009-48968, and Hartwich et al. 2021,
-    doi 10.3390/s21206804.
+    After a change from heating to cooling or back no phase changes at first: the slopes are those of the capacity
+    without latent heat.
     """
-    remaining = math.exp(-cycles / constants.shakedown_cycles)
-    return Shakedown(
-        remaining, constants.shakedown_strain * (1.0 - remaining), 1.0 + constants.shakedown_barrier * remaining
+    turned = half_heat_j * state.last_heat_j < 0.0
+    temperature_slope = constants.per_capacity_k_per_j if turned else state.temperature_slope_k_per_j
+    stress_slope = 0.0 if turned else state.stress_slope_pa_per_j
+    resistance_slope = 0.0 if turned else state.resistance_slope_ohm_per_j
+    return Middle(
+        state.temperature_k + temperature_slope * half_heat_j,
+        state.resistance_ohm + resistance_slope * half_heat_j,
+        temperature_slope,
+        stress_slope,
     )
 
 
 @compiled_inline
-def running(state: WireState, constants: WireConstants, load_table_n: FloatArray) -> RunningWire:
-    """Return a wire as a step takes it, with the shakedown that remains after its cycles."""
-    return RunningWire(state, constants, load_table_n, shakedown_of(constants, state.cycles))
+def guess_after(state: WireState, middle: Middle, heat_j: float) -> tuple[float, float]:
+    """Return temperature [K] and stress [Pa] after a step's heat, by the slopes of the step before."""
+    return (
+        state.temperature_k + middle.temperature_slope_k_per_j * heat_j,
+        max(state.stress_pa + middle.stress_slope_pa_per_j * heat_j, 0.0),
+    )
 
 
 @compiled_inline
-def enthalpy_step(wire: RunningWire, heat_j: float) -> EnthalpyStep:
-    """Return temperature and phases after a step's heat, solved together; the grains change in place.
-
-    A rise is predicted with the last heat capacity, the grains follow it, and enthalpy gives the remaining rise. Stress
-    is predicted by its slope in the step before. Energy is conserved to rounding.
-
-    Parameters
-    ----------
-    wire
-        The wire before the step. Its grains change in place; its other numbers do not.
-    heat_j
-        Heat into the wire during the step [J]: electrical heat less the loss to the air.
-
-    Returns
-    -------
-    Temperature and phases after the step, the apparent heat capacity, and the rise that the grains followed.
-    """
-    state, constants = wire.state, wire.constants
-    sensible_j_per_k = constants.heat_capacity_j_per_k
-    ratio = constants.r_phase_entropy_ratio
-    enthalpy_j = state.enthalpy_j + heat_j
-    martensite, r_phase, capacity = state.martensite_fraction, state.r_phase_fraction, state.capacity_j_per_k
-    rise_k = 0.0
-    temperature_k = state.temperature_k
-    left_k = heat_j / sensible_j_per_k
-    for _ in range(MAX_PARTS):
-        # Latent heat raises the heat capacity by a factor that is known only once the grains have changed. Parts that
-        # approach the rise from below never transform more than the heat allows.
-        part_k = left_k * sensible_j_per_k / capacity
-        rise_k += part_k
-        change_m, change_r, grains = follow(
-            state,
-            constants,
-            state.temperature_k + rise_k,
-            state.stress_pa + state.stress_slope_pa_per_k * rise_k,
-            wire.shakedown.barrier_factor,
+def accept(wire: RunningWire, found: Equilibrium, heat_j: float, push: Push) -> None:
+    """Move a wire to a solution: its state, its fronts, and the slopes for the next step."""
+    state, after = wire.state, found.wire
+    for row in range(state.front_austenite.shape[0]):
+        trial = state.front_trial
+        place = 6 * row
+        state.front_austenite[row] = trial[place] + trial[place + 2] * after.rise_k + trial[place + 3] * after.rise_pa
+        state.front_martensite[row] = (
+            trial[place + 1] + trial[place + 4] * after.rise_k + trial[place + 5] * after.rise_pa
         )
-        martensite += change_m / grains
-        r_phase += change_r / grains
-        temperature_k = (
-            REFERENCE_TEMPERATURE_K
-            + (enthalpy_j + constants.latent_heat_j * (martensite + ratio * r_phase)) / sensible_j_per_k
-        )
-        if part_k != 0.0:
-            capacity = sensible_j_per_k - constants.latent_heat_j * (change_m + ratio * change_r) / (grains * part_k)
-            capacity = min(max(capacity, sensible_j_per_k), MAX_CAPACITY_RATIO * sensible_j_per_k)
-        left_before_k, left_k = left_k, state.temperature_k + rise_k
-        left_k = temperature_k - left_k
-        if left_k * left_before_k <= 0.0 or abs(left_k) < SMALL_PART * abs(heat_j / sensible_j_per_k) + NO_RISE_K:
-            break
-    return EnthalpyStep(temperature_k, martensite, r_phase, capacity, rise_k)
-
-
-@compiled_inline
-def heat(wire: RunningWire, power_w: float, dt_s: float) -> float:
-    """Apply one step's heat to a wire and let its grains follow; return the rise that they followed [K]."""
-    state, constants = wire.state, wire.constants
-    middle_k = state.temperature_k + 0.5 * dt_s * state.temperature_rate_k_per_s
-    excess_k = middle_k - constants.ambient_temperature_k
-    loss_w = convection_w_per_m2_k(constants, middle_k) * constants.surface_m2 * excess_k
-    heat_j = (power_w - loss_w) * dt_s
-    after = enthalpy_step(wire, heat_j)
     state.enthalpy_j += heat_j
-    state.heat_in_j += power_w * dt_s
-    state.heat_out_j += loss_w * dt_s
     state.cycles += 0.5 * abs(after.martensite - state.martensite_fraction)
-    state.temperature_rate_k_per_s = (after.temperature_k - state.temperature_k) / dt_s
+    if abs(heat_j) > NO_HEAT_J:
+        state.resistance_slope_ohm_per_j = (after.resistance_ohm - state.resistance_ohm) / heat_j
+    state.last_heat_j = heat_j
+    state.temperature_slope_k_per_j = found.temperature_slope_k_per_j
+    state.stress_slope_pa_per_j = found.stress_slope_pa_per_j
+    state.contraction_slope_per_j = found.contraction_slope_per_j
     state.temperature_k = after.temperature_k
     state.martensite_fraction = after.martensite
     state.r_phase_fraction = after.r_phase
-    state.capacity_j_per_k = after.capacity_j_per_k
-    return after.rise_k
+    state.resistance_ohm = after.resistance_ohm
+    state.stress_pa = after.stress_pa
+    state.contraction = after.contraction
+    state.evaluations += found.evaluations
+    if not found.solved:
+        state.unsolved_steps += 1.0
+    state.connector_contraction, state.friction_n = connector_after(wire, found, push)
 
 
 @compiled_inline
-def settle_at(wire: RunningWire, rise_k: float, dt_s: float, stress_pa: float) -> None:
-    """Set the stress of a wire, with the contraction, friction and resistance that follow from it.
+def connector_after(wire: RunningWire, found: Equilibrium, push: Push) -> tuple[float, float]:
+    """Return the connector's contraction and the friction [N] of a solution that the wire has not moved to yet."""
+    after = found.wire
+    if after.stress_pa > 0.0 or after.contraction >= wire.state.connector_contraction:
+        return after.contraction, after.friction_n
+    return slid_connector(wire, after.contraction, push)
 
-    The slope of stress over temperature is kept, within its limit, for the next step's prediction.
+
+@compiled
+def slid_connector(wire: RunningWire, contraction: float, push: Push) -> tuple[float, float]:
+    """Return how far the connector of a slack wire follows it, as far as the load overcomes the friction, and that [N].
+
+    Without friction nothing holds the connector, and it follows the wire.
     """
-    state, constants = wire.state, wire.constants
-    martensite, r_phase, temperature_k = state.martensite_fraction, state.r_phase_fraction, state.temperature_k
-    contraction = contraction_at_stress(
-        constants, stress_pa, martensite, r_phase, temperature_k, wire.shakedown.residual_strain
-    )
-    moved_m = (contraction - state.contraction) * constants.leg_length_m
-    limit_n = friction_limit_n(constants, wire.load_table_n, contraction * constants.leg_length_m)
-    resistance_ohm = resistance_of(constants, stress_pa, martensite, r_phase, temperature_k, wire.shakedown.remaining)
-    if abs(rise_k) > NO_RISE_K:
-        slope = (stress_pa - state.stress_pa) / rise_k
-        steepest = SAFE_SLOPE_FRACTION * constants.martensite_stress_rate_pa_per_k
-        state.stress_slope_pa_per_k = min(max(slope, -steepest), steepest)
-    state.friction_n = friction_force_n(state.friction_n, moved_m, limit_n, constants.friction_presliding_m)
-    state.stress_pa = stress_pa
-    state.contraction = contraction
-    state.resistance_rate_ohm_per_s = (resistance_ohm - state.resistance_ohm) / dt_s
-    state.resistance_ohm = resistance_ohm
-
-
-@compiled_inline
-def find_equilibrium(wire: RunningWire, rise_k: float, dt_s: float, push_n: float, push_n_per_m: float) -> None:
-    """Bring a wire into equilibrium with its load and another force on its connector, and update its resistance."""
-    settle_at(wire, rise_k, dt_s, equilibrium_stress_pa(wire, push_n, push_n_per_m))
-
-
-@compiled_inline
-def resistance_ahead_ohm(state: WireState, dt_s: float) -> float:
-    """Return the resistance half a step ahead: its predicted mean over the step."""
-    return state.resistance_ohm + 0.5 * dt_s * state.resistance_rate_ohm_per_s
-
-
-@compiled_inline
-def step(wire: RunningWire, power_w: float, dt_s: float) -> None:
-    """Advance a wire on its load by one step at an electrical power."""
-    rise_k = heat(wire, power_w, dt_s)
-    find_equilibrium(wire, rise_k, dt_s, 0.0, 0.0)
+    state, k = wire.state, wire.constants
+    before = (state.connector_contraction, state.friction_n)
+    low, high = contraction, state.connector_contraction
+    at_wire = load_at(k, wire.load, low, before, push)
+    if at_wire.limit_n <= 0.0 or at_wire.force_n >= 0.0:
+        return low, at_wire.friction_n
+    if load_at(k, wire.load, high, before, push).force_n <= HELD_N:
+        return before
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        if load_at(k, wire.load, middle, before, push).force_n < 0.0:
+            low = middle
+        else:
+            high = middle
+        if middle in (low, high) and high - low <= 1e-15:
+            break
+    return high, load_at(k, wire.load, high, before, push).friction_n

@@ -44,16 +44,14 @@ def test_the_word_simulated_opens_the_papers_bench() -> None:
 
 
 def test_a_rig_file_chooses_wire_seed_and_settings(rig_file) -> None:
-    path = rig_file(
-        'wire = "paper-125um"\nnew_wire = true\nseed = 7\n[settings]\npretension_n = "1.7 N"\ngrains = 80\n'
-    )
+    path = rig_file('wire = "paper-125um"\nnew_wire = true\nseed = 7\n[settings]\npretension_n = "1.7 N"\nlegs = 1\n')
     assert read_rig_file(path) == RigConfiguration(
-        wire="paper-125um", new_wire=True, seed=7, settings={"pretension_n": "1.7 N", "grains": 80.0}
+        wire="paper-125um", new_wire=True, seed=7, settings={"pretension_n": "1.7 N", "legs": 1.0}
     )
     facts = open_rig(path).metadata()
     assert (facts["wire"], facts["new_wire"], facts["seed"]) == ("paper-125um", True, 7)
     assert facts["pretension_n"] == 1.7
-    assert facts["grains"] == 80
+    assert facts["leg_length_m"] == facts["wire_length_m"]
 
 
 def test_an_empty_rig_file_is_the_simulated_rig(rig_file) -> None:
@@ -168,9 +166,7 @@ def test_bytes_that_are_no_text_are_no_rig_file(tmp_path: Path) -> None:
         ("spring_stiffness_n_per_m", -588.6),
         ("wire_length_m", 0.0),
         ("legs", 0.0),
-        ("grains", 1.0),
-        ("grains", 0.0),
-        ("time_step_s", 0.0),
+        ("strain_tolerance", 0.0),
         ("time_step_s", -0.001),
         ("time_step_s", 0.003),
         ("time_step_s", float("nan")),

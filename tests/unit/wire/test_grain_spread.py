@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from musclewire.wire.grains import signed_power, spread_grains
 from scipy.stats import norm
 
 from musclewire.errors import CallerError
-from musclewire.wire.grains import signed_power, spread_grains
 
 SKEW = st.floats(-0.9, 0.9)
 TAIL = st.floats(0.0, 2.0)

@@ -7,10 +7,10 @@ import pytest
 from hard_switches import HardSwitches
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from musclewire.wire.switching import driving_forces_at
 from wire_makers import ALLOYS, alloy, austenite, constants, cool, fractions, heat, walk
 
 from musclewire.wire.state import WireConstants
-from musclewire.wire.switching import driving_forces_at
 
 WIRES = {kind: constants(kind) for kind in ALLOYS}
 KINDS = st.sampled_from(sorted(ALLOYS))

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from musclewire.wire.switching import cool_swept, driving_forces_at, heat_swept, switch_grains
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.wire.building import constants_from, cooled_wire
 from musclewire.wire.state import WireConstants
-from musclewire.wire.switching import cool_swept, driving_forces_at, heat_swept, switch_grains
 
 
 def shipped(**changes: float) -> WireConstants:

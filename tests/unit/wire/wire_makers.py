@@ -8,6 +8,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from musclewire.wire.switching import DrivingForces
 from numpy.typing import NDArray
 
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
@@ -16,7 +17,6 @@ from musclewire.wire import switching
 from musclewire.wire.building import constants_from
 from musclewire.wire.loads import ConnectorLoad
 from musclewire.wire.state import WireConstants, WireState
-from musclewire.wire.switching import DrivingForces
 
 Array = NDArray[np.float64]
 

@@ -47,12 +47,16 @@ def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
         "best": f"{result.sweep.best.pretension_n:.2f}",
         "wire": escape(str(metadata["wire"])),
         "seed": escape(str(metadata["seed"])),
-        "time_step_ms": f"{1e3 * result.run.facts.time_step_s:g}",
-        "grains": escape(str(metadata["grains"])),
+        "time_step": steps_text(result.run.facts.time_step_s),
         "started": escape(str(metadata["start_time"])),
         "files": "".join(f"<li><code>{escape(file.name)}</code></li>" for file in result.files.values()),
     }
     write_text_whole(path, page("musclewire.app.report", "report.html", {**figures, **parts}))
+
+
+def steps_text(time_step_s: float) -> str:
+    """Return how the simulation's steps were chosen: 0 stands for chosen ones."""
+    return f"steps of {1e3 * time_step_s:g} ms" if time_step_s else "steps chosen by tolerance"
 
 
 def key_numbers(result: DemoResult, wall_s: float) -> list[Card]:

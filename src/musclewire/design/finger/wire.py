@@ -18,7 +18,7 @@ from musclewire.parameters.finger_file import FingerCurve
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.simulate.paths import drive_path
 from musclewire.wire.building import constants_of, resting_state
-from musclewire.wire.state import WireConstants
+from musclewire.wire.constants import WireConstants
 
 __all__ = ["WireOnFinger", "wire_on_finger"]
 
@@ -119,8 +119,7 @@ def heated_stroke(constants: WireConstants, current_a: float | None) -> tuple[fl
         path, state = drive_path(
             constants,
             drive,
-            dt_s=HEATING_S / SAMPLES,
-            steps=1,
+            sample_s=HEATING_S / SAMPLES,
             state=resting_state(constants),
             regulated_current=True,
         )

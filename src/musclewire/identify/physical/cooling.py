@@ -26,6 +26,7 @@ from musclewire.identify.physical.observations import Channel, binned
 from musclewire.parameters.library import load_bench
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import drive_path
+from musclewire.simulate.stepping import fixed_steps
 from musclewire.simulate.warming import heated_state
 from musclewire.wire.building import constants_of
 
@@ -33,7 +34,7 @@ __all__ = ["CoolingObservation", "observe_cooling"]
 
 
 # A wire without current cools fast: with larger steps it would warm for a moment as it transforms.
-REFINED_STEP_S = 0.001
+REFINED_STEP_S = 0.002
 # A curve that falls by less does not determine a rate.
 MIN_FALL_K, MIN_OVER_NOISE = 5.0, 20.0
 # A curve may end this far below the stated temperature of the air: the accuracy of two thermometers.
@@ -103,7 +104,11 @@ class CoolingObservation:
         start = heated_state(constants, self._start_k)
         steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
         path, _ = drive_path(
-            constants, np.zeros(self._samples - 1), dt_s=self._period_s / steps, steps=steps, state=start
+            constants,
+            np.zeros(self._samples - 1),
+            sample_s=self._period_s,
+            stepping=fixed_steps(self._period_s / steps),
+            state=start,
         )
         force = start.stress_pa * constants.legs * constants.area_m2
         return {

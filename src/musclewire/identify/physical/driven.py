@@ -27,6 +27,7 @@ from musclewire.identify.recordings import resistance_reading
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import DrivenPath, drive_path
+from musclewire.simulate.stepping import fixed_steps
 from musclewire.wire.building import constants_of
 
 __all__ = ["DrivenObservation", "observe_drive"]
@@ -114,7 +115,9 @@ class DrivenObservation:
         wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
         constants = constants_of(values.alloy, wire, {**values.bench, **self._bench, **self._circuit})
         steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
-        path, _ = drive_path(constants, self._drive, dt_s=self._period_s / steps, steps=steps)
+        path, _ = drive_path(
+            constants, self._drive, sample_s=self._period_s, stepping=fixed_steps(self._period_s / steps)
+        )
         return path
 
     def columns(self, values: WireValues) -> Mapping[str, FloatArray]:

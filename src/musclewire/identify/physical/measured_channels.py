@@ -34,7 +34,7 @@ MODEL_ERROR = {"strain": 1e-4, "resistance": 3e-4, "force": 3e-3, "temperature":
 # In a monotonic curve, an isobar or a cooling curve, the model's error has about this many independent values.
 CURVE_STRETCHES = 10
 # Larger steps are as accurate on average, but they make residuals discontinuous, which misleads a descent.
-MAX_STEP_S = 0.005
+MAX_STEP_S = 0.025
 # A clock whose steps differ by more than this fraction of their median is resampled to an even one.
 EVEN_CLOCK = 0.02
 FIRST_ROWS, MIN_ROWS = 9, 30

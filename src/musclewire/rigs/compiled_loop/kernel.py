@@ -17,7 +17,7 @@ from musclewire.controllers.protection.sound import sound_command, sound_sample
 from musclewire.rigs.compiled_loop.one_wire import WireArrays, advance_sample, is_resolved, surround
 from musclewire.rigs.simulated import read_sample
 from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
-from musclewire.wire.state import Rows
+from musclewire.wire.row import Rows
 
 __all__ = ["BENCH", "Ended", "LoopArrays", "RIG_COLUMNS", "run_loop"]
 

@@ -2,46 +2,41 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
+from musclewire.simulate.stepping import Stepping, plan_of
 from musclewire.simulate.wires import OneWire, advance_rows
-from musclewire.wire.state import Rows
+from musclewire.simulate.wires import is_resolved as state_is_resolved
+from musclewire.wire.row import Rows
 
 __all__ = ["WireArrays", "advance_sample", "is_resolved", "sample_times_s", "surround", "wire_arrays"]
 
 
 class WireArrays(NamedTuple):
-    """A wire as compiled code takes it: arrays of one record, its load's table, and length [s] and number of steps."""
+    """A wire as compiled code takes it, arrays of one record each, and how a sample is divided into steps."""
 
     states: Rows
     constants: Rows
-    load_table_n: FloatArray
-    steps: FloatArray
+    cells: Rows
+    load: Rows
+    plan: FloatArray
 
 
-def wire_arrays(wire: OneWire, bench: Mapping[str, float]) -> WireArrays:
+def wire_arrays(wire: OneWire, stepping: Stepping, sample_period_s: float) -> WireArrays:
     """Return the arrays of a wire; what changes in a loop is a copy."""
-    constants = wire.constants.copy()
-    return WireArrays(wire.state.copy().row, constants.row, constants.load_table_n, np.array(steps_of(bench)))
+    derived, cells, load = wire.constants.step_arrays()
+    return WireArrays(wire.state.copy().row, derived.copy(), cells, load, plan_of(stepping, sample_period_s))
 
 
-def steps_of(bench: Mapping[str, float]) -> tuple[float, float]:
-    """Return length [s] and number of the steps in a sample."""
-    return bench["time_step_s"], float(round(bench["sample_period_s"] / bench["time_step_s"]))
-
-
-def sample_times_s(wire: OneWire, bench: Mapping[str, float], samples: int) -> FloatArray:
+def sample_times_s(wire: OneWire, sample_period_s: float, samples: int) -> FloatArray:
     """Return the times at the ends of a wire's next samples [s], (n_samples,), as the kernel adds them up."""
-    step_s, steps = steps_of(bench)
-    time_s, times = wire.state.time_s, np.empty(samples)
+    time_s, times = wire.time_s, np.empty(samples)
     for row in range(samples):
-        time_s += steps * step_s
+        time_s += sample_period_s
         times[row] = time_s
     return times
 
@@ -49,18 +44,17 @@ def sample_times_s(wire: OneWire, bench: Mapping[str, float], samples: int) -> F
 @compiled
 def advance_sample(wire: WireArrays, drive_voltage_v: float) -> tuple[float, float, float, float]:
     """Advance a wire by one sample; return the means of both voltages [V], displacement [m] and force [N]."""
-    step_s, steps = wire.steps
-    return advance_rows(wire.states, wire.constants, wire.load_table_n, drive_voltage_v, step_s, int(steps))
+    return advance_rows(wire.states, wire.constants, wire.cells, wire.load, drive_voltage_v, wire.plan)
 
 
 @compiled
-def surround(wire: WireArrays, ambient_temperature_k: float, convection_factor: float) -> None:
-    """Change the air's temperature [K] and the convection factor from now on."""
+def surround(wire: WireArrays, ambient_temperature_k: float, surface_factor_m2: float) -> None:
+    """Change the air's temperature [K], and the wire's surface times its convection factor [m2], from now on."""
     wire.constants[0].ambient_temperature_k = ambient_temperature_k
-    wire.constants[0].convection_factor = convection_factor
+    wire.constants[0].surface_factor_m2 = surface_factor_m2
 
 
 @compiled
 def is_resolved(wire: WireArrays) -> bool:
     """Whether the steps until now are what the wire does."""
-    return math.isfinite(wire.states[0].temperature_k)
+    return state_is_resolved(wire.states[0])

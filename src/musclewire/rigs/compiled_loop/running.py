@@ -74,7 +74,7 @@ def inside_of(rig: GuardedRig) -> tuple[SimulatedInside, OneWire]:
 def times_on_rig_s(rig: GuardedRig, samples: int) -> FloatArray:
     """Return the times of a rig's next samples on its clock [s], (n_samples,), as its steps will add them up."""
     inside, wire = inside_of(rig)
-    return sample_times_s(wire, inside.bench, samples)
+    return sample_times_s(wire, inside.bench["sample_period_s"], samples)
 
 
 class Targets(NamedTuple):
@@ -117,7 +117,7 @@ def arrays_of(
     estimator, controller = ticks.estimator, ticks.controller
     recorded = len(ticks.estimator_columns), len(ticks.controller_columns)
     return LoopArrays(
-        wire=wire_arrays(wire, inside.bench),
+        wire=wire_arrays(wire, inside.stepping, inside.bench["sample_period_s"]),
         times_s=targets.times_s,
         bench=packed_bench(inside),
         limits=packed_limits(rig.protection_limits),
@@ -145,7 +145,7 @@ def packed_bench(inside: SimulatedInside) -> NDArray[np.void]:
 
 
 def air_of(inside: SimulatedInside, wire: OneWire, times_s: FloatArray) -> FloatArray:
-    """Return the air's temperature [K] and the wire's convection factor at each sample, (n_samples, 2); none if still.
+    """Return the air's temperature [K] and surface times convection factor [m2], (n_samples, 2); no rows if still.
 
     The air is drawn here as a rig draws it from sample to sample: at their beginnings.
     """
@@ -153,10 +153,9 @@ def air_of(inside: SimulatedInside, wire: OneWire, times_s: FloatArray) -> Float
         return np.empty((0, 2))
     model = deepcopy(inside.air)
     period_s, ambient_k = inside.bench["sample_period_s"], inside.bench["ambient_temperature_k"]
-    began_s = [wire.state.time_s, *times_s[:-1].tolist()]
+    began_s = [wire.time_s, *times_s[:-1].tolist()]
     drawn = [model.after(time_s, period_s) for time_s in began_s]
-    still = wire.constants.convection_factor
-    return np.array([(ambient_k + air.warmer_k, still * air.convection_ratio) for air in drawn])
+    return np.array([(ambient_k + air.warmer_k, wire.surface_factor_m2(air.convection_ratio)) for air in drawn])
 
 
 def columns_of(shown: FloatArray, ticks: LoopTicks) -> dict[str, FloatArray]:

@@ -58,7 +58,7 @@ def driven(
     random = np.random.default_rng(seed)
     around = {**BENCH, **(bench or {})}
     constants = constants_of(values.alloy, values.wire, {**values.bench, **around})
-    path, _ = drive_path(constants, drive, dt_s=1e-3, steps=round(PERIOD_S / 1e-3))
+    path, _ = drive_path(constants, drive, sample_s=PERIOD_S)
     columns = {
         "wire_voltage_v": path.wire_voltage_v + NOISE["voltage"] * random.standard_normal(drive.size),
         "shunt_voltage_v": path.shunt_voltage_v + NOISE["voltage"] * random.standard_normal(drive.size),
@@ -100,8 +100,8 @@ def cooling(values: WireValues, seed: int = 3, samples: int = 400, period_s: flo
     """A cooling curve of a wire that a current heated before, from the moment it is off: temperature, displacement."""
     random = np.random.default_rng(seed)
     constants = constants_of(values.alloy, values.wire, {**values.bench, **BENCH})
-    _, hot = drive_path(constants, np.full(400, 3.2), dt_s=1e-3, steps=20)
-    path, _ = drive_path(constants, np.zeros(samples - 1), dt_s=1e-3, steps=round(period_s / 1e-3), state=hot)
+    _, hot = drive_path(constants, np.full(400, 3.2), sample_s=0.02)
+    path, _ = drive_path(constants, np.zeros(samples - 1), sample_s=period_s, state=hot)
     temperature = np.concatenate([[hot.temperature_k], path.temperature_k])
     displacement = np.concatenate([[hot.contraction * constants.leg_length_m], path.displacement_m])
     return Recording(

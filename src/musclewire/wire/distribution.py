@@ -1,0 +1,221 @@
+"""The distribution of transformation temperatures over a wire's grains, as a table that compiled code interpolates."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from scipy.special import ndtr
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError
+
+__all__ = [
+    "BarrierClass",
+    "Distribution",
+    "of_classes",
+    "signed_power",
+    "signed_power_distribution",
+    "tabulated_distribution",
+]
+
+# Half-width of the linear core, in normal quantiles: without one the middle grains would all switch at one temperature.
+CORE = 0.3
+# The table ends at these normal quantiles: 3 grains in a million lie beyond each, and count as those at its end.
+REACH = 4.5
+# The same number for all: compiled code then knows the table's size. 32 kB, of which a step touches a few lines.
+CELLS = 1024
+
+
+class Distribution(NamedTuple):
+    """Cumulative distribution of the grains' offsets in units of the spread: cubics on cells of equal width.
+
+    Parameters
+    ----------
+    start
+        Offset of the first cell's lower end.
+    step
+        Width of a cell.
+    cells
+        Coefficients of each cell's cubic over the place in the cell, 0 to 1, constant term first; (n_cells, 4).
+        Cumulative fraction 0 below the first cell, 1 above the last.
+    """
+
+    start: float
+    step: float
+    cells: FloatArray
+
+    def cumulative(self, offset: FloatArray) -> FloatArray:
+        """Return the fraction of the grains below offsets, of any shape."""
+        place = np.clip((np.asarray(offset, dtype=np.float64) - self.start) / self.step, 0.0, len(self.cells))
+        low = np.minimum(place.astype(int), len(self.cells) - 1)
+        part = place - low
+        a, b, c, d = np.moveaxis(self.cells[low], -1, 0)
+        return np.asarray(a + part * (b + part * (c + part * d)))
+
+
+class BarrierClass(NamedTuple):
+    """A class of grains with a barrier of its own: an ensemble, of which the wire is the weighted sum.
+
+    Parameters
+    ----------
+    weight
+        Fraction of the wire's grains, above 0; the weights of all classes add up to 1.
+    barrier_k
+        Barrier beyond the alloy's ``martensite_barrier_k`` [K], of either sign.
+    """
+
+    weight: float
+    barrier_k: float
+
+
+ONE_CLASS = (BarrierClass(1.0, 0.0),)
+
+
+def of_classes(classes: Sequence[BarrierClass]) -> tuple[FloatArray, FloatArray]:
+    """Return weights and barriers [K] of classes, each (n_classes,).
+
+    Raises CallerError without a class, for a weight that is not positive, and for weights that do not add up to 1.
+    """
+    weights = np.array([item.weight for item in classes])
+    if not (len(weights) and weights.min() > 0.0 and abs(weights.sum() - 1.0) < 1e-9):
+        raise CallerError(f"the classes' weights {weights.tolist()} must be above 0 and add up to 1")
+    return weights, np.array([item.barrier_k for item in classes])
+
+
+def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> FloatArray:
+    """Return z (z^2 + 0.3^2)^(tail/2), stretched by 1 + skew above and 1 - skew below the middle; always increasing.
+
+    A signed power of a normal quantile with a linear core, in two pieces (Fechner's split distribution). Measured
+    Flexinol isobars have a sharp core with long tails (tail near 1), unlike a normal distribution (tail 0) or a cosine
+    law.
+
+    Parameters
+    ----------
+    normal_quantile
+        z, quantiles of the standard normal distribution, of any shape.
+    skew
+        Stretches the upper half by 1 + skew and the lower one by 1 - skew; between -1 and 1, 0 is symmetric.
+    tail
+        How heavy both tails are, 0 or more; 0 is the normal distribution.
+
+    Returns
+    -------
+    Offsets in units of the spread, in the shape of ``normal_quantile``.
+
+    Raises
+    ------
+    CallerError
+        For a tail below 0 or a skew outside -1 to 1, for which the result would not be increasing.
+    """
+    if not (0.0 <= tail < np.inf and -1.0 < skew < 1.0):
+        raise CallerError(f"grain_tail {tail} must be 0 or more and grain_skew {skew} between -1 and 1")
+    z = np.asarray(normal_quantile, dtype=np.float64)
+    return np.asarray((1.0 + skew * np.sign(z)) * z * (z * z + CORE**2) ** (0.5 * tail), dtype=np.float64)
+
+
+@lru_cache(maxsize=64)
+def signed_power_distribution(skew: float, tail: float) -> Distribution:
+    """Return the distribution of :func:`signed_power` over a normal quantile, tabulated.
+
+    Value and density are exact at every end of a cell. The density jumps at offset 0 if there is a skew; a cell ends
+    there.
+
+    Parameters
+    ----------
+    skew
+        Skew of the distribution, between -1 and 1.
+    tail
+        Tail of the distribution, 0 or more.
+
+    Returns
+    -------
+    The table. Its last cells are the quantiles of +-4.5.
+
+    Raises
+    ------
+    CallerError
+        For a skew or tail out of range.
+    """
+    below, above = -signed_power(np.array(-REACH), skew, tail), signed_power(np.array(REACH), skew, tail)
+    cells_below = min(max(round(CELLS * float(below / (below + above))), 1), CELLS - 1)
+    cells_above = CELLS - cells_below
+    step = max(float(below) / cells_below, float(above) / cells_above)
+    offset = step * np.arange(-cells_below, cells_above + 1)
+    quantile = quantile_at(np.asarray(offset, dtype=np.float64), skew, tail)
+    cumulative = ndtr(quantile)
+    cumulative[0], cumulative[-1] = 0.0, 1.0
+    density = np.exp(-0.5 * quantile**2) / math.sqrt(2.0 * math.pi) / unskewed_slope(quantile, tail)
+    left = density / np.where(offset > 0.0, 1.0 + skew, 1.0 - skew)
+    right = density / np.where(offset >= 0.0, 1.0 + skew, 1.0 - skew)
+    return Distribution(float(offset[0]), step, cubic_cells(cumulative, right[:-1] * step, left[1:] * step))
+
+
+def unskewed_slope(quantile: FloatArray, tail: float) -> FloatArray:
+    """Return the derivative of :func:`signed_power` without skew by the normal quantile."""
+    square = quantile * quantile + CORE**2
+    return np.asarray(square ** (0.5 * tail) + tail * quantile * quantile * square ** (0.5 * tail - 1.0))
+
+
+def quantile_at(offset: FloatArray, skew: float, tail: float) -> FloatArray:
+    """Return the normal quantiles of offsets within the table: the inverse of :func:`signed_power`."""
+    target = np.abs(offset) / (1.0 + skew * np.sign(offset))
+    grid = np.linspace(0.0, REACH + 1.0, 1001)
+    quantile = np.interp(target, signed_power(grid, 0.0, tail), grid)
+    for _ in range(5):  # Newton from a hundredth of the answer: the third step is already at rounding
+        missing = target - quantile * (quantile * quantile + CORE**2) ** (0.5 * tail)
+        quantile = np.maximum(quantile + missing / unskewed_slope(quantile, tail), 0.0)
+    return np.asarray(np.sign(offset) * quantile)
+
+
+def cubic_cells(value: FloatArray, rise_at_start: FloatArray, rise_at_end: FloatArray) -> FloatArray:
+    """Return Hermite cubics (n_cells, 4) through values (n_cells + 1,) with slopes per cell at both ends of each."""
+    rise = np.diff(value)
+    square = 3.0 * rise - 2.0 * rise_at_start - rise_at_end
+    cube = rise_at_start + rise_at_end - 2.0 * rise
+    return np.ascontiguousarray(np.stack((value[:-1], rise_at_start, square, cube), axis=1))
+
+
+def tabulated_distribution(offset: FloatArray, cumulative: FloatArray, *, cells: int = CELLS) -> Distribution:
+    """Return a distribution through any table: monotone cubics between its points, resampled onto equal cells.
+
+    Parameters
+    ----------
+    offset
+        Offsets in units of the spread, ascending, (n_points,).
+    cumulative
+        Fraction of the grains below each, ascending from 0 to 1, (n_points,).
+    cells
+        Number of cells, 2 or more; the default resolves points a hundredth of the table's width apart.
+
+    Returns
+    -------
+    The distribution between the first offset and the last.
+
+    Raises
+    ------
+    CallerError
+        If the offsets do not ascend, or the fractions do not ascend from 0 to 1.
+
+    References
+    ----------
+    Monotone cubic interpolation: Fritsch and Butland 1984, doi 10.1137/0905021.
+    """
+    offset, cumulative = np.asarray(offset, dtype=np.float64), np.asarray(cumulative, dtype=np.float64)
+    if offset.ndim != 1 or offset.shape != cumulative.shape or len(offset) < 2 or cells < 2:
+        raise CallerError("a distribution's table needs two columns of the same length, 2 points and 2 cells at least")
+    if not (np.diff(offset) > 0.0).all():
+        raise CallerError("the offsets of a distribution's table must ascend")
+    if not ((np.diff(cumulative) >= 0.0).all() and cumulative[0] == 0.0 and cumulative[-1] == 1.0):
+        raise CallerError("the fractions of a distribution's table must ascend from 0 to 1")
+    curve = PchipInterpolator(offset, cumulative)
+    ends = np.linspace(offset[0], offset[-1], cells + 1)
+    step = float(ends[1] - ends[0])
+    slope = curve.derivative()(ends) * step
+    value = np.clip(curve(ends), 0.0, 1.0)
+    value[0], value[-1] = 0.0, 1.0
+    return Distribution(float(ends[0]), step, cubic_cells(value, slope[:-1], slope[1:]))
