@@ -20,6 +20,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError
 from musclewire.identify.isobaric_loops import Isobar
 from musclewire.identify.physical.calibration import Calibration
+from musclewire.identify.physical.candidate import candidate_constants
 from musclewire.identify.physical.candidates import Candidates, WireValues
 from musclewire.identify.physical.cooling import CoolingObservation
 from musclewire.identify.physical.driven import DrivenObservation
@@ -29,7 +30,6 @@ from musclewire.identify.physical.observations import Observation, residuals_of
 from musclewire.identify.physical.search import ParallelProblem, jacobian, threads
 from musclewire.identify.physical.uncertainty import IDENTIFIABLE_FRACTION
 from musclewire.simulate.paths import isobaric_path
-from musclewire.wire.building import constants_of
 
 __all__ = ["Advice", "Experiment", "next_experiments", "how_to_identify", "proposed"]
 
@@ -254,7 +254,7 @@ def as_measured(name: str, values: FloatArray) -> RawChannel:
 
 def isobars_experiment(values: WireValues) -> IsobaricObservation:
     """Return three simulated isobars of the fitted wire as an observation."""
-    constants = constants_of(values.alloy, values.wire, values.bench)
+    constants = candidate_constants(values.alloy, values.wire, values.bench)
     loops = []
     for stress in ISOBAR_STRESSES_PA:
         middle = constants.martensite_temperature_k + stress / constants.martensite_stress_rate_pa_per_k
@@ -266,7 +266,7 @@ def isobars_experiment(values: WireValues) -> IsobaricObservation:
 
 def cooling_experiment(values: WireValues, bench: Mapping[str, float]) -> CoolingObservation:
     """Return a simulated cooling curve of the fitted wire as an observation, with typical noise."""
-    constants = constants_of(values.alloy, values.wire, bench)
+    constants = candidate_constants(values.alloy, values.wire, bench)
     stress = bench["pretension_n"] / (constants.legs * constants.area_m2)
     start_k = (
         constants.martensite_temperature_k

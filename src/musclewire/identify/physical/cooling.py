@@ -11,6 +11,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify.physical.bench import bench_of
+from musclewire.identify.physical.candidate import candidate_constants
 from musclewire.identify.physical.candidates import WireValues
 from musclewire.identify.physical.measured_channels import (
     CURVE_STRETCHES,
@@ -28,7 +29,6 @@ from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import drive_path
 from musclewire.simulate.stepping import fixed_steps
 from musclewire.simulate.warming import heated_state
-from musclewire.wire.building import constants_of
 
 __all__ = ["CoolingObservation", "observe_cooling"]
 
@@ -100,7 +100,7 @@ class CoolingObservation:
     def columns(self, values: WireValues) -> Mapping[str, FloatArray]:
         """Return the simulated channels of this wire, sample by sample."""
         wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
-        constants = constants_of(values.alloy, wire, {**values.bench, **self._bench})
+        constants = candidate_constants(values.alloy, wire, {**values.bench, **self._bench})
         start = heated_state(constants, self._start_k)
         steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
         path, _ = drive_path(

@@ -11,6 +11,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify.physical.bench import bench_of
+from musclewire.identify.physical.candidate import candidate_constants
 from musclewire.identify.physical.candidates import WireValues
 from musclewire.identify.physical.measured_channels import (
     FIRST_ROWS,
@@ -28,7 +29,6 @@ from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import DrivenPath, drive_path
 from musclewire.simulate.stepping import fixed_steps
-from musclewire.wire.building import constants_of
 
 __all__ = ["DrivenObservation", "observe_drive"]
 
@@ -113,7 +113,7 @@ class DrivenObservation:
     def path(self, values: WireValues) -> DrivenPath:
         """Return the simulated path of the wire under the recording's drive, sample by sample."""
         wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
-        constants = constants_of(values.alloy, wire, {**values.bench, **self._bench, **self._circuit})
+        constants = candidate_constants(values.alloy, wire, {**values.bench, **self._bench, **self._circuit})
         steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
         path, _ = drive_path(
             constants, self._drive, sample_s=self._period_s, stepping=fixed_steps(self._period_s / steps)

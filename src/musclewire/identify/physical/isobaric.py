@@ -9,13 +9,13 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify.isobaric_loops import Isobar
+from musclewire.identify.physical.candidate import candidate_constants
 from musclewire.identify.physical.candidates import WireValues
 from musclewire.identify.physical.measured_channels import CURVE_STRETCHES
 from musclewire.identify.physical.observations import Channel, with_model_error
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import isobaric_path
-from musclewire.wire.building import constants_of
 
 __all__ = ["IsobaricObservation", "counts_contraction", "in_elongation", "isobars_in", "observe_isobars"]
 
@@ -73,7 +73,7 @@ class IsobaricObservation:
 
     def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
         """Return the strain of this wire along each isobar's temperatures, on the extensometer's zero."""
-        constants = constants_of(values.alloy, values.wire, values.bench)
+        constants = candidate_constants(values.alloy, values.wire, values.bench)
         strains = [isobaric_path(constants, item.stress_pa, item.temperature_k).strain for item in self._isobars]
         zero = float(np.mean(np.concatenate([item.strain for item in self._isobars]) - np.concatenate(strains)))
         return {channel.name: strain + zero for channel, strain in zip(self._channels, strains, strict=True)}
