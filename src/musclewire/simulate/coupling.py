@@ -17,7 +17,7 @@ from musclewire.wire.balance import Push
 from musclewire.wire.fronts import Shakedown
 from musclewire.wire.step import NO_PUSH, Equilibrium, RunningWire, connector_after, load_at, solve
 
-__all__ = ["APART", "Grip", "Joint", "Start", "grip_force_n", "hold_object", "no_grip", "share_connector"]
+__all__ = ["APART", "Grip", "Joint", "Start", "grip_force_n", "hold_object", "no_grip", "balance_connector"]
 
 # Direction of a second wire that has a connector of its own.
 APART = 0.0
@@ -156,7 +156,7 @@ def held_wire(
 ) -> Equilibrium:
     """Return a wire whose connector is held at a contraction by a stiff spring that there has the force expected [N].
 
-    If the force was not met it ends a little beside the contraction: on its curve all the same.
+    If the force was not met it ends a little next to the contraction: on its curve all the same.
     """
     state, k = wire.state, wire.constants
     before = (state.connector_contraction, state.friction_n)
@@ -167,7 +167,7 @@ def held_wire(
 
 @compiled_inline
 def beside(found: Equilibrium, contraction: float) -> float:
-    """Return how far a wire ended beside the contraction at which it was held; a slack wire hangs where it likes."""
+    """Return how far a wire ended away from the contraction at which it was held; a slack wire hangs where it likes."""
     return abs(found.wire.contraction - contraction) if found.wire.stress_pa > 0.0 else 0.0
 
 
@@ -229,7 +229,7 @@ def slack_move(
 
 
 @compiled
-def share_connector(first: RunningWire, second: RunningWire, direction: float, start: Start, other: Start) -> Joint:
+def balance_connector(first: RunningWire, second: RunningWire, direction: float, start: Start, other: Start) -> Joint:
     """Return two wires on one connector in balance with its load, which is the first one's.
 
     Newton's method on the connector's displacement: each wire is solved where the connector is tried, and both forces
@@ -357,7 +357,7 @@ def hold_object(
     """Return two fingers in balance, each with its load and both with the object between them.
 
     Newton's method on the force on the object: each finger is solved under it, and the endpoints must then have
-    squeezed the object by what the force takes. Below a force of 0 they do not touch it.
+    squeezed the object as far as that force does. Below a force of 0 they do not touch it.
     """
     grip_n = begin_n
     low_n, high_n = -math.inf, math.inf

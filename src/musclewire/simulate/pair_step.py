@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled_inline
-from musclewire.simulate.coupling import APART, Grip, Joint, Start, hold_object, share_connector
+from musclewire.simulate.coupling import APART, Grip, Joint, Start, hold_object, balance_connector
 from musclewire.simulate.stepping import RESISTANCE, STRAIN, TEMPERATURE, Attempt, Instant, error_ratio, owed_j
 from musclewire.wire.balance import Push, convection_w_per_m2_k, loss_w
 from musclewire.wire.constants import StepConstants
@@ -91,7 +91,7 @@ class Course(NamedTuple):
     """Direction of a pair's last step: the heat of each wire over that of both, as a vector of length 1.
 
     Where wires are joined each feels the other's heat. Slopes over the pair's heat along that direction are what both
-    remember, and heat beside it only warms a wire.
+    remember, and the rest of the heat only warms a wire.
 
     Parameters
     ----------
@@ -271,7 +271,7 @@ def attempt_both(
     start = start_of(first.state, first.constants, heat_j, expected)
     other_start = start_of(second.state, second.constants, other_j, other_expected)
     if setting.pair.direction != APART:
-        joint = share_connector(first, second, setting.pair.direction, start, other_start)
+        joint = balance_connector(first, second, setting.pair.direction, start, other_start)
     else:
         joint = hold_object(first, second, setting.grip, grip_n, start, other_start)
     ended = instant_of_both(wires, setting, settled_ahead(joint.first), settled_ahead(joint.second))

@@ -1,22 +1,17 @@
-"""Wires for tests: alloys of round numbers, so that no test rests on a value that a fit may move.
-
-The one place that knows how the kernel is called grain by grain.
-"""
+"""Wires for tests: alloys of round numbers, so that no test rests on a value that a fit may move."""
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
-from musclewire.wire.switching import DrivingForces
 from numpy.typing import NDArray
 
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
+from musclewire.simulate.stepping import fixed_steps
 from musclewire.simulate.wires import WireMeans, advance
-from musclewire.wire import switching
 from musclewire.wire.building import constants_from
+from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import ConnectorLoad
-from musclewire.wire.state import WireConstants, WireState
+from musclewire.wire.state import WireState
 
 Array = NDArray[np.float64]
 
@@ -97,54 +92,6 @@ def constants(
     return constants_from(alloy(kind, **alloy_values), wire_100um(), around, load=load, new_wire=new_wire)
 
 
-def cool(wire: WireConstants, forces: DrivingForces, martensite: Array, r_phase: Array) -> None:
-    """Let every grain follow the driving forces of cooling, in place."""
-    switching.cool_swept(wire.record, forces, 0, martensite.size, martensite, r_phase)
-
-
-def heat(wire: WireConstants, forces: DrivingForces, martensite: Array, r_phase: Array) -> None:
-    """Let every grain follow the driving forces of heating, in place."""
-    switching.heat_swept(wire.record, forces, 0, martensite.size, martensite, r_phase)
-
-
-def walk(
-    wire: WireConstants,
-    grains: tuple[Array, Array],
-    stress_pa: float,
-    *turning_points_k: float,
-    step_k: float = 0.125,
-) -> list[tuple[Array, Array]]:
-    """Take grains from temperature to temperature at constant stress, in place; return a copy at each.
-
-    All walks step on one grid of temperatures (0.125 K is exact in binary), so that two passes over a stretch
-    see the same temperatures and must do the same to the bit.
-    """
-    visited = [(grains[0].copy(), grains[1].copy())]
-    for start, end in pairwise(turning_points_k):
-        steps = round((end - start) / step_k)
-        for step in range(1, abs(steps) + 1):
-            temperature = start + (step if steps > 0 else -step) * step_k
-            forces = switching.driving_forces_at(wire.record, temperature, stress_pa, 1.0)
-            (heat if steps > 0 else cool)(wire, forces, *grains)
-        visited.append((grains[0].copy(), grains[1].copy()))
-    return visited
-
-
-def follow(wire: WireConstants, state: WireState, climates: list[tuple[float, float]]) -> None:
-    """Take the grains of a row through temperatures and stresses as a step does, in place."""
-    for temperature_k, stress_pa in climates:
-        switching.follow(state.record, wire.record, temperature_k, stress_pa, 1.0)
-
-
-def austenite(wire: WireConstants) -> tuple[Array, Array]:
-    grains = wire.grain_middle.size
-    return np.zeros(grains), np.zeros(grains)
-
-
-def fractions(grains: tuple[Array, Array]) -> tuple[float, float]:
-    return float(grains[0].mean()), float(grains[1].mean())
-
-
 def slow_sine_v(time_s: float, amplitude_v: float = 3.2, period_s: float = 90.0) -> float:
     """Return the drive from the sense voltage up to the amplitude and back."""
     return 0.3 + (amplitude_v - 0.3) * 0.5 * (1.0 - float(np.cos(2.0 * np.pi * time_s / period_s)))
@@ -161,7 +108,7 @@ def run(
     """Hold each voltage for a while; return the state and the means after each."""
     states, means = [], []
     for voltage in voltages_v:
-        state, mean = advance(state, wire, float(voltage), dt_s, round(hold_s / dt_s))
+        state, mean = advance(state, wire, float(voltage), hold_s, fixed_steps(dt_s))
         states.append(state)
         means.append(mean)
     return states, means
