@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled_inline
-from musclewire.simulate.coupling import APART, Grip, Joint, Start, hold_object, balance_connector
+from musclewire.simulate.coupling import APART, Grip, Joint, Start, balance_connector, hold_object
 from musclewire.simulate.stepping import RESISTANCE, STRAIN, TEMPERATURE, Attempt, Instant, error_ratio, owed_j
 from musclewire.wire.balance import Push, convection_w_per_m2_k, loss_w
 from musclewire.wire.constants import StepConstants
