@@ -494,6 +494,6 @@ def test_the_grains_of_the_reference_stepped_finely_agree(name: str) -> None:
         states, means = advance_pair(states, both, pair, between, voltage, 0.04, fixed_steps(2e-3))
         seen.append(means)
     far = np.abs(found - np.array(seen)).max(axis=0)
-    assert (far[:2] < 1e-3).all(), far  # V
-    assert (far[[2, 4]] < 3e-6).all(), far  # m
-    assert (far[[3, 5, 6]] < 5e-3).all(), far  # N
+    assert (far[:2] < 1e-6).all(), far  # V
+    assert (far[[2, 4]] < 2e-7).all(), far  # m
+    assert (far[[3, 5, 6]] < 1e-3).all(), far  # N
