@@ -35,7 +35,7 @@ from musclewire.signals.exchange import Drive
 from musclewire.speed.easier_wire import PERIOD_S, drive_v
 from musclewire.speed.machine import processor_name
 from musclewire.speed.measure import Side, paired_us
-from musclewire.speed.our_wire import fixed_cycle, one_period, paper_wire, start_of
+from musclewire.speed.our_wire import CHOSEN, OneWire, cycle, fixed_steps, paper_wire, running, start_of
 from musclewire.wire.loads import ConnectorLoad
 
 RECORDS = Path(__file__).with_name("step_cost.toml")
@@ -112,7 +112,7 @@ def step_side(step_s: float, load: ConnectorLoad | None = None) -> Side:
     """Return a step along the slow sine; a unit is a step."""
     wire = paper_wire(load)
     start = start_of(wire)
-    return Side(lambda _: fixed_cycle(wire, start, SAMPLE_S, step_s), PERIOD_S / step_s)
+    return Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s)
 
 
 def spring_and_stop() -> ConnectorLoad:
@@ -125,14 +125,13 @@ def spring_and_stop() -> ConnectorLoad:
 def period_side() -> Side:
     """Return 10 ms of wire time called from Python; a unit is a call."""
     wire = paper_wire()
-    drives = [drive_v(20.0 + 0.01 * number) for number in range(400)]
+    voltages = [drive_v(20.0 + 0.01 * number) for number in range(400)]
 
-    def run(_: object) -> None:
-        state = start_of(wire)
-        for voltage_v in drives:
-            state = one_period(state, wire, voltage_v, 0.01)
+    def run(wire: OneWire) -> None:
+        for voltage_v in voltages:
+            wire.advance(voltage_v, 0.01, CHOSEN)
 
-    return Side(run, len(drives))
+    return Side(run, len(voltages), partial(running, wire))
 
 
 def exchange_side() -> Side:

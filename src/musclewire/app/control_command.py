@@ -149,7 +149,7 @@ def anchored(rig: GuardedRig, model: SensingModel, *, quiet: bool) -> SensingMod
 
 def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> dict[str, Any]:
     """Return a closed loop under the keys of the interface; its warnings are also printed."""
-    from musclewire.experiment.force_limit import force_warnings
+    from musclewire.experiment.run_warnings import run_warnings
     from musclewire.experiment.timing_facts import timing_json
 
     return {
@@ -161,7 +161,7 @@ def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> d
         "controller": run.metadata.get("controller"),
         "ended": run.metadata["ended"],
         "samples": len(run),
-        "warnings": [*refused, *warn(force_warnings(run))],
+        "warnings": [*refused, *warn(run_warnings(run))],
     }
 
 

@@ -105,8 +105,8 @@ def grip(
     json: Json = False,
 ) -> None:
     """Close fingers on an object, find contact and hold a force, all by the wires' resistance."""
-    from musclewire.experiment.force_limit import force_warnings
     from musclewire.experiment.gripper_training import with_object
+    from musclewire.experiment.run_warnings import run_warnings
 
     require_figure_file(plot)
     if output is not None:
@@ -124,7 +124,7 @@ def grip(
         from musclewire.app.report.grip_figure import plot_grip
 
         save_figure(plot_grip(run, knowledge), plot)
-    warnings = warn(force_warnings(run))
+    warnings = warn(run_warnings(run))
     emit_json({**grip_json(run, simulated, known), "warnings": warnings}) if json else show(grip_text(run, known))
     if not run.held:
         raise typer.Exit(1)

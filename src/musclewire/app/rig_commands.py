@@ -105,8 +105,8 @@ def characterize(
     json: Json = False,
 ) -> None:
     """Heat and cool the wire slowly (the slow sine) and record it."""
-    from musclewire.experiment.force_limit import force_warnings
     from musclewire.experiment.open_loop import characterize as run_characterize
+    from musclewire.experiment.run_warnings import run_warnings
     from musclewire.rigs.configuration import open_rig
 
     period_s = sine.period_s
@@ -128,7 +128,7 @@ def characterize(
         "recording": str(output),
         "samples": len(recording),
         **loop_json(recording),
-        "warnings": [*refused, *warn(force_warnings(recording))],
+        "warnings": [*refused, *warn(run_warnings(recording))],
     }
     if json:
         emit_json(answer)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from musclewire.errors import CallerError, RecordingError, nearest_hint
-from musclewire.experiment.force_limit import force_warnings
 from musclewire.experiment.open_loop import SlowSine, characterize
 from musclewire.experiment.run import OnSample, file_in
+from musclewire.experiment.run_warnings import run_warnings
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
 from musclewire.identify.recordings import QUANTITIES
 from musclewire.rigs.abilities import stage_of
@@ -218,7 +218,7 @@ def pretension_sweep(
             on_setting(pretension)
         path = None if folder is None else file_in(folder, f"pretension-{pretension:.2f}N.h5")
         recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, **sine)
-        warnings += [f"pretension {pretension:g} N: {warning}" for warning in force_warnings(recording)]
+        warnings += [f"pretension {pretension:g} N: {warning}" for warning in run_warnings(recording)]
         try:
             gaps = loop_gaps(recording)
         except RecordingError as error:

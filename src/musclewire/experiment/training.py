@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.experiment.force_limit import force_warnings
 from musclewire.experiment.open_loop import SlowSine, characterize
 from musclewire.experiment.run import OnSample, file_in
+from musclewire.experiment.run_warnings import run_warnings
 from musclewire.identify.recordings import required_quantity, resistance_reading
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.model import SensingModel
@@ -129,7 +129,7 @@ def train(
     for number in range(1, max_cycles + 1):
         path = None if folder is None else file_in(folder, f"cycle-{number:03d}.h5")
         recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, **sine)
-        warnings = warnings or tuple(f"cycle {number}: {text}" for text in force_warnings(recording))
+        warnings = warnings or tuple(f"cycle {number}: {text}" for text in run_warnings(recording))
         cycle = cycle_of(recording, number, cycles)
         cycles.append(cycle)
         if on_cycle is not None:

@@ -216,6 +216,8 @@ class SimulatedDevice:
         self._instruments = Instruments(self._bench, seed, at_endpoint=self._mechanism.tendon is not None)
         self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
         self._drive_voltage_v = 0.0
+        # By how much friction has kept the connector ahead of a slack wire at most, at this setting of the stages.
+        self._held_m = 0.0
         self._off = self._late_reported = False
         self._facts = DeviceFacts(
             sample_period_s=self._bench["sample_period_s"],
@@ -336,6 +338,7 @@ class SimulatedDevice:
             "time_step_s": self._bench["time_step_s"],
             "new_wire": self._new_wire,
             "seed": self._seed,
+            "friction_held_m": self._held_m,
         }
 
     def _convection_metadata(self) -> Metadata:
@@ -395,7 +398,7 @@ class SimulatedDevice:
         wires = wires_of(self._alloy, self._wire, around, self._parts, mechanism, new_wire=self._new_wire)
         wires.age_like(self._wires)
         self._around, self._bench, self._tendon_slack_m = around, around.values(), tendon_slack_m
-        self._mechanism, self._wires = mechanism, wires
+        self._mechanism, self._wires, self._held_m = mechanism, wires, 0.0
 
     def _check_pretension(self, pretension_n: float) -> None:
         allowed = self._wire_values["maximum_force_n"]
@@ -423,6 +426,7 @@ class SimulatedDevice:
             self._wires.surround(self._bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
         means = self._advance(self._drive_voltage_v) if self._faults is None else self._advance_faulty(self._faults)
         self._wires.require_resolved()
+        self._held_m = max(self._held_m, self._wires.slack_m)
         if self._pacer is not None:
             self._pacer.wait()
         return self._read(means)

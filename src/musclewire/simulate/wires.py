@@ -11,7 +11,7 @@ from typing import NamedTuple, Protocol
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.errors import NumericsError
-from musclewire.simulate.pairs import Grip, Pair, advance_pair
+from musclewire.simulate.pairs import APART, Grip, Pair, advance_pair
 from musclewire.simulate.stepping import (
     CHOSEN,
     DURATION,
@@ -254,6 +254,12 @@ def require_resolved(after: WireState, stepping: Stepping, sample_s: float, befo
     )
 
 
+# Places of both contractions among the plain numbers of a state, before its arrays: a field takes ten times as long.
+CONTRACTION, CONNECTOR = (
+    [item.name for item in WireState.fields].index(name) for name in ("contraction", "connector_contraction")
+)
+
+
 class SampleMeans(NamedTuple):
     """Means over a sample: what averaging instruments measure; ``grip_n`` is None with one wire.
 
@@ -283,6 +289,11 @@ class SimulatedWires(Protocol):
     @property
     def time_s(self) -> float:
         """Time since the wires were first at rest [s]."""
+        ...
+
+    @property
+    def slack_m(self) -> float:
+        """Length by which friction holds a connector ahead of its slack wire [m], 0 for taut wires."""
         ...
 
     def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
@@ -367,6 +378,12 @@ class OneWire:
         """Time since the wire was first at rest [s]."""
         return float(self._state.numbers[0])
 
+    @property
+    def slack_m(self) -> float:
+        """Length by which friction holds the connector ahead of the slack wire [m]."""
+        numbers = self._state.numbers
+        return float(numbers[CONNECTOR] - numbers[CONTRACTION]) * self.constants.leg_length_m
+
     def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
         """Advance by one sample at one drive voltage."""
         if self._handed_out:
@@ -420,6 +437,13 @@ class TwoWires:
     def time_s(self) -> float:
         """Time since the wires were first at rest [s]."""
         return self._states[0].time_s
+
+    @property
+    def slack_m(self) -> float:
+        """The larger of both lengths [m]; 0 on a common connector, where a slack wire is moved by the other one."""
+        if self._pair.direction != APART:
+            return 0.0
+        return max(state.slack * one.leg_length_m for state, one in zip(self._states, self._both, strict=True))
 
     def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
         """Advance by one sample at one drive voltage."""

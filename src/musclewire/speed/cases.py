@@ -9,11 +9,12 @@ from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.signals.exchange import Drive
 from musclewire.speed import fuzzy_tick
+from musclewire.speed.batch_cases import batch_cases
 from musclewire.speed.compiled_wires import EXPLICIT_STEP_S, numba_cycle
 from musclewire.speed.easier_wire import PERIOD_S, ScipyLoop, drive_v, scipy_cycle
 from musclewire.speed.loop_cases import loop_cases
 from musclewire.speed.measure import Case, Side
-from musclewire.speed.our_wire import fixed_cycle, one_period, paper_wire, start_of
+from musclewire.speed.our_wire import CHOSEN, OneWire, cycle, fixed_steps, paper_wire, running, start_of
 from musclewire.speed.plain_grains import GRAINS, GrainWire
 from musclewire.speed.processes import first_period_of_ours, first_period_of_scipy
 
@@ -26,7 +27,10 @@ EASIER = "theirs is an easier wire: two phases, no minor loops, no friction"
 
 def cases() -> list[Case]:
     """Return every case in the order in which it is printed."""
-    return [*steps(), slow_loop(), closed_loop_period(), exchange(), *loop_cases(), *fuzzy_pid_ticks(), first_step()]
+    return [
+        *steps(), slow_loop(), closed_loop_period(), exchange(), *batch_cases(), *loop_cases(), *fuzzy_pid_ticks(),
+        first_step(),
+    ]  # fmt: skip
 
 
 def steps() -> Iterator[Case]:
@@ -48,7 +52,7 @@ def step_and_scipy(step_s: float, _quick: bool) -> tuple[Side, Side]:
     start = start_of(wire)
     wanted_s = max(step_s, CONTROL_PERIOD_S)
     return (
-        Side(lambda _: fixed_cycle(wire, start, SAMPLE_S, step_s), PERIOD_S / step_s),
+        Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s),
         Side(lambda _: scipy_cycle(wanted_s), PERIOD_S / step_s),
     )
 
@@ -59,7 +63,7 @@ def step_and_numba(_quick: bool) -> tuple[Side, Side]:
     start, units = start_of(wire), PERIOD_S / 1e-2
     steps_a_sample = round(SAMPLE_S / EXPLICIT_STEP_S)
     return (
-        Side(lambda _: fixed_cycle(wire, start, SAMPLE_S, 1e-2), units),
+        Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(1e-2)), units),
         Side(lambda _: numba_cycle(round(PERIOD_S / SAMPLE_S), steps_a_sample), units),
     )
 
@@ -74,7 +78,7 @@ def step_and_python(quick: bool) -> tuple[Side, Side]:
         for number in range(steps):
             theirs.advance(drive_v(40.0 + 1e-3 * number), 1e-3)
 
-    return Side(lambda _: fixed_cycle(wire, start, SAMPLE_S, 1e-3), PERIOD_S / 1e-3), Side(run, steps)
+    return Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(1e-3)), PERIOD_S / 1e-3), Side(run, steps)
 
 
 def slow_loop() -> Case:
@@ -87,7 +91,7 @@ def slow_loop_sides(_quick: bool) -> tuple[Side, Side]:
     """Return both sides of the loop."""
     wire = paper_wire()
     start = start_of(wire)
-    return Side(lambda _: fixed_cycle(wire, start, SAMPLE_S, 1e-2), 1.0), Side(lambda _: scipy_cycle(SAMPLE_S), 1.0)
+    return Side(lambda _: cycle(wire, start, SAMPLE_S), 1.0), Side(lambda _: scipy_cycle(SAMPLE_S), 1.0)
 
 
 def closed_loop_period() -> Case:
@@ -103,17 +107,15 @@ def period_sides(quick: bool) -> tuple[Side, Side]:
     periods = round((last_s - first_s) / CONTROL_PERIOD_S)
     voltages = [drive_v(first_s + number * CONTROL_PERIOD_S) for number in range(periods)]
 
-    def ours(_: object) -> None:
-        state = start_of(wire)
+    def ours(wire: OneWire) -> None:
         for voltage_v in voltages:
-            state = one_period(state, wire, voltage_v, CONTROL_PERIOD_S)
+            wire.advance(voltage_v, CONTROL_PERIOD_S, CHOSEN)
 
-    def theirs(_: object) -> None:
-        loop = ScipyLoop(CONTROL_PERIOD_S)
+    def theirs(loop: ScipyLoop) -> None:
         for voltage_v in voltages:
             loop.advance(voltage_v)
 
-    return Side(ours, periods), Side(theirs, periods)
+    return Side(ours, periods, partial(running, wire)), Side(theirs, periods, partial(ScipyLoop, CONTROL_PERIOD_S))
 
 
 def exchange() -> Case:

@@ -87,10 +87,11 @@ def test_a_recording_without_load_cell_says_why_it_has_no_gap_of_force(loop: Rec
 
 
 def test_a_rig_without_a_spring_has_a_gap_of_strain_only() -> None:
-    with open_rig(bench="dead-weight") as rig:
-        gaps = loop_gaps(characterize(rig, cycles=1))
-    assert gaps.force_gap is None
-    assert gaps.strain_gap > 0.0
+    for friction_n in (0.0, 0.05, 0.3):
+        with open_rig(bench="dead-weight", guide_friction_n=friction_n) as rig:
+            gaps = loop_gaps(characterize(rig, cycles=1))
+        assert gaps.force_gap is None
+        assert gaps.strain_gap > 0.0
 
 
 def test_a_sweep_for_the_gap_of_force_without_a_spring_says_why_there_is_none() -> None:

@@ -1,0 +1,38 @@
+"""A run in which friction holds the wire says so, and no other does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from musclewire.errors import RecordingError
+from musclewire.experiment.run_warnings import friction_warnings, run_warnings
+from musclewire.signals import Recording
+from musclewire.signals.metadata import MetadataValue
+
+
+def stated(**facts: MetadataValue) -> Recording:
+    return Recording({"time_s": np.arange(3.0), "force_n": np.full(3, 9.0)}, facts)
+
+
+@pytest.mark.parametrize("facts", [{}, {"friction_held_m": 1.0}, {"friction_held_m": 0.0, "leg_length_m": 0.07},
+                                   {"friction_held_m": 6.9e-6, "leg_length_m": 0.07}])  # fmt: skip
+def test_no_warning_without_slack_or_without_what_says_how_much_it_is(facts: dict[str, MetadataValue]) -> None:
+    assert friction_warnings(stated(**facts)) == ()
+
+
+def test_the_warning_says_how_far_and_what_to_do() -> None:
+    (warning,) = friction_warnings(stated(friction_held_m=0.74e-3, leg_length_m=0.07))
+    assert warning.startswith("friction holds the wire: ")
+    assert "0.74 mm" in warning
+    assert "more pretension" in warning
+
+
+def test_the_wires_limit_comes_first() -> None:
+    found = run_warnings(stated(friction_held_m=0.74e-3, leg_length_m=0.07, maximum_force_n=4.0))
+    assert [text.split()[0] for text in found] == ["the", "friction"]
+
+
+def test_a_statement_that_is_no_number_is_the_recordings_error() -> None:
+    with pytest.raises(RecordingError, match="friction_held_m"):
+        friction_warnings(stated(friction_held_m="much", leg_length_m=0.07))
