@@ -349,9 +349,14 @@ def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recor
     suffix = COLUMN_SUFFIX[loop.prepared.model.quantity]
     renamed = {"target": f"target_{suffix}", "estimated": f"estimated_{suffix}"}
     columns = {renamed.get(name, name): column for name, column in run.columns.items()}
+    stated = rig.metadata()
+    held_m = stated["friction_held_m"]
+    assert isinstance(held_m, float)
     metadata: dict[str, MetadataValue] = {
         **what_protects(rig),
-        **rig.metadata(),
+        **stated,
+        # The rig itself has not run.
+        "friction_held_m": max(held_m, run.friction_held_m),
         **loop.prepared.metadata,
         "software_version": software_version(),
         "start_time": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -18,6 +18,7 @@ from musclewire.experiment.closed_loop import control
 from musclewire.experiment.loop_outcomes import LoopOutcome
 from musclewire.experiment.many_loops import control_compiled, control_many
 from musclewire.experiment.open_loop import characterize
+from musclewire.experiment.run_warnings import friction_warnings
 from musclewire.identify.sensing_model import fit
 from musclewire.rigs.air import Surroundings
 from musclewire.rigs.configuration import RigConfiguration, open_rig
@@ -70,6 +71,15 @@ def test_the_compiled_loop_is_the_loop_in_python(rig: dict[str, Any], model: Sen
     fast, slow = both(RigConfiguration(**rig), model, seeds=[7], approach_s=2.0)
     assert (fast.compiled, slow.compiled) == (True, False)
     assert_same(fast, slow)
+
+
+def test_friction_that_holds_the_wire_is_said_by_both(model: SensingModel) -> None:
+    rig = RigConfiguration(settings={"guide_friction_n": 1.0, "pretension_n": 0.5})
+    fast, slow = both(rig, model, staircase(0.012, 0.03, 0.009, 4.0), seeds=[1])
+    assert fast.compiled
+    assert_same(fast, slow)
+    assert fast.run is not None
+    assert friction_warnings(fast.run) != ()
 
 
 def test_a_plain_pid_too(model: SensingModel) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.controllers.protection.sound import sound_command, sound_sample
-from musclewire.rigs.compiled_loop.one_wire import WireArrays, advance_sample, is_resolved, surround
+from musclewire.rigs.compiled_loop.one_wire import WireArrays, advance_sample, is_resolved, slack_m, surround
 from musclewire.rigs.simulated import read_sample
 from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
 from musclewire.wire.row import Rows
@@ -56,8 +56,9 @@ class LoopArrays(NamedTuple):
     each sample, in the order in which the instruments draw them; ``air`` the temperature [K] and the convection factor
     of each sample, no rows in still air. ``targets`` are those at each sample's end and those that hold after it.
     ``shown`` has a row for each sample: ``RIG_COLUMNS``, the estimator's numbers, target, estimate, validity, the
-    controller's numbers; ``true_displacement_m`` the true mean of the connector's displacement. ``readings`` and
-    ``scales`` are those of the instruments, which overwrite the noise.
+    controller's numbers; ``true_displacement_m`` the true mean of the connector's displacement, ``slack_m`` by how much
+    friction holds it ahead of the wire. ``readings`` and ``scales`` are those of the instruments, which overwrite the
+    noise.
     """
 
     wire: WireArrays
@@ -77,6 +78,7 @@ class LoopArrays(NamedTuple):
     readings: int
     scales: tuple[float, float, float, float, float]
     true_displacement_m: FloatArray
+    slack_m: FloatArray
     shown: FloatArray
 
 
@@ -91,6 +93,7 @@ def exchange(arrays: LoopArrays, row: int, drive_voltage_v: float) -> bool:
     shown[0], shown[1] = arrays.times_s[row], output_v
     shown[2], shown[3], shown[4], shown[5] = read_sample(arrays.noise[row], arrays.readings, means, arrays.scales)
     arrays.true_displacement_m[row] = means[2]
+    arrays.slack_m[row] = slack_m(arrays.wire)
     return is_resolved(arrays.wire)
 
 

@@ -13,7 +13,7 @@ from musclewire.simulate.wires import OneWire, advance_rows
 from musclewire.simulate.wires import is_resolved as state_is_resolved
 from musclewire.wire.row import Rows
 
-__all__ = ["WireArrays", "advance_sample", "is_resolved", "sample_times_s", "surround", "wire_arrays"]
+__all__ = ["WireArrays", "advance_sample", "is_resolved", "sample_times_s", "slack_m", "surround", "wire_arrays"]
 
 
 class WireArrays(NamedTuple):
@@ -52,6 +52,13 @@ def surround(wire: WireArrays, ambient_temperature_k: float, surface_factor_m2: 
     """Change the air's temperature [K], and the wire's surface times its convection factor [m2], from now on."""
     wire.constants[0].ambient_temperature_k = ambient_temperature_k
     wire.constants[0].surface_factor_m2 = surface_factor_m2
+
+
+@compiled
+def slack_m(wire: WireArrays) -> float:
+    """Length by which friction holds the connector ahead of the slack wire [m], as ``OneWire.slack_m``."""
+    state = wire.states[0]
+    return (state.connector_contraction - state.contraction) * wire.constants[0].leg_length_m
 
 
 @compiled

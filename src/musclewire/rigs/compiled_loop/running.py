@@ -34,11 +34,15 @@ class LoopTicks(NamedTuple):
 
 
 class CompiledRun(NamedTuple):
-    """How a compiled loop ended, how many samples are complete, and the columns of the rig, ticks and targets."""
+    """How a compiled loop ended, how many samples are complete, and the columns of the rig, ticks and targets.
+
+    ``friction_held_m`` is by how much friction held the connector ahead of the slack wire at most.
+    """
 
     ended: Ended
     samples: int
     columns: dict[str, FloatArray]
+    friction_held_m: float
 
 
 def uncompiled(rig: GuardedRig) -> str:
@@ -100,7 +104,8 @@ def run_compiled(rig: GuardedRig, ticks: LoopTicks, targets: Targets, first_driv
     ended, complete = run_loop(*functions, arrays, first_drive_v)
     if ended == Ended.DONE and arrays.wire.states[0]["time_s"] != targets.times_s[-1]:
         raise NumericsError("the compiled loop's clock differs from the rig's: report it with the rig file")
-    run = CompiledRun(Ended(ended), complete, columns_of(arrays.shown, ticks))
+    held_m = float(arrays.slack_m[:complete].max(initial=0.0))
+    run = CompiledRun(Ended(ended), complete, columns_of(arrays.shown, ticks), held_m)
     return with_endpoint(run, arrays.true_displacement_m, inside, noise)
 
 
@@ -134,6 +139,7 @@ def arrays_of(
         readings=inside.instruments.readings,
         scales=inside.instruments.scales,
         true_displacement_m=np.empty(samples),
+        slack_m=np.empty(samples),
         shown=np.empty((samples, len(RIG_COLUMNS) + recorded[0] + 3 + recorded[1])),
     )
 
