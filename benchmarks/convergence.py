@@ -1,10 +1,11 @@
-"""How far the simulated wire moves with the time step and with the number of grains, and at which order.
+"""How far the simulated wire moves with the time step, at which order, and how many grains lead to its fronts.
 
-Two parts. The orders: distances of temperature, contraction and resistance from a much finer run, over a ladder of
-steps and of grains, along a slow loop and along a fast step, for an alloy of round numbers that no fit moves
-(tests/unit/wire/wire_makers.py). The default loop: strain gap (Eq. 2), smallest and largest resistance from B to C
-of the wire as shipped, on the paper's bench without instrument noise, and their distance from the finest run.
-Prints tables, or one JSON document with --json; --quick leaves the finest runs out.
+Three parts. The order of the step: distances of temperature, contraction and resistance from a much finer run, over a
+ladder of steps, along a slow loop and along a fast step, for alloys of round numbers that no fit moves
+(tests/unit/wire/wire_makers.py). The fronts as the limit of many grains: distances of the ensemble of grains of
+tests/grain_wire from the fronts, over a ladder of grains. The default loop: strain gap (Eq. 2), smallest and largest
+resistance from B to C of the wire as shipped, on the paper's bench without instrument noise, and their distance from
+the finest run. Prints tables, or one JSON document with --json; --quick leaves all but the default loop out.
 """
 
 from __future__ import annotations
@@ -23,25 +24,27 @@ from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.sensing import find_segments
 from musclewire.sensing.gaps import hysteresis_gap
 from musclewire.simulate.paths import drive_path
+from musclewire.simulate.stepping import Stepping, fixed_steps
 from musclewire.wire.building import constants_from
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))
 
-from wire_makers import constants
+from wire_makers import alloy, bench, constants, wire_100um
+
+from grain_wire import grain_wire
 
 Array = NDArray[np.float64]
 
 PERIOD_S, SAMPLE_S = 90.0, 0.04
 SENSE_V, AMPLITUDE_V = 0.3, 3.2
-DEFAULT_STEP_S, DEFAULT_GRAINS = 1e-3, 160
 # Every step divides a sample.
-STEPS_S = (20e-3, 10e-3, 5e-3, 2e-3, 1e-3, 5e-4)
+STEPS_S = (40e-3, 20e-3, 10e-3, 5e-3, 2e-3, 1e-3)
 GRAINS = (20, 40, 80, 160, 320, 640)
-FINEST_STEP_S, FINEST_GRAINS = 5e-5, 2560
+FINEST_STEP_S, GRAINS_STEP_S = 5e-5, 2e-5
 OUTPUTS = ("temperature_k", "contraction", "resistance_ohm")
-# Within steep transformation a nanokelvin decides which way a step's prediction overshoots, and moves a distance by
-# half. It stands for every other rounding too, so distances are pooled over air that differs by so much.
-NANOKELVINS = 4
+# Below this step a slow loop is as exact as its equations are solved: the order is that of the longer steps.
+ORDER_FROM_S = 5e-3
 
 
 def slow_sine_v() -> Array:
@@ -78,25 +81,24 @@ class Distances(NamedTuple):
     largest: Array
 
 
-def outputs(course: Course, dt_s: float, grains: int, warmer_k: float) -> Array:
+def outputs(course: Course, step_s: float) -> Array:
     """Return temperature and resistance after each sample and the contraction's mean over it, (3, n_samples)."""
-    air_k = load_bench("paper").values()["ambient_temperature_k"] + warmer_k
-    wire = constants(course.alloy, bench_values={"grains": float(grains), "ambient_temperature_k": air_k})
-    path, _ = drive_path(wire, course.drive_v, dt_s=dt_s, steps=round(SAMPLE_S / dt_s))
+    wire = constants(course.alloy)
+    path, _ = drive_path(wire, course.drive_v, sample_s=SAMPLE_S, stepping=fixed_steps(step_s))
     return np.array([path.temperature_k, path.displacement_m / wire.leg_length_m, path.resistance_ohm])
 
 
-def distances(
-    course: Course, cases: list[tuple[float, int]], finest: tuple[float, int], nanokelvins: int = NANOKELVINS
-) -> Distances:
-    """Return how far the cases, each a step and a number of grains, are from the finest one."""
-    squares, largest = [], []
-    for warmer_k in 1e-9 * np.arange(nanokelvins):
-        wanted = outputs(course, *finest, warmer_k)
-        off = np.array([outputs(course, *case, warmer_k) - wanted for case in cases])
-        squares.append((off**2).mean(axis=2))
-        largest.append(np.abs(off).max(axis=2))
-    return Distances(np.sqrt(np.mean(squares, axis=0)), np.max(largest, axis=0))
+def outputs_of_grains(course: Course, grains: int) -> Array:
+    """Return the same of an ensemble of so many grains."""
+    wire = grain_wire(alloy(course.alloy).values(), wire_100um().values(), bench().values(), grains=grains)
+    path = wire.drive(course.drive_v, GRAINS_STEP_S, round(SAMPLE_S / GRAINS_STEP_S))
+    return np.array([path.temperature_k, path.displacement_m / wire.value("leg_length_m"), path.resistance_ohm])
+
+
+def distances(found: list[Array], wanted: Array) -> Distances:
+    """Return how far courses are from another, each (3, n_samples)."""
+    off = np.array([each - wanted for each in found])
+    return Distances(np.sqrt((off**2).mean(axis=2)), np.abs(off).max(axis=2))
 
 
 def observed_order(finer: Array, found: Array) -> Array:
@@ -104,38 +106,44 @@ def observed_order(finer: Array, found: Array) -> Array:
     return np.asarray(-np.polyfit(np.log(finer), np.log(found), 1)[0])
 
 
-def step_distances(course: Course, nanokelvins: int = NANOKELVINS) -> Distances:
-    """Return the distances over the ladder of steps."""
-    cases = [(dt_s, DEFAULT_GRAINS) for dt_s in STEPS_S]
-    return distances(course, cases, (FINEST_STEP_S, DEFAULT_GRAINS), nanokelvins)
+def observed_order_of_steps(found: Array) -> Array:
+    """Return the order of distances over the ladder of steps, for each output, (3,)."""
+    counted = sum(step_s >= ORDER_FROM_S for step_s in STEPS_S)
+    return observed_order(1.0 / np.array(STEPS_S[:counted]), found[:counted])
 
 
-def grain_distances(course: Course, nanokelvins: int = 1) -> Distances:
-    """Return the distances over the ladder of grains, at the finest step: at a coarse one they drown in its error."""
-    cases = [(FINEST_STEP_S, grains) for grains in GRAINS]
-    return distances(course, cases, (FINEST_STEP_S, FINEST_GRAINS), nanokelvins)
+def observed_order_of_grains(found: Array) -> Array:
+    """Return the order of distances over the ladder of grains, for each output, (3,)."""
+    return observed_order(np.array(GRAINS, dtype=np.float64), found)
+
+
+def step_distances(course: Course) -> Distances:
+    """Return the distances over the ladder of steps from the finest step."""
+    return distances([outputs(course, step_s) for step_s in STEPS_S], outputs(course, FINEST_STEP_S))
+
+
+def grain_distances(course: Course) -> Distances:
+    """Return the distances of ever more grains from the fronts, both in steps so fine that those do not count."""
+    return distances([outputs_of_grains(course, grains) for grains in GRAINS], outputs(course, FINEST_STEP_S))
 
 
 def order_tables() -> list[dict[str, Any]]:
     """Return a table for each course and ladder."""
-    step_fineness, grain_fineness = 1.0 / np.array(STEPS_S), np.array(GRAINS, dtype=np.float64)
     tables = []
     for course in COURSES:
-        for ladder, fineness, found in (
-            ("dt_s", step_fineness, step_distances(course)),
-            ("grains", grain_fineness, grain_distances(course)),
+        for ladder, values, found, order in (
+            ("step_s", STEPS_S, step_distances(course), observed_order_of_steps),
+            ("grains", GRAINS, grain_distances(course), observed_order_of_grains),
         ):
             tables.append(
                 {
                     "course": course.name,
                     "alloy": course.alloy,
-                    ladder: list(STEPS_S if ladder == "dt_s" else GRAINS),
+                    ladder: list(values),
                     "rms": {name: found.rms[:, n].tolist() for n, name in enumerate(OUTPUTS)},
                     "largest": {name: found.largest[:, n].tolist() for n, name in enumerate(OUTPUTS)},
-                    "order_of_rms": dict(zip(OUTPUTS, observed_order(fineness, found.rms).tolist(), strict=True)),
-                    "order_of_largest": dict(
-                        zip(OUTPUTS, observed_order(fineness, found.largest).tolist(), strict=True)
-                    ),
+                    "order_of_rms": dict(zip(OUTPUTS, order(found.rms).tolist(), strict=True)),
+                    "order_of_largest": dict(zip(OUTPUTS, order(found.largest).tolist(), strict=True)),
                 }
             )
     return tables
@@ -143,26 +151,24 @@ def order_tables() -> list[dict[str, Any]]:
 
 def print_orders(tables: list[dict[str, Any]]) -> None:
     for table in tables:
-        ladder = "dt_s" if "dt_s" in table else "grains"
-        refined = "steps" if ladder == "dt_s" else "grains"
-        print(f"{table['course']}, alloy '{table['alloy']}', {refined}: distance from the finest run, rms and largest")
-        print(f"{'dt ms' if ladder == 'dt_s' else 'grains':>8}{'T [K]':>20}{'contraction':>22}{'R [ohm]':>22}")
+        ladder = "step_s" if "step_s" in table else "grains"
+        from_what = "steps: distance from the finest run" if ladder == "step_s" else "grains: distance from the fronts"
+        print(f"{table['course']}, alloy '{table['alloy']}', {from_what}, rms and largest")
+        print(f"{'ms' if ladder == 'step_s' else 'grains':>8}{'T [K]':>20}{'contraction':>22}{'R [ohm]':>22}")
         for n, fineness in enumerate(table[ladder]):
             numbers = "".join(f"{table['rms'][name][n]:12.2e}{table['largest'][name][n]:10.1e}" for name in OUTPUTS)
-            print(f"{1e3 * fineness if ladder == 'dt_s' else fineness:8g}{numbers}")
+            print(f"{1e3 * fineness if ladder == 'step_s' else fineness:8g}{numbers}")
         orders = "".join(
             f"{table['order_of_rms'][name]:12.2f}{table['order_of_largest'][name]:10.2f}" for name in OUTPUTS
         )
         print(f"{'order':>8}{orders}\n")
 
 
-def loop_numbers(dt_s: float, grains: int) -> dict[str, float]:
+def loop_numbers(stepping: Stepping) -> dict[str, float]:
     """Return strain gap and resistances of the second cycle of the wire as shipped."""
-    bench = load_bench("paper")
-    bench = bench.model_copy(update={"grains": bench.grains.model_copy(update={"value": float(grains)})})
-    wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), bench)
+    wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
     one = slow_sine_v()
-    path, _ = drive_path(wire, np.tile(one, 2), dt_s=dt_s, steps=round(SAMPLE_S / dt_s))
+    path, _ = drive_path(wire, np.tile(one, 2), sample_s=SAMPLE_S, stepping=stepping)
     resistance = path.wire_voltage_v / path.shunt_voltage_v * wire.shunt_resistance_ohm
     segments = find_segments(resistance[one.size :], path.displacement_m[one.size :] / wire.leg_length_m)
     both = np.concatenate((segments.heating[0], segments.cooling[0]))
@@ -173,52 +179,42 @@ def loop_numbers(dt_s: float, grains: int) -> dict[str, float]:
     }
 
 
-def study(cases: list[tuple[float, int]]) -> list[dict[str, Any]]:
-    """Return one row a case, each with its distance from the last."""
-    found = [loop_numbers(*case) for case in cases]
+def study(finest_step_s: float) -> list[dict[str, Any]]:
+    """Return one row for chosen steps and one for each fixed step, each with its distance from the finest."""
+    finest = loop_numbers(fixed_steps(finest_step_s))
+    cases = {"chosen": Stepping(), **{f"{1e3 * step_s:g} ms": fixed_steps(step_s) for step_s in STEPS_S}}
+    found = {name: loop_numbers(stepping) for name, stepping in cases.items()}
+    found[f"{1e3 * finest_step_s:g} ms"] = finest
     return [
-        {
-            "dt_s": dt,
-            "grains": grains,
-            **numbers,
-            "from_finest": {key: value - found[-1][key] for key, value in numbers.items()},
-        }
-        for (dt, grains), numbers in zip(cases, found, strict=True)
+        {"steps": name, **numbers, "from_finest": {key: value - finest[key] for key, value in numbers.items()}}
+        for name, numbers in found.items()
     ]
 
 
-def print_study(title: str, rows: list[dict[str, Any]]) -> None:
-    print(
-        f"{title:>10}{'dt ms':>8}{'grains':>8}{'gap %':>10}{'R_min':>11}{'R_max':>11}"
-        "   from the finest: gap, R_min, R_max"
-    )
+def print_study(rows: list[dict[str, Any]]) -> None:
+    print(f"{'steps':>10}{'gap %':>10}{'R_min':>11}{'R_max':>11}   from the finest: gap, R_min, R_max")
     for row in rows:
         off = row["from_finest"]
         print(
-            f"{'':10}{1e3 * row['dt_s']:8.2f}{row['grains']:8d}{row['strain_gap_pct']:10.4f}"
-            f"{row['resistance_min_ohm']:11.5f}{row['resistance_max_ohm']:11.5f}"
-            f"   {off['strain_gap_pct']:+.4f} {off['resistance_min_ohm']:+.5f} {off['resistance_max_ohm']:+.5f}"
+            f"{row['steps']:>10}{row['strain_gap_pct']:10.4f}{row['resistance_min_ohm']:11.5f}"
+            f"{row['resistance_max_ohm']:11.5f}"
+            f"   {off['strain_gap_pct']:+.5f} {off['resistance_min_ohm']:+.6f} {off['resistance_max_ohm']:+.6f}"
         )
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="the default loop only, without its finest runs")
+    parser.add_argument("--quick", action="store_true", help="the default loop only")
     parser.add_argument("--json", action="store_true", help="one JSON document instead of tables")
     arguments = parser.parse_args()
-    last = -1 if arguments.quick else None
-    studies = {
-        "time step": study([(dt, DEFAULT_GRAINS) for dt in STEPS_S[:last]]),
-        "grains": study([(DEFAULT_STEP_S, grains) for grains in GRAINS[:last]]),
-    }
+    rows = study(2e-4 if arguments.quick else FINEST_STEP_S)
     orders = [] if arguments.quick else order_tables()
     if arguments.json:
-        print(json.dumps({"orders": orders, "default loop": studies}, indent=2))
+        print(json.dumps({"orders": orders, "default loop": rows}, indent=2))
         return
     print_orders(orders)
     print("the default loop of the wire as shipped")
-    for title, rows in studies.items():
-        print_study(title, rows)
+    print_study(rows)
 
 
 if __name__ == "__main__":

@@ -77,9 +77,9 @@ def share_due(excess_k: Array) -> Array:
 class PlainWire:
     """A settled wire on the paper's bench, held together by nothing but its equations."""
 
-    def __init__(self, alloy: Alloy, wire: Wire, bench: Bench) -> None:
+    def __init__(self, alloy: Alloy, wire: Wire, bench: Bench, classes: int = 640) -> None:
         self.p = p = {**alloy.values(), **wire.values(), **bench.values()}
-        self.edges = class_edges(int(p["grains"]), p["grain_skew"], p["grain_tail"])
+        self.edges = class_edges(classes, p["grain_skew"], p["grain_tail"])
         self.area_m2 = math.pi / 4 * p["diameter_m"] ** 2
         self.section_m2 = p["legs"] * self.area_m2
         self.leg_m = p["wire_length_m"] / p["legs"]

@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from wire_makers import ALLOYS, Array, alloy, bench, constants, slow_sine_v, wire_100um
+from wire_makers import ALLOYS, Array, alloy, bench, constants, driven, slow_sine_v, wire_100um
 
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
-from musclewire.simulate.paths import DrivenPath, drive_path
+from musclewire.simulate.paths import DrivenPath
 from musclewire.wire.building import resting_state
-from musclewire.wire.state import WireConstants, WireState
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.state import WireState
 
 DT_S = 1e-3
 CYCLE_V = np.array([slow_sine_v(t) for t in np.arange(0.05, 90.0, 0.1)])
@@ -22,9 +23,9 @@ SURFACE_M2 = math.pi * 100e-6 * 0.14
 
 
 def held_j(state: WireState, wire: WireConstants) -> float:
-    """Return m c (T - 20 C) - m L (x_M + r x_R), from the grains themselves."""
+    """Return m c (T - 20 C) - m L (x_M + r x_R)."""
     values = alloy().values()
-    changed = state.grain_martensite.mean() + wire.r_phase_entropy_ratio * state.grain_r_phase.mean()
+    changed = state.martensite_fraction + wire.r_phase_entropy_ratio * state.r_phase_fraction
     return MASS_KG * (
         values["specific_heat_j_per_kg_k"] * (state.temperature_k - 293.15) - values["latent_heat_j_per_kg"] * changed
     )
@@ -35,11 +36,11 @@ def test_over_ten_slow_cycles_the_heat_account_is_closed_to_rounding(kind: str) 
     """900 000 steps: each adds a rounding of 1e-16 of the heat that has gone through, at worst all one way."""
     wire = constants(kind)
     start = resting_state(wire)
-    _, end = drive_path(wire, np.tile(CYCLE_V, 10), dt_s=DT_S, steps=100)
+    _, end = driven(wire, np.tile(CYCLE_V, 10), DT_S, 100)
     assert end.heat_in_j > 50.0 * wire.latent_heat_j, "little heat went through: this would show little"
-    assert end.heat_in_j - end.heat_out_j == pytest.approx(end.enthalpy_j - start.enthalpy_j, abs=1e-10 * end.heat_in_j)
-    # Shares are kept up by sums and differences too, a few in each step.
-    assert end.enthalpy_j == pytest.approx(held_j(end, wire), abs=1e-9 * wire.latent_heat_j)
+    supplied_j = end.heat_in_j - end.heat_out_j - end.carried_heat_j
+    assert supplied_j == pytest.approx(end.enthalpy_j - start.enthalpy_j, abs=1e-10 * end.heat_in_j)
+    assert end.enthalpy_j == pytest.approx(held_j(end, wire), abs=1e-12 * wire.latent_heat_j)
 
 
 def latent_j(path: DrivenPath, wire: WireConstants) -> Array:
@@ -49,8 +50,8 @@ def latent_j(path: DrivenPath, wire: WireConstants) -> Array:
 @pytest.mark.parametrize("kind", sorted(ALLOYS))
 def test_over_a_settled_cycle_enthalpy_returns_and_heating_takes_up_what_cooling_gives_back(kind: str) -> None:
     wire = constants(kind)
-    _, settled = drive_path(wire, np.tile(CYCLE_V, 2), dt_s=DT_S, steps=100)
-    path, end = drive_path(wire, CYCLE_V, dt_s=DT_S, steps=100, state=settled)
+    _, settled = driven(wire, np.tile(CYCLE_V, 2), DT_S, 100)
+    path, end = driven(wire, CYCLE_V, DT_S, 100, state=settled)
     moved = end.heat_in_j - settled.heat_in_j
     # A cycle forgets the one before but for its last heat, which decays within a second.
     assert end.enthalpy_j == pytest.approx(settled.enthalpy_j, abs=1e-7 * moved)
@@ -72,20 +73,21 @@ def test_electrical_energy_less_convection_is_the_heat_that_temperature_and_phas
 ) -> None:
     """Counted from outside: V I from the two voltages, convection from the correlation, mass from the dimensions.
 
-    A sample is a step here, so that its voltages are the step's. The wire's own convection is a table every 2 K;
-    what it misses between two points is the only difference.
+    A sample is a step here, so that its voltages are the step's: means of both ends, as the loss is. The wire's own
+    convection is a table every 2 K; what it misses between two points, and the product of two means, are the only
+    differences.
     """
     wire = constants(kind, bench_values={"guide_friction_n": friction_n})
     start = resting_state(wire)
-    path, end = drive_path(wire, SWINGS_V, dt_s=DT_S, steps=1)
+    path, end = driven(wire, SWINGS_V, DT_S, 1)
     joule_j = np.cumsum(path.wire_voltage_v * path.shunt_voltage_v / bench().values()["shunt_resistance_ohm"]) * DT_S
     air_k = bench().values()["ambient_temperature_k"]
-    ends_k = np.concatenate(([start.temperature_k, start.temperature_k], path.temperature_k[:-1]))
-    wall_k = 1.5 * ends_k[1:] - 0.5 * ends_k[:-1]  # half a step ahead, as the last step went
+    ends_k = np.concatenate(([start.temperature_k], path.temperature_k))
     h = wire_100um().values()["convection_factor"] * np.array(
-        [convection_coefficient_w_per_m2_k(t, air_k, 100e-6) for t in wall_k]
+        [convection_coefficient_w_per_m2_k(t, air_k, 100e-6) for t in ends_k]
     )
-    lost_j = np.cumsum(h * SURFACE_M2 * (wall_k - air_k)) * DT_S
+    loss_w = h * SURFACE_M2 * (ends_k - air_k)
+    lost_j = np.cumsum(0.5 * (loss_w[1:] + loss_w[:-1])) * DT_S
     values = alloy(kind).values()
     latent = -values["latent_heat_j_per_kg"] * (
         path.martensite_fraction + values["r_phase_entropy_ratio"] * path.r_phase_fraction
@@ -94,7 +96,7 @@ def test_electrical_energy_less_convection_is_the_heat_that_temperature_and_phas
     missing_j = joule_j - lost_j - (held - held_j(start, wire))
     assert np.abs(missing_j).max() < 3e-5 * joule_j[-1]
     assert np.abs(missing_j).max() < 0.01 * np.ptp(latent) * MASS_KG, "a lost hundredth of the latent heat would show"
-    assert end.heat_in_j == pytest.approx(joule_j[-1], rel=1e-9)
+    assert end.heat_in_j == pytest.approx(joule_j[-1], rel=1e-7)
 
 
 def test_a_recording_of_20_hz_shows_the_same_energy() -> None:
@@ -105,7 +107,7 @@ def test_a_recording_of_20_hz_shows_the_same_energy() -> None:
     """
     wire = constants()
     start = resting_state(wire)
-    path, end = drive_path(wire, SWINGS_V[::50], dt_s=DT_S, steps=50)
+    path, end = driven(wire, SWINGS_V[::50], DT_S, 50)
     joule_j = float(np.sum(path.wire_voltage_v * path.shunt_voltage_v)) * 0.05 / wire.shunt_resistance_ohm
     ends_k = np.concatenate(([start.temperature_k], path.temperature_k))
     air_k = wire.ambient_temperature_k

@@ -9,11 +9,11 @@ import pytest
 from plain_scipy_wire import churchill_chu_w_per_m2_k
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from wire_makers import constants
+from wire_makers import constants, stepped
 
-from musclewire.simulate.wires import advance
 from musclewire.wire.building import resting_state
-from musclewire.wire.state import WireConstants, WireState
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.state import WireState
 
 # Cold martensite at any temperature reached here, and no latent heat.
 INERT = {"latent_heat_j_per_kg": 0.0, "martensite_temperature_k": 3000.0, "r_phase_temperature_k": 300.0}
@@ -68,14 +68,14 @@ def our_temperatures_k(wire: WireConstants, dt_s: float) -> list[float]:
     state: WireState = resting_state(wire)
     found = []
     for voltage in HISTORY_V:
-        state, _ = advance(state, wire, voltage, dt_s, round(PIECE_S / dt_s))
+        state, _ = stepped(state, wire, voltage, dt_s, round(PIECE_S / dt_s))
         found.append(state.temperature_k)
     assert state.martensite_fraction == pytest.approx(1.0, abs=1e-12)
     return found
 
 
 def test_without_transformation_the_temperature_is_that_of_scipy() -> None:
-    """Heat is lost at the temperature half a step ahead; what is left is the convection table, linear over 2 K."""
+    """Heat is lost at the mean of both ends of a step; what is left is the convection table, linear over 2 K."""
     wire = inert_wire()
     assert our_temperatures_k(wire, 1e-3) == pytest.approx(reference_temperatures_k(wire), abs=0.003)
 
@@ -94,6 +94,6 @@ def test_the_error_against_scipy_falls_with_the_square_of_the_step() -> None:
 def test_in_warmer_air_the_wire_settles_warmer_by_nearly_as_much() -> None:
     wire = inert_wire()
     warmer = wire.replace(ambient_temperature_k=wire.ambient_temperature_k + 10.0)
-    state, _ = advance(resting_state(wire), wire, 2.0, 1e-3, 10_000)
-    in_warm_air, _ = advance(resting_state(wire), warmer, 2.0, 1e-3, 10_000)
+    state, _ = stepped(resting_state(wire), wire, 2.0, 1e-3, 10_000)
+    in_warm_air, _ = stepped(resting_state(wire), warmer, 2.0, 1e-3, 10_000)
     assert 8.0 < in_warm_air.temperature_k - state.temperature_k < 12.0

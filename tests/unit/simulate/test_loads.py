@@ -9,16 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
-from wire_makers import Array, constants, run, slow_sine_v
+from wire_makers import Array, constants, run, slow_sine_v, stepped
 
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.published_ranges import published_ranges
-from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state
+from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import ConnectorLoad, spring_load, with_table
-from musclewire.wire.state import WireConstants, WireState
-from musclewire.wire.step import friction_limit_n, load_beyond_spring
+from musclewire.wire.state import WireState
+from musclewire.wire.step import NO_PUSH, load_at
 
 REACH_M = 7e-3
 SMOOTH = {"guide_friction_n": 0.0}
@@ -65,7 +65,7 @@ def missing_n(state: WireState, wire: WireConstants, load: ConnectorLoad, fricti
 
 def balanced_stress_pa(state: WireState, wire: WireConstants, load: ConnectorLoad, friction_n: float) -> float:
     """Solve strain and balance, both written out, for the stress of one leg."""
-    x_m, x_r = float(state.grain_martensite.mean()), float(state.grain_r_phase.mean())
+    x_m, x_r = state.martensite_fraction, state.r_phase_fraction
 
     def excess_pa(stress: float) -> float:
         reoriented = wire.strain_saturated + (wire.strain_at_no_stress - wire.strain_saturated) * np.exp(
@@ -87,10 +87,10 @@ def test_a_table_that_is_a_straight_line_is_a_spring_step_by_step_to_rounding() 
     half = constants(load=tabulated(300.0, lambda x: 288.6 * x))
     state, compared = resting_state(spring), 0
     for voltage in CYCLE_V[::5]:
-        state, _ = advance(state, spring, voltage, 1e-3, 249)
+        state, _ = stepped(state, spring, voltage, 1e-3, 249)
         for other in (line, half) if state.contraction > 1e-5 else ():
-            after, _ = advance(state, spring, voltage, 1e-3, 1)
-            same, _ = advance(state, other, voltage, 1e-3, 1)
+            after, _ = stepped(state, spring, voltage, 1e-3, 1)
+            same, _ = stepped(state, other, voltage, 1e-3, 1)
             assert same.stress_pa == pytest.approx(after.stress_pa, rel=1e-11)
             assert same.contraction == pytest.approx(after.contraction, rel=1e-11)
             assert same.resistance_ohm == pytest.approx(after.resistance_ohm, rel=1e-11)
@@ -118,23 +118,17 @@ def test_a_weight_is_one_force_whatever_the_wire_does() -> None:
 
 @pytest.mark.parametrize("name", sorted(LOADS))
 def test_after_every_step_wire_and_load_are_in_balance(name: str) -> None:
-    """One Newton step a time step, against the balance solved anew by bisection: 1e-8 of the stress, on a kink 1e-5.
-
-    The friction in the balance of a step is the one with which the step began. On a kink a step is made with the slope
-    before it; the next makes up for it.
-    """
+    """Against the balance solved anew by bisection: 1e-8 of the stress, on a kink 1e-6."""
     wire, load = WIRES[name], LOADS[name]
     state, wrong, moments = resting_state(wire), [], 0
     for voltage in CYCLE_V[::3]:
-        state, _ = advance(state, wire, voltage, 1e-3, 149)
-        friction = state.friction_n
-        state, _ = advance(state, wire, voltage, 1e-3, 1)
-        exact = balanced_stress_pa(state, wire, load, friction)
+        state, _ = stepped(state, wire, voltage, 1e-3, 150)
+        exact = balanced_stress_pa(state, wire, load, state.friction_n)
         wrong.append(abs(state.stress_pa / exact - 1.0))
         moments += state.contraction > 1e-3
     assert moments > 100 or name == "mount"
     assert np.quantile(wrong, 0.98) < 1e-8
-    assert max(wrong) < 1e-5
+    assert max(wrong) < 1e-6
 
 
 @settings(derandomize=True, deadline=None, max_examples=40)
@@ -155,12 +149,11 @@ def test_any_load_that_rises_keeps_wire_and_load_in_balance_and_the_shares_share
     # What the load begins with is part of its force, as it is of a rig's pretension.
     state = run(resting_state(wire), wire, [0.0])[0][-1]
     for voltage, steps in history:
-        state, _ = advance(state, wire, voltage, 1e-3, steps)
-        friction = state.friction_n
-        state, _ = advance(state, wire, voltage, 1e-3, 1)
-        assert abs(missing_n(state, wire, load, friction)) < 1e-5
-        assert state.grain_martensite.min() >= -1e-12
-        assert (state.grain_martensite + state.grain_r_phase).max() <= 1.0 + 1e-12
+        state, _ = stepped(state, wire, voltage, 1e-3, steps)
+        assert abs(missing_n(state, wire, load, state.friction_n)) < 1e-5
+        assert min(state.martensite_fraction, state.r_phase_fraction) >= -1e-9
+        assert state.martensite_fraction + state.r_phase_fraction <= 1.0 + 1e-9
+        assert state.unsolved_steps == 0
 
 
 @pytest.mark.parametrize("name", ["hardening", "slack", "wall", "mount"])
@@ -169,10 +162,11 @@ def test_over_slow_cycles_the_heat_account_is_closed_to_rounding_on_any_load(nam
     start = resting_state(wire)
     end = run(start, wire, CYCLE_V * 2)[0][-1]
     assert end.heat_in_j > 10.0 * wire.latent_heat_j, "little heat went through: this would show little"
-    assert end.heat_in_j - end.heat_out_j == pytest.approx(end.enthalpy_j - start.enthalpy_j, abs=1e-10 * end.heat_in_j)
-    transformed = end.grain_martensite.mean() + wire.r_phase_entropy_ratio * end.grain_r_phase.mean()
+    supplied_j = end.heat_in_j - end.heat_out_j - end.carried_heat_j
+    assert supplied_j == pytest.approx(end.enthalpy_j - start.enthalpy_j, abs=1e-11 * end.heat_in_j)
+    transformed = end.martensite_fraction + wire.r_phase_entropy_ratio * end.r_phase_fraction
     held = wire.heat_capacity_j_per_k * (end.temperature_k - 293.15) - wire.latent_heat_j * transformed
-    assert end.enthalpy_j == pytest.approx(held, abs=1e-9 * wire.latent_heat_j)
+    assert end.enthalpy_j == pytest.approx(held, abs=1e-13 * wire.latent_heat_j)
 
 
 # Grains that are all alike and turn from martensite to austenite with nothing between.
@@ -181,6 +175,7 @@ ALIKE = {
     "martensite_spread_per_pa": 0.0,
     "martensite_barrier_per_pa": 0.0,
     "r_phase_temperature_k": 250.0,
+    "r_phase_spread_k": 0.05,
 }
 
 
@@ -239,13 +234,29 @@ def test_sliding_friction_of_the_load_separates_pulling_from_easing_by_twice_its
 def test_before_its_table_a_load_keeps_its_force_and_behind_it_the_last_slope() -> None:
     load = with_table(0.0, lambda x: 0.5 + 100.0 * x + 1e5 * x**2, lambda x: 0.1 + x, reach_m=1e-3, points=11)
     wire = constants(load=load, bench_values=SMOOTH)
-    assert load_beyond_spring(wire.load_table_n, wire.load_step_m, -1e-3) == (0.5, 0.0)
-    force, slope = load_beyond_spring(wire.load_table_n, wire.load_step_m, 2e-3)
+    derived, _, tables = wire.step_arrays()
+
+    def at(displacement_m: float) -> tuple[float, float, float]:
+        """Return force [N], stiffness [N/m] and limit of friction [N] where nothing has moved, so that nothing rubs."""
+        contraction = displacement_m / wire.leg_length_m
+        point = load_at(derived[0], tables[0], contraction, (contraction, 0.0), NO_PUSH)
+        assert point.friction_n == 0.0
+        elastic_n_per_m = point.limit_n / wire.friction_presliding_m
+        return (
+            point.force_n - wire.pretension_n,
+            point.per_contraction_n / wire.leg_length_m - elastic_n_per_m,
+            point.limit_n,
+        )
+
+    force, slope, _ = at(-1e-3)
+    assert force == pytest.approx(0.5)
+    assert slope == pytest.approx(0.0, abs=1e-6)
+    force, slope, _ = at(2e-3)
     last = (load.force_n[-1] - load.force_n[-2]) / 1e-4
     assert slope == pytest.approx(last)
     assert force == pytest.approx(load.force_n[-1] + last * 1e-3)
     for x, friction in ((-1e-3, 0.1), (0.5e-3, 0.1005), (5e-3, 0.101)):
-        assert friction_limit_n(wire.record, wire.load_table_n, x) == pytest.approx(friction)
+        assert at(x)[2] == pytest.approx(friction)
 
 
 def test_a_load_that_is_no_number_or_reaches_nowhere_is_refused() -> None:
@@ -255,9 +266,18 @@ def test_a_load_that_is_no_number_or_reaches_nowhere_is_refused() -> None:
         tabulated(1.0, lambda x: np.where(x > 1e-3, np.nan, 0.0))
 
 
-def test_friction_of_the_load_asks_for_a_presliding_travel_that_a_step_can_follow() -> None:
-    with pytest.raises(CallerError, match="guide_presliding_m"):
-        constants(load=LOADS["hardening"], bench_values={**SMOOTH, "guide_presliding_m": 1e-7})
+@pytest.mark.parametrize("presliding_m", [1e-7, 1e-6, 1e-4])
+def test_friction_of_the_load_is_what_was_asked_whatever_the_presliding_travel(presliding_m: float) -> None:
+    wire = constants(load=LOADS["hardening"], bench_values={**SMOOTH, "guide_presliding_m": presliding_m})
+    states = run(resting_state(wire), wire, CYCLE_V)[0]
+    x = np.array([state.connector_contraction * wire.leg_length_m for state in states])
+    friction = np.array([state.friction_n for state in states])
+    top = int(x.argmax())
+    turned_m = x[top] - 2.0 * presliding_m - 0.1e-3
+    for part, sign in ((slice(0, top), 1.0), (slice(top, None), -1.0)):
+        sliding = (x[part] > 0.5e-3) & (x[part] < turned_m)
+        assert sliding.sum() > 50
+        assert friction[part][sliding] == pytest.approx(sign * (0.02 + 20.0 * x[part][sliding]), rel=1e-6)
 
 
 @pytest.mark.parametrize("stiffness_n_per_m", [1e3, 1e6, 1e7])
@@ -271,7 +291,7 @@ def test_a_wall_of_any_stiffness_is_met_without_a_jump_and_alike_by_long_and_sho
     for dt_s in (1e-3, 2e-4):
         state, force = resting_state(wire), []
         for sample in range(300):
-            state, means = advance(state, wire, 1.75 if 20 < sample < 200 else 0.3, dt_s, round(0.05 / dt_s))
+            state, means = stepped(state, wire, 1.75 if 20 < sample < 200 else 0.3, dt_s, round(0.05 / dt_s))
             force.append(means.force_n)
         largest.append(max(force))
     assert largest[0] == pytest.approx(largest[1], rel=0.05)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wire_makers import constants
+from wire_makers import constants, driven
 
 from musclewire.errors import CallerError
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
-from musclewire.simulate.paths import drive_path, isobaric_path
+from musclewire.simulate.paths import isobaric_path
 from musclewire.simulate.warming import heated_state
 
 AMBIENT_K = 295.15
@@ -18,7 +18,7 @@ AMBIENT_K = 295.15
 def test_heating_by_a_slow_current_comes_to_the_same(temperature_k: float) -> None:
     wire = constants()
     drive = np.linspace(0.5, 3.3, 40_000)
-    path, _ = drive_path(wire, drive, dt_s=0.01, steps=1)
+    path, _ = driven(wire, drive, 0.01, 1)
     there = int(np.argmax(path.temperature_k >= temperature_k))
     assert there > 0
     state = heated_state(wire, temperature_k)
@@ -39,9 +39,10 @@ def test_under_a_dead_weight_it_is_the_heating_branch_of_an_isobar() -> None:
 
 
 def test_far_above_the_transformation_there_is_austenite_only() -> None:
-    state = heated_state(constants(), 480.0)
+    """The longest tail of the grains ends 270 K above the middle one."""
+    state = heated_state(constants(), 700.0)
     assert state.martensite_fraction == pytest.approx(0.0, abs=1e-9)
-    assert state.temperature_k == 480.0
+    assert state.temperature_k == 700.0
 
 
 def test_enthalpy_belongs_to_temperature_and_phases() -> None:
@@ -55,7 +56,7 @@ def test_enthalpy_belongs_to_temperature_and_phases() -> None:
 
 def test_left_to_the_air_it_cools_and_comes_back_to_where_it_began() -> None:
     wire = constants()
-    path, end = drive_path(wire, np.zeros(3000), dt_s=1e-3, steps=10, state=heated_state(wire, 420.0))
+    path, end = driven(wire, np.zeros(3000), 1e-3, 10, state=heated_state(wire, 420.0))
     assert np.all(np.diff(path.temperature_k) <= 1e-9)
     assert end.temperature_k == pytest.approx(AMBIENT_K, abs=0.05)
     # Friction holds the wire a little short of its cold length.

@@ -7,7 +7,7 @@ from wire_makers import alloy, bench, constants, wire_100um
 
 from musclewire.errors import CallerError
 from musclewire.wire.building import constants_from, resting_state, with_pretension
-from musclewire.wire.step import total_strain
+from musclewire.wire.prescribed import total_strain
 
 
 def test_the_constants_are_the_geometry_of_the_wire() -> None:
@@ -25,7 +25,7 @@ def test_contraction_counts_from_the_cold_wire_at_its_pretension(pretension_n: f
     wire = with_pretension(constants(), pretension_n)
     state = resting_state(wire)
     strain = total_strain(
-        wire.record, state.stress_pa, state.martensite_fraction, state.r_phase_fraction, state.temperature_k
+        wire.derived.record, state.stress_pa, state.martensite_fraction, state.r_phase_fraction, state.temperature_k
     )
     assert strain == pytest.approx(wire.cold_strain, abs=1e-15)
     assert state.stress_pa == pytest.approx(pretension_n / 2 / wire.area_m2)
@@ -49,3 +49,24 @@ def test_a_wire_cannot_be_pushed_nor_pulled_with_no_number(pretension_n: float) 
 def test_no_length_and_no_legs_are_the_callers_error(wrong: dict[str, float]) -> None:
     with pytest.raises(CallerError, match="above 0"):
         constants_from(alloy(), wire_100um(), bench(**wrong))
+
+
+@pytest.mark.parametrize("wrong", [{"guide_friction_n": -0.1}, {"guide_presliding_m": 0.0}])
+def test_friction_that_cannot_be_is_the_callers_error(wrong: dict[str, float]) -> None:
+    with pytest.raises(CallerError, match="guide_friction_n must be 0 or more, and guide_presliding_m above 0"):
+        constants_from(alloy(), wire_100um(), bench(**wrong))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"r_phase_spread_k": 60.0},
+        {"r_phase_spread_k": 0.0},
+        {"martensite_spread_k": 1.0, "martensite_spread_per_pa": 1e-7},
+        {"martensite_spread_per_pa": -2e-8},
+    ],
+)
+def test_an_r_phase_that_spreads_more_than_martensite_is_refused_with_what_to_do(wrong: dict[str, float]) -> None:
+    """Two fronts describe the phases only while all three spreads are positive, at any stress."""
+    with pytest.raises(CallerError, match="raise martensite_spread_k or lower r_phase_spread_k"):
+        constants(**wrong)

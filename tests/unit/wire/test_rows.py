@@ -9,12 +9,13 @@ import sys
 
 import numpy as np
 import pytest
-from wire_makers import constants, slow_sine_v
+from wire_makers import constants, slow_sine_v, stepped
 
 from musclewire.errors import CallerError
-from musclewire.simulate.wires import advance
 from musclewire.wire.building import resting_state
-from musclewire.wire.state import GRAINS, WireConstants, WireState, field
+from musclewire.wire.constants import StepConstants, WireConstants
+from musclewire.wire.row import CLASSES, field
+from musclewire.wire.state import WireState
 
 WIRE = constants()
 
@@ -23,7 +24,7 @@ class LongerState(WireState):
     """A wire with two fields more, a number and an array."""
 
     worn_j: float = field("J", "what the wire has lost")
-    grain_age: np.ndarray = field("1", "age of each grain", GRAINS)
+    class_age: np.ndarray = field("1", "age of each class of barrier", CLASSES)
 
 
 # First in memory, so that no offset of the others is what it was.
@@ -31,10 +32,10 @@ LongerState.fields = (*LongerState.fields[-2:], *LongerState.fields[:-2])
 
 
 def longer(state: WireState, worn_j: float) -> LongerState:
-    return LongerState.of(state.grains, **state.values(), worn_j=worn_j, grain_age=np.arange(state.grains))
+    return LongerState.of(state.classes, **state.values(), worn_j=worn_j, class_age=np.arange(state.classes))
 
 
-@pytest.mark.parametrize("row", [WireState, WireConstants, LongerState])
+@pytest.mark.parametrize("row", [WireState, WireConstants, StepConstants, LongerState])
 def test_layout_and_attributes_follow_from_the_list_of_fields(row: type[WireState]) -> None:
     names = [item.name for item in row.fields]
     layout = row.layout(7)
@@ -55,13 +56,13 @@ def test_one_line_more_in_the_list_is_all_that_a_new_field_takes() -> None:
     plain = resting_state(WIRE)
     extended = longer(plain, 3.0)
     for time_s in np.arange(0.0, 45.0, 0.5):
-        plain, means = advance(plain, WIRE, slow_sine_v(time_s), 1e-3, 100)
-        extended, same = advance(extended, WIRE, slow_sine_v(time_s), 1e-3, 100)
+        plain, means = stepped(plain, WIRE, slow_sine_v(time_s), 1e-3, 100)
+        extended, same = stepped(extended, WIRE, slow_sine_v(time_s), 1e-3, 100)
         assert means == same
     assert plain.martensite_fraction < 0.9, "the wire must have moved to say anything"
     kept = extended.values()
     assert kept.pop("worn_j") == 3.0
-    assert np.array_equal(kept.pop("grain_age"), np.arange(plain.grains))
+    assert np.array_equal(kept.pop("class_age"), np.arange(plain.classes))
     for name, value in plain.values().items():
         assert np.array_equal(kept[name], value), name
 
@@ -71,7 +72,7 @@ def test_a_state_handed_out_cannot_be_written() -> None:
     with pytest.raises(AttributeError, match=r"use replace\(temperature_k="):
         state.temperature_k = 400.0
     with pytest.raises(ValueError, match="read-only"):
-        state.grain_martensite[0] = 0.0
+        state.front_martensite[0] = 0.0
     other = state.replace(temperature_k=400.0)
     assert (state.temperature_k, other.temperature_k) == (WIRE.ambient_temperature_k, 400.0)
 
@@ -84,13 +85,13 @@ def test_fields_are_floats_and_a_missing_or_unknown_one_is_named() -> None:
     values = state.values()
     del values["stress_pa"], values["cycles"]
     with pytest.raises(CallerError, match="needs stress_pa, cycles"):
-        WireState.of(state.grains, **values)
+        WireState.of(state.classes, **values)
 
 
 def test_a_pickled_row_is_the_same_wire() -> None:
     state, wire = pickle.loads(pickle.dumps((resting_state(WIRE), WIRE)))
-    after, means = advance(state, wire, 2.0, 1e-3, 500)
-    wanted, same = advance(resting_state(WIRE), WIRE, 2.0, 1e-3, 500)
+    after, means = stepped(state, wire, 2.0, 1e-3, 500)
+    wanted, same = stepped(resting_state(WIRE), WIRE, 2.0, 1e-3, 500)
     assert means == same
     assert after.row.tobytes() == wanted.row.tobytes()
 
@@ -102,22 +103,23 @@ import time
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state
+from musclewire.simulate.stepping import fixed_steps
 
 wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
-state = resting_state(wire)
-before, wanted = state.row.tobytes(), advance(state, wire, 2.0, 1e-3, 20)
+state, stepping = resting_state(wire), fixed_steps(1e-3)
+before, wanted = state.row.tobytes(), advance(state, wire, 2.0, 0.02, stepping)
 caught = 0
 signal.signal(signal.SIGALRM, signal.default_int_handler)
 for turn in range(3000):
     try:
         signal.setitimer(signal.ITIMER_REAL, 1e-6 * (1 + turn % 37))
         for _ in range(50):
-            after, means = advance(state, wire, 2.0, 1e-3, 20)
+            after, means = advance(state, wire, 2.0, 0.02, stepping)
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         time.sleep(0.0)  # one that is still on its way arrives here
     except KeyboardInterrupt:
         caught += 1
-after, means = advance(state, wire, 2.0, 1e-3, 20)
+after, means = advance(state, wire, 2.0, 0.02, stepping)
 assert caught > 1000, caught
 assert state.row.tobytes() == before
 assert after.row.tobytes() == wanted[0].row.tobytes() and means == wanted[1]
@@ -127,7 +129,7 @@ print(sum(__import__("musclewire.simulate.wires").simulate.wires.advance_rows.st
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no interval timers on Windows")
 def test_signals_during_a_call_harm_neither_process_nor_state_and_another_process_starts_warm() -> None:
-    advance(resting_state(WIRE), WIRE, 0.0, 1e-3, 1)  # compiled or read from disk by now
+    stepped(resting_state(WIRE), WIRE, 0.0, 1e-3, 1)  # compiled or read from disk by now
     ran = subprocess.run([sys.executable, "-c", RUN_UNDER_SIGNALS], capture_output=True, text=True, timeout=120)
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout.strip() == "0", "the other process compiled again"
@@ -137,9 +139,10 @@ WITHOUT_COMPILATION = """
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.simulate.wires import advance
 from musclewire.wire.building import constants_from, resting_state
+from musclewire.simulate.stepping import fixed_steps
 
 wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
-state, means = advance(resting_state(wire), wire, 3.0, 0.05, 30)
+state, means = advance(resting_state(wire), wire, 3.0, 1.5, fixed_steps(0.05))
 print(state.temperature_k, state.martensite_fraction, means.displacement_m)
 """
 

@@ -1,15 +1,25 @@
-"""Wires for tests: alloys of round numbers, so that no test rests on a value that a fit may move."""
+"""Wires for tests: alloys of round numbers, so that no test rests on a value that a fit may move.
+
+The one place that knows how the kernel's fronts are called without a wire around them.
+"""
 
 from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from musclewire.compiled import compiled
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
+from musclewire.simulate.paths import DrivenPath, drive_path
 from musclewire.simulate.stepping import fixed_steps
 from musclewire.simulate.wires import WireMeans, advance
 from musclewire.wire.building import constants_from
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.fronts import cumulative_at, fronts_after, thresholds_at
 from musclewire.wire.loads import ConnectorLoad
 from musclewire.wire.state import WireState
 
@@ -92,9 +102,126 @@ def constants(
     return constants_from(alloy(kind, **alloy_values), wire_100um(), around, load=load, new_wire=new_wire)
 
 
+class Fronts(NamedTuple):
+    """Two fronts in units of the spread: austenite lies below the first, martensite above the second."""
+
+    austenite: float
+    martensite: float
+
+
+ALL_AUSTENITE = Fronts(math.inf, math.inf)
+
+
+class Fractions(NamedTuple):
+    """Volume fractions."""
+
+    martensite: float
+    r_phase: float
+
+
+@compiled
+def trace_fronts(
+    constants: np.ndarray, tables: np.ndarray, temperature_k: Array, stress_pa: Array, start: tuple[float, float]
+) -> Array:
+    """Return both fronts and the fractions of martensite and R-phase along a walk, (4, n_points)."""
+    k, cells = constants[0], tables[0]
+    shown = np.empty((4, temperature_k.shape[0]))
+    f, m = start
+    for point in range(temperature_k.shape[0]):
+        after = fronts_after(k, temperature_k[point], stress_pa[point], 1.0, k.class_barrier_k[0], (f, m))
+        f, m = after.austenite, after.martensite
+        below_f, _ = cumulative_at(k, cells, 0, f)
+        below_m, _ = cumulative_at(k, cells, 0, m)
+        shown[0, point], shown[1, point], shown[2, point], shown[3, point] = f, m, 1.0 - below_m, below_m - below_f
+    return shown
+
+
+def fronts_along(wire: WireConstants, temperature_k: object, stress_pa: object, start: Fronts = ALL_AUSTENITE) -> Array:
+    """Return both fronts and both fractions of a wire of one class of barrier along a walk, (4, n_points)."""
+    kelvin, pascal = np.broadcast_arrays(np.asarray(temperature_k, float), np.asarray(stress_pa, float))
+    return trace_fronts(
+        *wire.step_arrays()[:2],
+        np.ascontiguousarray(kelvin).reshape(-1),
+        np.ascontiguousarray(pascal).reshape(-1),
+        (float(start.austenite), float(start.martensite)),
+    )
+
+
+def fronts_at(wire: WireConstants, temperature_k: float, stress_pa: float, start: Fronts = ALL_AUSTENITE) -> Fronts:
+    """Return the fronts after one temperature and stress."""
+    return Fronts(*fronts_along(wire, [temperature_k], [stress_pa], start)[:2, -1].tolist())
+
+
+def fractions(wire: WireConstants, fronts: Fronts) -> Fractions:
+    """Return the fractions between fronts."""
+    constants, tables, _ = wire.step_arrays()
+    below = [float(cumulative_at(constants[0], tables[0], 0, front)[0]) for front in fronts]
+    return Fractions(1.0 - below[1], below[1] - below[0])
+
+
+def walk(
+    wire: WireConstants, start: Fronts, stress_pa: float, *turning_points_k: float, step_k: float = 0.125
+) -> list[Fronts]:
+    """Take fronts from temperature to temperature at constant stress; return those at each turning point.
+
+    All walks step on one grid of temperatures (0.125 K is exact in binary), so that two passes over a stretch
+    see the same temperatures and must do the same to the bit.
+    """
+    visited = [start]
+    for before, end in pairwise(turning_points_k):
+        steps = round((end - before) / step_k)
+        way = before + np.sign(steps) * np.arange(1, abs(steps) + 1) * step_k
+        shown = fronts_along(wire, way, stress_pa, visited[-1])
+        visited.append(Fronts(*shown[:2, -1].tolist()) if way.size else visited[-1])
+    return visited
+
+
+class Forces(NamedTuple):
+    """Thermodynamic driving forces [K] of the six changes in grains of some offset: a change is due above 0."""
+
+    a_to_m_k: float
+    a_to_r_k: float
+    r_to_m_k: float
+    m_to_a_k: float
+    r_to_a_k: float
+    m_to_r_k: float
+
+
+def forces_at(
+    wire: WireConstants, temperature_k: float, stress_pa: float, offset: float = 0.0, barrier_factor: float = 1.0
+) -> Forces:
+    """Return driving forces from the kernel's thresholds: how far a grain's offset is beyond each, times the spread."""
+    at = thresholds_at(wire.derived.record, temperature_k, stress_pa, barrier_factor, 0.0)
+    # Slopes of thresholds over temperature: 1 / s_M, r / s_R and (1 - r) / s_P, s the spreads of the driving forces.
+    ratio = wire.r_phase_entropy_ratio
+    spread_m, spread_r, spread_p = 1.0 / at.m_per_k, ratio / at.r_per_k, (1.0 - ratio) / at.p_per_k
+    return Forces(
+        spread_m * (offset - at.a_to_m),
+        spread_r * (offset - at.a_to_r),
+        spread_p * (offset - at.r_to_m),
+        spread_m * (at.m_to_a - offset),
+        spread_r * (at.r_to_a - offset),
+        spread_p * (at.m_to_r - offset),
+    )
+
+
 def slow_sine_v(time_s: float, amplitude_v: float = 3.2, period_s: float = 90.0) -> float:
     """Return the drive from the sense voltage up to the amplitude and back."""
     return 0.3 + (amplitude_v - 0.3) * 0.5 * (1.0 - float(np.cos(2.0 * np.pi * time_s / period_s)))
+
+
+def stepped(
+    state: WireState, wire: WireConstants, drive_voltage_v: float, step_s: float, steps: int
+) -> tuple[WireState, WireMeans]:
+    """Return a wire after so many steps of one length, and the means over them."""
+    return advance(state, wire, float(drive_voltage_v), step_s * steps, fixed_steps(step_s))
+
+
+def driven(
+    wire: WireConstants, drive: Array, step_s: float, steps: int, *, state: WireState | None = None
+) -> tuple[DrivenPath, WireState]:
+    """Return a wire along a drive in steps of one length, so many a sample."""
+    return drive_path(wire, drive, sample_s=step_s * steps, stepping=fixed_steps(step_s), state=state)
 
 
 def run(
@@ -102,13 +229,13 @@ def run(
     wire: WireConstants,
     voltages_v: list[float] | Array,
     *,
-    dt_s: float = 1e-3,
+    step_s: float = 1e-3,
     hold_s: float = 0.05,
 ) -> tuple[list[WireState], list[WireMeans]]:
     """Hold each voltage for a while; return the state and the means after each."""
     states, means = [], []
     for voltage in voltages_v:
-        state, mean = advance(state, wire, float(voltage), hold_s, fixed_steps(dt_s))
+        state, mean = stepped(state, wire, voltage, step_s, round(hold_s / step_s))
         states.append(state)
         means.append(mean)
     return states, means
