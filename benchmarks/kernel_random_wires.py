@@ -1,10 +1,10 @@
 """Random wires on random loads, driven in jumps up to the largest drive: is every step solved, and how far is 10 ms?
 
 Alloys are drawn uniformly between the limits of the priors of calibration; loads are springs, tables with a kink, walls
-and guides that rub. The largest drive is that of the spool's file. In air that cools more than that spool's a wire stays
-colder; ``as_hot`` raises the drive there, so that it becomes as hot. Draws are repeated where they describe no wire: an R-phase that spreads more than martensite (refused by
-the kernel), or martensite that orients less under load than without (it would shorten when pulled, and wire and load
-would have more than one balance).
+and guides that rub. The largest drive is that of the spool's file. In air that cools more than that spool's, a wire
+stays colder; ``as_hot`` raises the drive there, so that it becomes as hot. Draws are repeated where they describe no
+wire: an R-phase that spreads more than martensite (refused by the kernel), or martensite that orients less under load
+than without (it would shorten when pulled, and wire and load would have more than one balance).
 """
 
 from __future__ import annotations
