@@ -98,6 +98,7 @@ def compared(seeds: int, generations: int, wires: int, episode: dict[str, object
         print(
             f"seed {seed}: " + ", ".join(f"{name} {reward:.4f}" for name, reward in zip(NAMES, rows[-1], strict=True))
         )
+        print("  trained gains over the plain PID's: {:.2f}, {:.2f}, {:.2f}".format(*np.exp(found[1][:3])))
     return np.array(rows)
 
 
@@ -106,7 +107,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="fewer wires, generations, seeds and levels")
     quick = parser.parse_args().quick
     episode = {"targets": "random", "hold_s": 4.0, "approach_s": 6.0, "increments": 2 if quick else 5}
-    rewards = compared(*((3, 6, 256) if quick else (5, 30, 1024)), episode)
+    rewards = compared(*((3, 6, 256) if quick else (5, 20, 512)), episode)
     print(f"median of {len(rewards)} seeds, and the range:")
     for name, column in zip(NAMES, rewards.T, strict=True):
         print(f"{name:13} mean reward {np.median(column):.4f} ({column.min():.4f} to {column.max():.4f})")

@@ -4,6 +4,7 @@ After a change of the shipped parameters or of the physics, run it once and comm
 
 - README.md's pictures, from a run of the demo (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
+- the Bode plot of docs/how-to/linearise_a_wire.md (``python docs/images/draw.py margins`` draws it alone),
 - docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md and python.md
   (``python docs/images/draw.py pages`` writes these alone, in seconds).
 """
@@ -28,6 +29,7 @@ import wire_row_page
 
 from musclewire.app.report.figures import STYLE, loops_figure, staircase_figure
 from musclewire.experiment.demo import run_demo
+from musclewire.interfaces.control_systems import bode_axes, linearise
 
 HERE = Path(__file__).parent
 PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"
@@ -39,6 +41,8 @@ WIRE_ROW_PAGE = HERE.parent / "reference" / "wire_row.md"
 PYTHON_PAGE = HERE.parent / "reference" / "python.md"
 BLOCK = re.compile(r"(<!-- written by docs/images/draw\.py: (\w+) -->\n).*?(<!-- end -->)", re.S)
 DPI = 110
+# Displacement of the operating points in the Bode plot.
+MARGINS_AT_M = 2e-3
 
 
 def draw_readme_pictures() -> None:
@@ -59,13 +63,25 @@ def draw_physics_pictures(loops: tuple[physics_runs.LoopTruth, ...]) -> None:
         physics_pictures.diagram_figure(loops).savefig(HERE / "phase_diagram.png", dpi=DPI)
 
 
+def draw_margins() -> None:
+    """Write the Bode plot of docs/how-to/linearise_a_wire.md into this folder."""
+    with mpl.rc_context(STYLE):
+        bode_axes(linearise(MARGINS_AT_M)).figure.savefig(HERE / "margins.png", dpi=DPI)
+
+
 def with_blocks(text: str, blocks: dict[str, str]) -> str:
     """Return a page with new text between its markers."""
     return BLOCK.sub(lambda found: f"{found[1]}\n{blocks[found[2]]}\n\n{found[3]}", text)
 
 
 def main() -> None:
-    """Draw and write everything; with ``physics`` all but the demo's pictures, with ``pages`` the pages alone."""
+    """Draw and write everything; with ``physics`` all but the demo's pictures, with ``pages`` the pages alone.
+
+    With ``margins`` the Bode plot alone.
+    """
+    if sys.argv[1:] == ["margins"]:
+        draw_margins()
+        return
     write_pages()
     if sys.argv[1:] == ["pages"]:
         return
@@ -73,6 +89,7 @@ def main() -> None:
         draw_readme_pictures()
     loops = physics_runs.loops_of_the_sweep()
     draw_physics_pictures(loops)
+    draw_margins()
     page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_numbers.blocks(loops))
     PHYSICS_PAGE.write_text(page, encoding="utf-8")
 

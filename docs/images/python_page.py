@@ -27,7 +27,17 @@ RESULTS = """## What they return
 `help(run)` lists what each holds: the metrics of a run, the gaps of a sweep, the parameters of a calibration.
 """
 # Rooms whose names a script of one's own has use for; those of the others serve musclewire itself.
-ROOMS = ("sensing", "controllers", "identify", "signals", "parameters", "errors", "registry", "interfaces.environments")
+ROOMS = (
+    "sensing",
+    "controllers",
+    "identify",
+    "signals",
+    "parameters",
+    "errors",
+    "registry",
+    "interfaces.environments",
+    "interfaces.control_systems",
+)
 # Names that are neither a class nor a function, and so have no docstring.
 OTHERS = {
     "EstimatorFactory": "A function that makes an estimator: takes an `EstimatorSetup`, returns an `Estimator`.",

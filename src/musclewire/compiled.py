@@ -27,6 +27,7 @@ ROOMS_WITH_KERNELS = ("physics", "wire", "simulate", "controllers", "sensing", "
 # Of a room of which few files hold kernels only these count, so that an edit of the others costs no compilation.
 FILES_WITH_KERNELS = (
     "rigs/simulated.py",
+    "interfaces/control_systems/heating.py",
     "interfaces/environments/kernels.py",
     "interfaces/environments/random_numbers.py",
     "speed/compiled_wires.py",

@@ -87,6 +87,7 @@ CALLS = {
     "train": ["simulated"],
     "simulate": ["--wire", "flexinol-0.20-lt"],
     "catalogue": [],
+    "linearise": ["simulated", "--displacement", "2 mm"],
     "design pretensioner": [
         *("--beams", "2", "--half-length", "6 mm", "--pitch", "3 mm", "--thickness", "0.8 mm", "--process", "mill"),
         *("--travel", "0.2 mm", "--finger-stiffness", "20000 N/m"),

@@ -19,6 +19,7 @@ from musclewire.app.design import add_design_commands
 from musclewire.app.doctor_command import add_doctor_command
 from musclewire.app.export_command import add_export_commands
 from musclewire.app.grip_command import add_grip_command
+from musclewire.app.linearise_command import add_linearise_command
 from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
 from musclewire.app.paper_commands import add_paper_commands
@@ -67,6 +68,7 @@ add_doctor_command(app)
 add_model_commands(app)
 add_grip_command(app)
 add_wire_commands(app)
+add_linearise_command(app)
 add_paper_commands(app)
 add_calibrate_command(app)
 add_design_commands(app)

@@ -124,6 +124,12 @@ CLEARANCE = quantity(
 NO_OBJECT = option("--no-object", help="Simulate the grip without any object.")
 LEARNED = option("--learned", help="File of the trained gripper (.json): read, or written after training.")
 
+# Linearisation.
+DISPLACEMENT = quantity(
+    "--displacement", "m", "Displacement of the connector at which the wire rests, as '2 mm'.", 0.0, 1.0
+)
+SENSED_BY = option("--sensed-by", help="Model file by which the loop senses strain; by default the strain itself.")
+
 # Recordings and models.
 COLUMN = option(
     "--column", "-c", help="Assign a header of the file to a column. Repeatable.", metavar="NAME=HEADER[:UNIT]"

@@ -23,8 +23,13 @@ from musclewire.interfaces.simulated_wire import simulated_wire
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.sensing import SensingModel
 
-# Noise far below one step of the converter: then both environments read the same numbers.
-QUIET = {"acquisition_noise_v": 0.0, "displacement_noise_m": 0.0, "acquisition_bits": 24.0}
+# No noise, a fine converter, and steps of one length: then both environments read the same numbers.
+QUIET = {
+    "acquisition_noise_v": 0.0,
+    "displacement_noise_m": 0.0,
+    "acquisition_bits": 24.0,
+    "time_step_s": 0.01,
+}
 SHORT = {"hold_s": 0.5, "approach_s": 0.5, "increments": 2}
 
 

@@ -39,26 +39,27 @@ TARGETS, READINGS = 0, 1
 # the mean of many readings is then one normal number with the variances of noise and rounding.
 MIN_DITHER_STEPS = 0.5
 
-# What a lane's rig is; the protection's limits are among it under their own names.
+# What a lane's rig is; the protection's limits are among it under their own names. Our own numbers come first: a record
+# that began with another one's fields would count as a kind of it, of which Numba warns.
 FACTS = np.dtype(
-    sound.LIMITS.descr
-    + [
+    [
         (name, np.float64)
         for name in (
             "sample_period_s", "leg_length_m", "amplifier_resolution_v", "acquisition_noise_v",
             "acquisition_step_v", "acquisition_readings", "displacement_noise_m",
         )
     ]
+    + sound.LIMITS.descr
 )  # fmt: skip
-# What a lane remembers beyond its wire: the protection's memory under its own names, the drive that is out, episode and
-# sample by number, and whether the episode has ended.
+# What a lane remembers beyond its wire: the drive that is out, episode and sample by number, whether the episode has
+# ended, and the protection's memory under its own names.
 MEMORY = np.dtype(
     [
-        *sound.MEMORY.descr,
         ("drive_voltage_v", np.float64),
         ("episode", np.int64),
         ("sample", np.int64),
         ("ended", np.int64),
+        *sound.MEMORY.descr,
     ]
 )
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
+from musclewire.interfaces.simulated_wire import SimulatedWire
 from musclewire.simulate.batch import WireBatch
 from musclewire.simulate.stepping import fixed_steps
-from musclewire.wire.constants import WireConstants
 
 __all__ = ["WireLanes"]
 
@@ -22,11 +22,12 @@ MAX_STEP_S = 0.025
 class WireLanes:
     """Wires that are advanced together, each with its own load and drive."""
 
-    def __init__(self, constants: Sequence[WireConstants], sample_period_s: float) -> None:
-        """Cool each wire under its pretension."""
+    def __init__(self, wires: Sequence[SimulatedWire], sample_period_s: float) -> None:
+        """Cool each wire under its pretension; a fixed step of the first one's bench is taken for all."""
         self._period_s = sample_period_s
         steps = math.ceil(sample_period_s / MAX_STEP_S - 1e-9)
-        self._batch = WireBatch(constants, stepping=fixed_steps(sample_period_s / steps))
+        step_s = wires[0].bench["time_step_s"] or sample_period_s / steps
+        self._batch = WireBatch([wire.constants for wire in wires], stepping=fixed_steps(step_s))
 
     def rest(self, lanes: NDArray[np.bool_]) -> None:
         """Cool some of the wires to rest."""

@@ -92,7 +92,7 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         self._episode = episode_from(episode)
         known = strain_model(model)
         lanes = [wires[lane % len(wires)] for lane in range(num_envs)]
-        self._lanes = WireLanes([wire.constants for wire in lanes], period_s)
+        self._lanes = WireLanes(lanes, period_s)
         self._facts = np.concatenate([facts_of(wire) for wire in wires])[np.arange(num_envs) % len(wires)]
         self._memory = np.zeros(num_envs, MEMORY)
         self._targets = np.zeros((num_envs, self._episode.levels))

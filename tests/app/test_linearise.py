@@ -1,0 +1,33 @@
+"""The command linearise: what it prints, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from musclewire.app.main import run
+
+
+def test_it_prints_points_poles_and_margins(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["linearise", "simulated", "--displacement", "2 mm"]) == 0
+    said = capsys.readouterr().out
+    for words in ("heating    |", "cooling    |", "heating, branch", "cooling, minor loop", "gain margin", "drifts"):
+        assert words in said
+
+
+def test_the_json_has_two_points_and_four_linear_wires(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    picture = tmp_path / "bode.svg"
+    assert run(["linearise", "simulated", "--displacement", "2 mm", "--json", "--plot", str(picture)]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [one["branch"] for one in found["operating_points"]] == ["heating", "cooling"]
+    assert [one["motion"] for one in found["linearisations"]] == ["branch", "minor loop"] * 2
+    assert found["width_v"] > 0.1
+    assert picture.stat().st_size > 1000
+
+
+@pytest.mark.parametrize("given", ["20 mm", "2 V", "-1 mm"])
+def test_an_impossible_displacement_is_one_line_and_exit_code_2(given: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["linearise", "simulated", "--displacement", given]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
