@@ -379,7 +379,21 @@ def settled(
 
 @compiled_inline
 def contraction_of(constants: StepConstants, shakedown: Shakedown, strain: Strain) -> float:
-    """Return the contraction relative to the cold length under pretension."""
+    """Return the contraction of a wire relative to its cold length under pretension.
+
+    Parameters
+    ----------
+    constants
+        One record of the wire's derived constants.
+    shakedown
+        Effects of its shakedown, of which it has gained strain.
+    strain
+        Its strain relative to stress-free austenite at 20 C.
+
+    Returns
+    -------
+    The contraction, positive for a shorter wire.
+    """
     total = strain.transformation + strain.elastic + strain.thermal + shakedown.residual_strain
     return (constants.cold_strain - total) * constants.per_stretch
 

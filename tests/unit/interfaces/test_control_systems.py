@@ -145,7 +145,7 @@ def test_a_wire_between_samples_is_the_continuous_one(points: dict[tuple[float, 
     heat, means = 0.0, []
     for drive in drives:
         grown = np.exp(linear.rate_per_s * 0.05 * np.linspace(0.0, 1.0, fine + 1))
-        path = heat * grown + (grown - 1.0) * linear.power_per_volt_w_per_v / linear.rate_per_s * drive
+        path = heat * grown + (grown - 1.0) * linear.power_w_per_v / linear.rate_per_s * drive
         means.append(np.trapezoid(path, dx=1.0 / fine) * linear.strain_per_j)
         heat = path[-1]
     answer = control.forced_response(sampled_system(linear, 0.05), 0.05 * np.arange(5), np.append(drives, 0.0))

@@ -54,7 +54,7 @@ class SampledWire:
 
 @dataclass(frozen=True)
 class LinearWire:
-    """A wire near an operating point: d(heat)/dt = ``rate_per_s`` heat + ``power_per_volt_w_per_v`` drive.
+    """A wire near an operating point: d(heat)/dt = ``rate_per_s`` heat + ``power_w_per_v`` drive.
 
     Its state is the heat [J] beyond the operating point's enthalpy, its input the drive voltage [V] beyond the point's.
 
@@ -66,7 +66,7 @@ class LinearWire:
         "branch": onward in the direction in which the point was reached; "minor loop": back, without a change of phase.
     rate_per_s
         The pole [1/s]; below 0 for a stable wire.
-    power_per_volt_w_per_v
+    power_w_per_v
         Slope of the power over the drive voltage [W/V].
     temperature_k_per_j
         Slope of temperature over heat [K/J].
@@ -81,7 +81,7 @@ class LinearWire:
     point: OperatingPoint
     motion: Motion
     rate_per_s: float
-    power_per_volt_w_per_v: float
+    power_w_per_v: float
     temperature_k_per_j: float
     strain_per_j: float
     resistance_ohm_per_j: float
@@ -97,19 +97,19 @@ class LinearWire:
         """Slope of the connector's displacement over heat [m/J]."""
         return self.strain_per_j * self.point.wire.constants.leg_length_m
 
-    def steady_per_volt(self, slope_per_j: float) -> float:
+    def steady_per_volt(self, slope: float) -> float:
         """Return what a quantity changes by in the end, per volt of drive.
 
         Parameters
         ----------
-        slope_per_j
+        slope
             Slope of the quantity over heat, per joule.
 
         Returns
         -------
         The static gain, in the quantity's unit per volt.
         """
-        return -slope_per_j * self.power_per_volt_w_per_v / self.rate_per_s
+        return -slope * self.power_w_per_v / self.rate_per_s
 
     def estimate_per_j(self, model: SensingModel) -> float:
         """Return the slope of the estimated strain over heat: that of the model's mean curve at the point's resistance.
@@ -146,7 +146,7 @@ class LinearWire:
         exponent = self.rate_per_s * period_s
         growth = expm1(exponent)
         mean = growth / exponent if exponent else 1.0
-        per_rate = self.power_per_volt_w_per_v / self.rate_per_s
+        per_rate = self.power_w_per_v / self.rate_per_s
         return SampledWire(period_s, 1.0 + growth, per_rate * growth, mean, per_rate * (mean - 1.0))
 
 
@@ -185,7 +185,7 @@ def linearised(point: OperatingPoint, motion: Motion = "branch") -> LinearWire:
         point=point,
         motion=motion,
         rate_per_s=flow.per_ohm * per_j - flow.loss_per_k * near.temperature_slope_k_per_j,
-        power_per_volt_w_per_v=flow.per_volt,
+        power_w_per_v=flow.per_volt,
         temperature_k_per_j=near.temperature_slope_k_per_j,
         strain_per_j=near.contraction_slope_per_j,
         resistance_ohm_per_j=per_j,

@@ -22,7 +22,7 @@ COLOURS = {"heating": "#c8553d", "cooling": "#1f6f8b"}
 LINES = {"branch": "-", "minor loop": ":"}
 POINTS = 400
 # Frequencies of the plot: from far below the wire's pole to just below half of the sampling rate.
-LOWEST_HZ, HIGHEST_OF_NYQUIST = 1e-3, 0.97
+MIN_HZ, MAX_OF_NYQUIST = 1e-3, 0.97
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def bode_axes(found: Linearisation) -> Any:
     for one in found.loops:
         period_s = one.linear.point.wire.sample_period_s
         loop = controller_system(found.settings, period_s) * sampled_system(one.linear, period_s, found.model)
-        hz = np.geomspace(LOWEST_HZ, HIGHEST_OF_NYQUIST * 0.5 / period_s, POINTS)
+        hz = np.geomspace(MIN_HZ, MAX_OF_NYQUIST * 0.5 / period_s, POINTS)
         response = loop.frequency_response(2.0 * np.pi * hz)
         branch, motion = one.linear.point.branch, one.linear.motion
         style = {

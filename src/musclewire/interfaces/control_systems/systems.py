@@ -142,7 +142,7 @@ def linear_system(linear: LinearWire) -> Any:
     ]
     return control.ss(
         [[linear.rate_per_s]],
-        [[linear.power_per_volt_w_per_v]],
+        [[linear.power_w_per_v]],
         [[slope] for slope in slopes],
         np.zeros((len(slopes), 1)),
         inputs=["drive_voltage_v"],
