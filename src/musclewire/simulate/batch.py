@@ -254,7 +254,7 @@ def pool(threads: int) -> ThreadPoolExecutor:
 def parts_of(
     constants: Sequence[WireConstants], states: Sequence[WireState], *, fixed: bool, threads: int
 ) -> list[Part]:
-    """Return the wires in parts that share distribution, load's table and the way they run, for so many threads."""
+    """Return the wires in parts with one distribution, load's table and the way they run, for so many threads."""
     members: dict[tuple[int, int, bool], list[int]] = {}
     for place, item in enumerate(constants):
         plain = item.load_table_n.shape[1] == 2 and not item.load_table_n.any()

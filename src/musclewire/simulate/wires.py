@@ -181,7 +181,7 @@ def advance_wire(wire: RunningWire, drive: Drive, plan: FloatArray) -> tuple[flo
             state.step_s = next_step_s(step_s, ratio)
         resistance_ohm, connector, stress_pa = state.resistance_ohm, state.connector_contraction, state.stress_pa
         take(wire, tried, started, step_s)
-        # The trapezoidal rule for all four alike: otherwise strain would be late or early beside resistance.
+        # The trapezoidal rule for all four alike: otherwise strain would be late or early compared with resistance.
         ended = tried.ended
         voltage_sum += step_s * (started.current_a * resistance_ohm + ended.current_a * state.resistance_ohm)
         current_sum += step_s * (started.current_a + ended.current_a)
