@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.controllers import ControllerSetup, staircase
+from musclewire.controllers import CONTROLLERS, ControllerSetup, staircase
 from musclewire.controllers.pid import PidSettings
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.experiment.closed_loop import control
@@ -80,6 +82,31 @@ def test_friction_that_holds_the_wire_is_said_by_both(model: SensingModel) -> No
     assert_same(fast, slow)
     assert fast.run is not None
     assert friction_warnings(fast.run) != ()
+
+
+any_rig = st.fixed_dictionaries(
+    {
+        "pretension_n": st.floats(1.6, 2.2),
+        "guide_friction_n": st.floats(0.0, 0.2),
+        "ambient_temperature_k": st.floats(290.0, 300.0),
+        "resistivity_factor": st.floats(0.98, 1.02),
+        "acquisition_noise_v": st.floats(0.0, 5e-3),
+        "acquisition_readings": st.integers(1, 60).map(float),
+        "time_step_s": st.sampled_from([0.0, 0.001, 0.01]),
+    }
+)
+
+
+@settings(max_examples=40)
+@given(any_rig, st.integers(0, 1000), st.booleans(), st.sampled_from(CONTROLLERS.names()))
+def test_whatever_becomes_of_a_loop_it_is_the_same_in_python(
+    model: SensingModel, numbers: dict[str, float], seed: int, new_wire: bool, controller: str
+) -> None:
+    rig = RigConfiguration(settings=numbers, new_wire=new_wire)
+    fast, slow = both(rig, model, seeds=[seed], controller=controller, approach_s=2.0)
+    assert (fast.ended, fast.metrics) == (slow.ended, slow.metrics)
+    if fast.ended == "done":
+        assert_same(fast, slow)
 
 
 def test_a_plain_pid_too(model: SensingModel) -> None:
