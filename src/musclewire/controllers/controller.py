@@ -93,7 +93,7 @@ class Controller(Protocol):
 class CompiledController(Controller, Protocol):
     """A controller whose tick can also run in compiled code, in loops that run as a batch (``mw.control_many``)."""
 
-    def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
+    def compiled_tick(self, drive_voltage_v: float) -> CompiledTick | None:
         """Return ``step`` as a compiled function, with the state of ``start``: the same numbers, to the bit.
 
         It counts only in the class that declares it: one that inherits another step declares its own tick.
@@ -105,7 +105,7 @@ class CompiledController(Controller, Protocol):
 
         Returns
         -------
-        The function, its constants and its first state.
+        The function, its constants and its first state; None if it is made of parts that have no compiled form.
         """
         ...
 

@@ -348,10 +348,12 @@ class FuzzyPidController:
         following, drive_voltage_v, kp, ki, kd = self.law.step(state, target, estimate.value, dt_s)
         return ControlStep(Drive(drive_voltage_v), following, (kp, ki, kd))
 
-    def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
+    def compiled_tick(self, drive_voltage_v: float) -> CompiledTick | None:
         """Return ``step`` as a compiled function."""
         from musclewire.controllers import compiled_ticks
 
+        if type(self.law) is not FuzzyPid:  # another law has another step
+            return None
         state = np.zeros(1, compiled_ticks.FUZZY_PID_STATE)
         state["drive_voltage_v"] = self.limits.clamp(float(drive_voltage_v))
         packed = (packed_settings(self.settings, self.limits), packed_rules(self.law.rule_base))

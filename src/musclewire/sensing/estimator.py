@@ -140,7 +140,7 @@ class Estimator(Protocol):
 class CompiledEstimator(Estimator, Protocol):
     """An estimator whose tick can also run in compiled code, in loops that run as a batch (``mw.control_many``)."""
 
-    def compiled_tick(self) -> CompiledTick:
+    def compiled_tick(self) -> CompiledTick | None:
         """Return ``step`` as a compiled function, with the state of ``start``: the same numbers, to the bit.
 
         It counts only in the class that declares it: one that inherits another step declares its own tick. A slow part
@@ -148,7 +148,7 @@ class CompiledEstimator(Estimator, Protocol):
 
         Returns
         -------
-        The function, its constants and its first state.
+        The function, its constants and its first state; None if it is made of parts that have no compiled form.
         """
         ...
 

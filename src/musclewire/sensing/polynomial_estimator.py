@@ -257,11 +257,14 @@ class PolynomialEstimator:
             (resistance_ohm,),
         )
 
-    def compiled_tick(self) -> CompiledTick:
+    def compiled_tick(self) -> CompiledTick | None:
         """Return ``step`` as a compiled function."""
         from musclewire.sensing import polynomial_tick
 
         curve, load = self.curve, self.load
+        known = load is None or type(load) is KnownSpring
+        if not known or type(curve).estimate is not ResistanceCurve.estimate:  # other parts estimate otherwise
+            return None
         constants = np.zeros(1, polynomial_tick.CONSTANTS)
         low_ohm, high_ohm = self._own_ohm
         numbers = {

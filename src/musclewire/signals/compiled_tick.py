@@ -59,6 +59,8 @@ def declared_tick(implementation: Any, *arguments: Any) -> CompiledTick | None:
     """
     if "compiled_tick" not in vars(type(implementation)):
         return None
-    tick: CompiledTick = implementation.compiled_tick(*arguments)
+    tick: CompiledTick | None = implementation.compiled_tick(*arguments)
+    if tick is None:
+        return None
     constants, state = (np.ascontiguousarray(array, dtype=np.float64).reshape(-1) for array in tick[1:])
     return CompiledTick(tick.function, constants, state)

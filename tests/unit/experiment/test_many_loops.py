@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,15 @@ from hypothesis import strategies as st
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.controllers import CONTROLLERS, ControllerSetup, staircase
+from musclewire.controllers import (
+    CONTROLLERS,
+    ControllerSetup,
+    DriveLimits,
+    FuzzyPid,
+    FuzzyPidController,
+    FuzzyPidSettings,
+    staircase,
+)
 from musclewire.controllers.pid import PidSettings
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.experiment.closed_loop import control
@@ -24,10 +32,10 @@ from musclewire.experiment.run_warnings import friction_warnings
 from musclewire.identify.sensing_model import fit
 from musclewire.rigs.air import Surroundings
 from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.sensing import KnownSpring, SensingModel
+from musclewire.sensing import KnownSpring, ResistanceCurve, SensingModel
 from musclewire.sensing.estimator import EstimatorSetup
 from musclewire.sensing.polynomial_estimator import PolynomialEstimator
-from musclewire.signals.compiled_tick import CompiledTick
+from musclewire.signals.compiled_tick import CompiledTick, declared_tick
 from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate
 from slow_estimators import drifting
 
@@ -260,6 +268,29 @@ def test_without_a_tick_of_its_own_an_estimator_is_refused_by_its_name(model: Se
             control_many("simulated", model, SHORT, seeds=[7], estimator=estimator)
     done = control_many("simulated", model, SHORT, seeds=[7], estimator=cautious, in_python=True)
     assert done.metrics == control_many("simulated", model, SHORT, seeds=[7]).metrics
+
+
+class Halved(ResistanceCurve):
+    """A curve that estimates otherwise than the one whose arithmetic is compiled."""
+
+    def estimate(self, resistance_ohm: Any, resistance_std_ohm: float | None = None) -> Any:
+        read = super().estimate(resistance_ohm, resistance_std_ohm)
+        return read._replace(value=0.5 * read.value)
+
+
+class HalvedLaw(FuzzyPid):
+    """A law that steps otherwise than the one that is compiled."""
+
+
+def test_parts_that_compute_otherwise_have_no_tick(model: SensingModel) -> None:
+    curve = model.curve()
+    numbers = {one.name: getattr(curve, one.name) for one in fields(curve) if one.init}
+    assert declared_tick(PolynomialEstimator(curve, 1.0)) is not None
+    assert declared_tick(PolynomialEstimator(model, 1.0)) is not None
+    assert declared_tick(PolynomialEstimator(Halved(**numbers), 1.0)) is None
+    limits = DriveLimits(0.3, 3.6)
+    assert declared_tick(FuzzyPidController(FuzzyPid(FuzzyPidSettings(), limits)), 1.0) is not None
+    assert declared_tick(FuzzyPidController(HalvedLaw(FuzzyPidSettings(), limits)), 1.0) is None
 
 
 def test_lists_must_be_as_long_as_the_seeds(model: SensingModel) -> None:
