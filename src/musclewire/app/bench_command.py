@@ -56,8 +56,8 @@ def bench_text(found: Benchmark) -> str:
     """Return the table of a benchmark, what each row compares, and the machine."""
     lines = [f"{'':26}{'ours':>12}{'theirs':>12}{'ratio':>9}  {'of the turns':18}compared with"]
     for row in found.rows:
-        times = f"{time_text(row.ours_us):>12}{time_text(row.theirs_us):>12}{row.ratio:9.4g}"
-        span = f"{row.ratio_low:.4g} to {row.ratio_high:.4g}"
+        times = f"{time_text(row.ours_us):>12}{time_text(row.theirs_us):>12}{ratio_text(row.ratio):>9}"
+        span = f"{ratio_text(row.ratio_low)} to {ratio_text(row.ratio_high)}"
         lines.append(f"{row.name:26}{times}  {span:18}{row.theirs}")
     lines += ["", "What the time is for:", *(f"  {row.name}: {row.work}" for row in found.rows)]
     lines += [f"not measured: {name}: pip install 'musclewire[{extra}]'" for name, extra in found.left_out]
@@ -71,6 +71,11 @@ def time_text(time_us: float) -> str:
         if time_us * scale < 1e3:
             return f"{time_us * scale:.3g} {unit}"
     return f"{1e-6 * time_us:.3g} s"
+
+
+def ratio_text(ratio: float) -> str:
+    """Return a ratio with three digits."""
+    return f"{ratio:,.0f}" if ratio >= 100.0 else f"{ratio:.3g}"
 
 
 def machine_text(machine: Machine) -> str:

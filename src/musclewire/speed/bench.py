@@ -86,5 +86,5 @@ def bench(
 
 def measured(case: Case, quick: bool) -> Comparison:
     """Return the row of a case."""
-    pairs = paired_us(*case.sides(quick), QUICK_TURNS if quick else TURNS)
+    pairs = paired_us(*case.sides(quick), QUICK_TURNS if quick else TURNS, case.clock)
     return comparison(case.name, case.work, case.theirs, pairs)

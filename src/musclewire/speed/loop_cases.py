@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 from importlib.util import find_spec
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -53,14 +54,15 @@ def loop_cases() -> Iterator[Case]:
         f"50 ms of one of {LOOPS} closed loops (--quick: {QUICK_LOOPS}), all cores; ours has noise, protection, "
         "estimator and fuzzy PID, theirs a PID on the true state of an easier wire"
     )
-    yield Case("closed_loops", work, "a loop in Python: solve_ivp and a PID for each sample", closed_loop_sides)
+    other = "a loop in Python: solve_ivp and a PID for each sample"
+    yield Case("closed_loops", work, other, closed_loop_sides, clock=perf_counter)
     work = (
         f"50 ms of one of {WIRES:,} environments (--quick: {QUICK_WIRES}), one thread; ours has noise, protection, "
         "reward and restarts; theirs is an easier wire"
     )
     needs = "" if find_spec("gymnasium") is not None else "gym"
     other = "an environment of one's own around solve_ivp"
-    yield Case("vector_environment", work, other, environment_sides, needs)
+    yield Case("vector_environment", work, other, environment_sides, needs, perf_counter)
 
 
 def closed_loop_sides(quick: bool) -> tuple[Side, Side]:

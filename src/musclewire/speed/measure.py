@@ -5,7 +5,7 @@ from __future__ import annotations
 import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from time import perf_counter
+from time import perf_counter, thread_time
 from typing import Any
 
 __all__ = ["Case", "Comparison", "Side", "comparison", "paired_us"]
@@ -36,6 +36,8 @@ class Case:
     """One comparison before it is measured.
 
     ``sides`` makes ours and theirs, quick or not; ``needs`` is the extra without which theirs cannot run, "" if it can.
+    ``clock`` is the processor time of the thread, which other programs do not lengthen, or the wall clock for what runs
+    in several threads or processes.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Case:
     theirs: str
     sides: Callable[[bool], tuple[Side, Side]]
     needs: str = ""
+    clock: Callable[[], float] = thread_time
 
 
 @dataclass(frozen=True)
