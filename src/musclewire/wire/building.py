@@ -34,8 +34,17 @@ TABLE_STEP_K = 2.0
 @lru_cache(maxsize=64)
 def convection_table(diameter_m: float, ambient_temperature_k: float) -> FloatArray:
     """Return the convection coefficient every 2 K from 200 K to 800 K at one ambient temperature, (301,)."""
-    walls = TABLE_START_K + TABLE_STEP_K * np.arange(CONVECTION_POINTS)
-    return np.array([convection_coefficient_w_per_m2_k(t, ambient_temperature_k, diameter_m) for t in walls])
+    walls = TABLE_START_K + TABLE_STEP_K * np.arange(CONVECTION_POINTS, dtype=np.float64)
+    return convection_over(walls, ambient_temperature_k, diameter_m)
+
+
+@compiled
+def convection_over(walls_k: FloatArray, ambient_temperature_k: float, diameter_m: float) -> FloatArray:
+    """Return the convection coefficient at each wall temperature."""
+    found = np.empty(walls_k.size)
+    for place in range(walls_k.size):
+        found[place] = convection_coefficient_w_per_m2_k(walls_k[place], ambient_temperature_k, diameter_m)
+    return found
 
 
 def constants_from(
