@@ -9,12 +9,13 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify.recordings import reference_quantity, required_quantity, resistance_reading, without_loop
+from musclewire.physics.resistance import ArrayReading
 from musclewire.sensing.gaps import hysteresis_gap
 from musclewire.sensing.segments import LoopSegments, find_segments
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 
-__all__ = ["LoopGaps", "loop_gaps"]
+__all__ = ["LoopGaps", "force_is_level", "gap_in", "loop_gaps"]
 
 # A force rises with the contraction if it rises by more than this many standard deviations of the load cell's noise,
 NOISES = 4.0
@@ -80,19 +81,13 @@ def loop_gaps(recording: Recording, *, cycle: int | str = "last") -> LoopGaps:
         segments = find_segments(reading.resistance_ohm, strain, reading.valid, cycle)
     except RecordingError as error:
         raise without_loop(error, recording) from None
-    heating = slice(segments.heating_b, segments.heating_c + 1)
-    cooling = slice(segments.cooling_c, segments.cooling_b + 1)
-    resistance, valid = reading.resistance_ohm, reading.valid
 
     def gap_of(quantity: str) -> float | None:
         values = reference_quantity(recording, quantity)
-        if values is None:
-            return None
-        branches = [(resistance[part][valid[part]], values[part][valid[part]]) for part in (heating, cooling)]
-        return hysteresis_gap(branches[0], branches[1])
+        return None if values is None else gap_in(segments, reading, values)
 
     force = reference_quantity(recording, "force")
-    no_force_gap = "no load cell" if force is None else force_is_level(force, strain, heating, cooling)
+    no_force_gap = "no load cell" if force is None else force_is_level(force, strain, segments)
     return LoopGaps(
         segments=segments,
         strain_gap=hysteresis_gap(segments.heating, segments.cooling),
@@ -102,8 +97,23 @@ def loop_gaps(recording: Recording, *, cycle: int | str = "last") -> LoopGaps:
     )
 
 
-def force_is_level(force: FloatArray, strain: FloatArray, heating: slice, cooling: slice) -> str:
-    """Return in words that a force does not rise with the contraction, as without a spring; "" if it does."""
+def force_is_level(force: FloatArray, strain: FloatArray, segments: LoopSegments) -> str:
+    """Return in words that a force does not rise with the contraction, as without a spring; "" if it does.
+
+    Parameters
+    ----------
+    force
+        The force in every sample [N], (n_times,).
+    strain
+        The strain in every sample, (n_times,).
+    segments
+        Points A, B and C of the loop.
+
+    Returns
+    -------
+    Why there is no gap of force, for a message.
+    """
+    heating, cooling = branches_of(segments)
     strains, forces = (np.concatenate([column[heating], column[cooling]]) for column in (strain, force))
     on_cooling = np.arange(strains.size) >= heating.stop - heating.start
     # Near the turns of the motion friction turns, too, which looks like a spring.
@@ -115,3 +125,34 @@ def force_is_level(force: FloatArray, strain: FloatArray, heating: slice, coolin
     if rise_n > max(NOISES * noise_level(force), MIN_SLOPE * abs(float(between_n))):
         return ""
     return f"the force does not rise with the contraction ({rise_n:+.3f} N over the loop), as under a weight"
+
+
+def gap_in(segments: LoopSegments, reading: ArrayReading, values: FloatArray) -> float:
+    """Return the gap of a quantity between the branches of a loop, at equal resistance from B to C.
+
+    Parameters
+    ----------
+    segments
+        Points A, B and C of the loop.
+    reading
+        Resistance of every sample, and whether it is valid.
+    values
+        The quantity in every sample, (n_times,), in any unit.
+
+    Returns
+    -------
+    The gap as a fraction of the quantity's largest value.
+
+    Raises
+    ------
+    RecordingError
+        If the branches share no resistance.
+    """
+    resistance, valid = reading.resistance_ohm, reading.valid
+    branches = [(resistance[part][valid[part]], values[part][valid[part]]) for part in branches_of(segments)]
+    return hysteresis_gap(branches[0], branches[1])
+
+
+def branches_of(segments: LoopSegments) -> tuple[slice, slice]:
+    """Return the samples from B to C of both branches."""
+    return slice(segments.heating_b, segments.heating_c + 1), slice(segments.cooling_c, segments.cooling_b + 1)

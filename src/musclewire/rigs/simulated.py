@@ -21,10 +21,10 @@ from musclewire.rigs.load_part import LoadPart, Pull
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.pacing import Pacer
 from musclewire.rigs.protocol import Metadata
-from musclewire.rigs.simulated_building import Spool, force_limit_n, simulated_limits, wires_of
+from musclewire.rigs.simulated_building import Spool, force_limit_n, simulated_limits, stepping_of, wires_of
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
-from musclewire.simulate.stepping import Stepping, steps_within
+from musclewire.simulate.stepping import Stepping
 from musclewire.simulate.wires import SampleMeans, SimulatedWires
 from musclewire.wire.loads import spring_load
 from musclewire.wire.state import WireState
@@ -246,15 +246,7 @@ class SimulatedDevice:
 
     def _stepping_of_the_bench(self) -> Stepping:
         """Return how samples are divided into steps. Raises CallerError for a fixed step that does not divide them."""
-        bench = self._bench
-        stepping = Stepping(
-            bench["time_step_s"],
-            bench["temperature_tolerance_k"],
-            bench["resistance_tolerance"],
-            bench["strain_tolerance"],
-        )
-        steps_within(stepping, bench["sample_period_s"])
-        return stepping
+        return stepping_of(self._bench)
 
     @property
     def facts(self) -> DeviceFacts:

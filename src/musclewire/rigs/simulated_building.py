@@ -15,12 +15,13 @@ from musclewire.rigs.load_part import LoadPart, Pull, SecondWire, Supply
 from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, Mechanism, Tendon
 from musclewire.rigs.wire_limits import WireCircuit, limits_of
 from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
+from musclewire.simulate.stepping import Stepping, steps_within
 from musclewire.simulate.wires import OneWire, SimulatedWires, TwoWires
 from musclewire.wire.building import constants_from
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import ConnectorLoad, ElasticObject, spring_load
 
-__all__ = ["Spool", "force_limit_n", "simulated_limits", "wires_of"]
+__all__ = ["Spool", "force_limit_n", "require_allowed_pull", "simulated_limits", "stepping_of", "wires_of"]
 
 # Noise in steps of the converter times the root of the readings in a mean: from this value on, two means in a row are
 # equal in less than a tenth of all cases, and eight in a row once in a hundred million.
@@ -112,6 +113,18 @@ def simulated_limits(
     return limits_of(wire, alloy, circuit, changed)
 
 
+def stepping_of(bench: Mapping[str, float]) -> Stepping:
+    """Return how a bench's samples are divided into steps. Raises CallerError for a step that does not divide them."""
+    stepping = Stepping(
+        bench["time_step_s"],
+        bench["temperature_tolerance_k"],
+        bench["resistance_tolerance"],
+        bench["strain_tolerance"],
+    )
+    steps_within(stepping, bench["sample_period_s"])
+    return stepping
+
+
 class Spool(NamedTuple):
     """A wire, its alloy, its bench, and whether it starts before its first cycles (shakedown)."""
 
@@ -125,19 +138,23 @@ class Spool(NamedTuple):
 
         Raises CallerError for a pull that the wire does not allow.
         """
-        allowed_n = self.wire.maximum_force_n.value
-        if pretension_n > allowed_n:
-            raise CallerError(
-                f"stage and weight pull the cold wire {self.wire.name} with {pretension_n:g} N, "
-                f"{pretension_n - allowed_n:.3g} N more than the {allowed_n:g} N it allows: a lighter weight, less "
-                "pretension or a thicker wire"
-            )
+        require_allowed_pull(pretension_n, self.wire.maximum_force_n.value, self.wire.name)
         changed = {"pretension_n": pretension_n}
         if load is None:  # the guide's friction belongs to the first wire
             changed["guide_friction_n"] = 0.0
         known = {name: getattr(self.bench, name).model_copy(update={"value": value}) for name, value in changed.items()}
         around = self.bench.model_copy(update=known)
         return constants_from(self.alloy, self.wire, around, load=load or spring_load(0.0), new_wire=self.new_wire)
+
+
+def require_allowed_pull(pretension_n: float, allowed_n: float, name: str) -> None:
+    """Raise CallerError if stage and weights pull a cold wire harder than it allows."""
+    if pretension_n > allowed_n:
+        raise CallerError(
+            f"stage and weight pull the cold wire {name} with {pretension_n:g} N, "
+            f"{pretension_n - allowed_n:.3g} N more than the {allowed_n:g} N it allows: a lighter weight, less "
+            "pretension or a thicker wire"
+        )
 
 
 def require_voltage(second: SecondWire, wire: Wire) -> None:

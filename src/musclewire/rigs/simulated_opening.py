@@ -6,13 +6,14 @@ from collections.abc import Mapping
 
 from musclewire.errors import CallerError
 from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.seeds import require_seed
 from musclewire.rigs.kinds import DeviceKind
 from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.rigs.simulated_building import Spool
 from musclewire.rigs.simulated_configuration import RigConfiguration, changed_group, with_settings
 
-__all__ = ["SIMULATED", "open_simulated"]
+__all__ = ["SIMULATED", "device_of", "open_simulated", "parameters_of"]
 
 
 def open_simulated(
@@ -26,6 +27,18 @@ def open_simulated(
 ) -> SimulatedDevice:
     """Return the open simulated rig of a rig file, changed as ``open_rig`` says."""
     drawn_from = require_seed(configuration.seed if seed is None else seed, f"{where}: seed")
+    parameters = parameters_of(configuration, where, wire, bench, settings)
+    return device_of(configuration, where, parameters, seed=drawn_from, real_time=real_time, settings=settings)
+
+
+def parameters_of(
+    configuration: RigConfiguration,
+    where: str,
+    wire: str | None,
+    bench: str | None,
+    settings: Mapping[str, float | str],
+) -> tuple[Alloy, Wire, Bench]:
+    """Return alloy, wire and bench of a rig file with all settings. Raises CallerError for wrong ones."""
     name = wire or configuration.wire
     named = load_wire(name)
     around = load_bench(bench or configuration.bench)
@@ -33,16 +46,35 @@ def open_simulated(
         around = changed_group(around, bench_known_with(name), f"wire file {name}")
     given = {**configuration.all_settings(), **settings}
     chosen, around = with_settings(named, around, given, where)
+    return load_alloy(chosen.alloy), chosen, around
+
+
+def device_of(
+    configuration: RigConfiguration,
+    where: str,
+    parameters: tuple[Alloy, Wire, Bench],
+    *,
+    seed: int,
+    real_time: bool,
+    settings: Mapping[str, float | str],
+) -> SimulatedDevice:
+    """Return the simulated device of a rig file with the numbers of an alloy, a wire and a bench.
+
+    ``settings`` are those that the numbers already have; they are only checked. Raises CallerError for one that the
+    rig's load leaves without effect.
+    """
+    alloy, chosen, around = parameters
+    given = {**configuration.all_settings(), **settings}
     if configuration.load and "spring_stiffness_n_per_m" in given:
         raise CallerError(
             f"{where}: the setting 'spring_stiffness_n_per_m' belongs to the bench's spring, and [[load]] replaces it: "
             "give a part 'spring' with a stiffness"
         )
     device = SimulatedDevice(
-        Spool(chosen, load_alloy(chosen.alloy), around, configuration.new_wire),
+        Spool(chosen, alloy, around, configuration.new_wire),
         parts=configuration.load,
         surroundings=configuration.surroundings,
-        seed=drawn_from,
+        seed=seed,
         real_time=real_time,
         limits=configuration.limits.changed(),
         faults=configuration.fault,
