@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from musclewire.rigs.load_kinds import LOAD_PARTS
     from musclewire.sensing import ESTIMATORS, SensingModel, load_model
     from musclewire.signals import Recording, read_recording
+    from musclewire.studies import RUN_KINDS, read_study, read_study_data, sweep
+    from musclewire.studies.study_page import write_study
 
 __all__ = [
     "open_rig",
@@ -47,6 +49,10 @@ __all__ = [
     "train",
     "recalibrate",
     "calibrate",
+    "sweep",
+    "read_study",
+    "write_study",
+    "read_study_data",
     "read_recording",
     "load_model",
     "Recording",
@@ -56,6 +62,7 @@ __all__ = [
     "CONTROLLERS",
     "DEVICES",
     "LOAD_PARTS",
+    "RUN_KINDS",
     "MusclewireError",
 ]
 
@@ -73,6 +80,10 @@ _HOMES = {
     "train": "musclewire.experiment.training",
     "recalibrate": "musclewire.experiment.training",
     "calibrate": "musclewire.identify.physical.calibrate",
+    "sweep": "musclewire.studies",
+    "read_study": "musclewire.studies",
+    "write_study": "musclewire.studies.study_page",
+    "read_study_data": "musclewire.studies",
     "read_recording": "musclewire.signals",
     "load_model": "musclewire.sensing",
     "Recording": "musclewire.signals",
@@ -82,6 +93,7 @@ _HOMES = {
     "ESTIMATORS": "musclewire.sensing",
     "DEVICES": "musclewire.rigs.kinds",
     "LOAD_PARTS": "musclewire.rigs.load_kinds",
+    "RUN_KINDS": "musclewire.studies",
     "MusclewireError": "musclewire.errors",
 }
 

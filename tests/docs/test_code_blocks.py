@@ -24,6 +24,7 @@ FOR_READING = {
     "flash_the_firmware.md",
     "put_a_real_wire_on.md",
     "put_the_controller_on_a_microcontroller.md",
+    "run_a_study_of_many_wires.md",
     "run_in_real_time.md",
     "wire_the_circuit.md",
 }

@@ -60,6 +60,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     run(path, "characterize", "simulated", "-o", "loop.h5")
     run(path, "fit", "loop.h5", "-o", "model.json")
     run(path, "characterize", "simulated", "-o", "short.h5", "--cycles", "1", "--period", "12")
+    (path / "study.toml").write_text(STUDY, "utf-8")
     return path
 
 
@@ -75,6 +76,14 @@ def run(folder: Path, *arguments: str, expect: int = 0, may_not_hold: bool = Fal
     assert done.returncode == expect or (may_not_hold and done.returncode == 1), done.stderr
     return done.stdout if expect == 0 else done.stderr
 
+
+STUDY = """
+format = "musclewire-study"
+version = 1
+name = "two pretensions"
+run = { kind = "characterize", cycles = 1, period = "20 s" }
+parameters.pretension.values = ["1.5 N", "1.9 N"]
+"""
 
 CALLS = {
     "demo": ["--out", "demo"],
@@ -94,6 +103,7 @@ CALLS = {
     ],
     "design finger": ["--finger", "lan-fan-2010", "--compare", "--foam", "50 N/m", "--wire", "paper-100um"],
     "import": ["loop.h5"],
+    "sweep": ["study.toml"],
     "calibrate": ["short.h5", "--effort", "quick", "-o", "wire.toml"],
     "fit": ["loop.h5"],
     "estimate": ["model.json", "loop.h5"],

@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from doc_pages import ROOT
 
+from musclewire.studies import read_study
+
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 
 # What each must print: a pattern, so that better parameters do not break the test.
@@ -25,6 +27,18 @@ PROMISES = {
 
 # The main job; every run of the tests runs it.
 FIRST = "move_a_wire_by_its_resistance"
+
+
+STUDIES = sorted((ROOT / "examples").glob("*.toml"))
+
+
+def test_there_are_studies() -> None:
+    assert STUDIES
+
+
+@pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
+def test_every_example_of_a_study_is_one(path: Path) -> None:
+    assert len(read_study(path).design) > 1
 
 
 def test_every_example_promises_something() -> None:

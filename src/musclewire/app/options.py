@@ -163,6 +163,15 @@ STARTS = option("--starts", help="Descents from the prior; by default depends on
 JUMPS = option("--jumps", help="Descents from near the best; by default depends on --effort.", min=0)
 THREADS = option("--threads", help="Threads; by default one on each core.", min=1)
 
+# Studies of many wires.
+SCHEDULER = option(
+    "--scheduler", help="A Dask cluster's address, as 'tcp://host:8786'; by default this machine's cores."
+)
+WORKERS = option("--workers", help="Processes on this machine; by default one on each core.", min=1)
+RUNS_PER_CHUNK = option("--runs-per-chunk", help="Runs evaluated together and kept as one file.", min=1)
+RETRIES = option("--retries", help="How often a chunk is begun again whose worker has died.", min=0)
+PLAN = option("--plan", help="Check the study, say what it would run, and exit.")
+
 # Parts to design.
 STIFFNESS = quantity("--stiffness", "N/m", "Size a part of this stiffness, as '386.2 N/m'.")
 STROKE = quantity("--stroke", "m", "Contraction of the wire, as '1.05 mm'.")

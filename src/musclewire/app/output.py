@@ -15,10 +15,11 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
 
-__all__ = ["console", "emit_json", "progress_bar", "say", "show", "step_bar", "warn"]
+__all__ = ["console", "emit_json", "progress_bar", "run_bar", "say", "show", "step_bar", "warn"]
 
 Advance = Callable[..., None]
 OnStage = Callable[[str, int, int, float], None]
+OnRuns = Callable[[int, int], None]
 
 
 def console() -> Console:
@@ -94,6 +95,42 @@ def step_bar(unit: str, quiet: bool = False) -> Iterator[OnStage]:
             yield lambda stage, done, total, cost: progress.update(
                 task, description=f"{stage}, sum of squares {cost:.4g}", completed=done, total=total
             )
+
+
+@contextmanager
+def run_bar(unit: str, quiet: bool = False) -> Iterator[OnRuns]:
+    """Show a bar over the runs of a study; yields what takes the number of finished ones and of all.
+
+    On a pipe every tenth of the runs is a line. Nothing is shown where ``quiet``.
+    """
+    shown = console()
+    if quiet:
+        yield lambda _done, _total: None
+    elif not shown.is_terminal:
+        tenths: set[int] = set()
+
+        def line(done: int, total: int) -> None:
+            tenth = 10 * done // max(total, 1)
+            if tenth not in tenths:
+                tenths.add(tenth)
+                say(f"{done} of {total} {unit}")
+
+        yield line
+    else:
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
+
+        columns = (TextColumn(unit), BarColumn(bar_width=40), MofNCompleteColumn(), TimeElapsedColumn(),
+                   TextColumn("left"), TimeRemainingColumn())  # fmt: skip
+        with Progress(*columns, console=shown, refresh_per_second=4) as progress:
+            task = progress.add_task(unit, total=None)
+            yield lambda done, total: progress.update(task, completed=done, total=total)
 
 
 class Bar:

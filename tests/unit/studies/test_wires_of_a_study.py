@@ -1,0 +1,162 @@
+"""A wire of a study is the wire of the rig that the same values make; ideal readings are a rig's without its errors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from study_parts import study_of
+
+from musclewire.errors import CallerError
+from musclewire.identify import fit
+from musclewire.identify.loop_gaps import loop_gaps
+from musclewire.rigs.configuration import simulated_configuration
+from musclewire.rigs.simulated_configuration import RigConfiguration
+from musclewire.rigs.simulated_opening import parameters_of
+from musclewire.rigs.varied_rig import VariedRig, keys_of
+from musclewire.studies.study import Workers, sweep
+
+HERE = Workers(processes=1)
+NO_ERRORS = {
+    "acquisition_noise_v": 1e-12,
+    "acquisition_bits": 50.0,
+    "displacement_noise_m": 0.0,
+    "force_noise_n": 0.0,
+    "endpoint_noise_m": 0.0,
+    "endpoint_force_noise_n": 0.0,
+}
+LOADS: list[list[dict[str, Any]]] = [
+    [],
+    [{"part": "spring", "stiffness": 400.0}, {"part": "spring", "stiffness": 100.0, "slack": 0.001}],
+    [{"part": "weight", "force": 1.2}],
+    [{"part": "pretensioner", "stiffness": 386.2}, {"part": "finger", "finger": "lan-fan-2010"}],
+    [{"part": "blocked"}],
+]
+
+
+@settings(max_examples=20)
+@given(
+    load=st.sampled_from(LOADS),
+    values=st.fixed_dictionaries(
+        {
+            "pretension": st.floats(0.2, 2.5),
+            "diameter_m": st.floats(0.9e-4, 1.1e-4),
+            "ambient_temperature_k": st.floats(280.0, 310.0),
+            "martensite_temperature_k": st.floats(315.0, 335.0),
+            "new_wire": st.booleans(),
+        }
+    ),
+)
+def test_its_constants_are_those_of_the_rig_to_the_bit(load: list[dict[str, Any]], values: dict[str, Any]) -> None:
+    if load and load[0]["part"] == "weight":
+        values = {name: value for name, value in values.items() if name != "pretension"}
+    configuration = RigConfiguration.model_validate({"load": load} if load else {})
+    rig = VariedRig(configuration, "test", values)
+    alone = rig.wire(values).constants
+    with rig.open(values, 1) as opened:
+        inside = opened.device._wires.constants  # type: ignore[attr-defined]  # a rig shows no one its constants
+    assert alone.numbers.tobytes() == inside.numbers.tobytes()
+    assert np.array_equal(alone.load_table_n, inside.load_table_n)
+
+
+def test_the_numbers_of_open_rig_with_the_same_settings_are_the_same() -> None:
+    configuration, _ = simulated_configuration("simulated")
+    rig = VariedRig(configuration, "test", ["pretension_n", "diameter_m"])
+    values = {"pretension_n": 1.4, "diameter_m": 0.95e-4}
+    parameters = parameters_of(configuration, "test", None, None, values)
+    numbers = rig.wire(values)
+    assert numbers.spool == parameters[1].values()
+    assert numbers.bench == parameters[2].values()
+
+
+@pytest.mark.parametrize("rig", ["simulated", "finger"])
+def test_ideal_readings_are_those_of_a_rig_without_errors(rig: str) -> None:
+    """Both ways to the same loop: through instruments, converter and protection, and past them."""
+    base: dict[str, Any] = {"simulated": {}, "finger": {"wire": "finger-100um", "bench": "finger", "load": LOADS[3]}}[
+        rig
+    ]
+    keep = [
+        "strain_gap",
+        "force_gap",
+        "displacement_gap",
+        "resistance_min_ohm",
+        "resistance_max_ohm",
+        "stroke",
+        "strain",
+    ]
+    study = study_of(
+        rig={**base, "settings": NO_ERRORS},
+        parameters={"run.readings": {"values": ["ideal", "rig"]}},
+        run={"kind": "characterize", "cycles": 1, "period": "30 s", "keep": keep},
+    )
+    result = sweep(study, workers=HERE)
+    assert result.errors == ("", "")
+    for name, column in result.columns.items():
+        assert column[0] == pytest.approx(column[1], rel=1e-6, abs=1e-9), name
+
+
+def test_the_gaps_are_those_of_loop_gaps_and_the_fit_is_fits() -> None:
+    from musclewire.studies.characterize_runs import CharacterizeOptions, drive_v, loop_numbers
+    from musclewire.studies.ideal_runs import ideal_runs
+    from musclewire.studies.run_kind import Run, Runs
+
+    options = CharacterizeOptions(cycles=1, period=60.0, fit=True)
+    rig = VariedRig(RigConfiguration(), "test", [])
+    runs = Runs(rig, [Run(0, {}, options, 1)], frozenset())
+    (found,) = ideal_runs(runs, lambda run, wire: drive_v(run.options, wire))
+    assert not isinstance(found, Exception)
+    names = frozenset({"strain_gap", "force_gap", "displacement_gap", "fit_rmse", "fit_order"})
+    numbers = loop_numbers(found.recording, options, names)
+    gaps, model = loop_gaps(found.recording), fit(found.recording)
+    assert numbers == {
+        "strain_gap": gaps.strain_gap,
+        "force_gap": gaps.force_gap,
+        "displacement_gap": gaps.displacement_gap,
+        "fit_rmse": model.rmse_average,
+        "fit_order": model.order,
+    }
+
+
+@pytest.mark.parametrize(
+    ("rig", "word"),
+    [
+        ({"surroundings": {"draught": 0.1}}, "moving air"),
+        ({"load": [{"part": "antagonist"}]}, "a second wire"),
+    ],
+)
+def test_what_ideal_readings_leave_out_is_said_for_each_run(rig: dict[str, Any], word: str) -> None:
+    result = sweep(study_of(rig=rig), workers=HERE)
+    assert result.failed == 2
+    assert all(word in text and 'readings = "rig"' in text for text in result.errors)
+
+
+def test_the_readings_of_a_run_are_its_own_whatever_the_others_have() -> None:
+    """Ideal readings and a rig's differ by noise; runs of both in one chunk must not share one way."""
+    study = study_of(parameters={"run.readings": {"values": ["ideal", "rig", "ideal"]}})
+    together = sweep(study, workers=HERE)
+    apart = sweep(study, workers=Workers(processes=1, runs_per_chunk=1))
+    assert together.columns["stroke"].tolist() == apart.columns["stroke"].tolist()
+    assert together.columns["stroke"][0] == together.columns["stroke"][2] != together.columns["stroke"][1]
+
+
+def test_a_run_that_fails_is_nan_and_the_others_are_not() -> None:
+    study = study_of(parameters={"pretension": {"values": ["1.9 N", "9 N"]}})
+    result = sweep(study, workers=HERE)
+    assert np.isfinite(result.columns["stroke"]).tolist() == [True, False]
+    assert result.errors[0] == ""
+    assert result.errors[1].startswith("CallerError: stage and weight pull the cold wire paper-100um with 9 N")
+
+
+def test_a_number_out_of_its_range_fails_its_run_only() -> None:
+    result = sweep(study_of(parameters={"diameter_m": {"values": [1e-4, -1e-4]}}), workers=HERE)
+    assert "must be above 0" in result.errors[1]
+    assert result.failed == 1
+
+
+def test_a_name_that_nothing_on_the_rig_has_is_refused_with_the_nearest() -> None:
+    with pytest.raises(CallerError, match=r"did you mean 'surroundings\.draught'"):
+        VariedRig(RigConfiguration(), "test", ["surroundings.draugt"])
+    assert "load.spring.stiffness" not in keys_of(RigConfiguration())
