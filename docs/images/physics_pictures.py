@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
-from musclewire.wire.switching import driving_forces_at
 from physics_runs import (
     Branch,
     FloatArray,
@@ -27,6 +26,7 @@ from musclewire.simulate.paths import isobaric_path
 from musclewire.wire.building import cooled_wire
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.distribution import signed_power
+from musclewire.wire.fronts import thresholds_at
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -293,7 +293,7 @@ def draw_r_phase_map(axes: Axes, constants: WireConstants) -> ContourSet:
     Lines say the same of a wire heated there from cold.
     """
     degc, mpa = np.linspace(*DIAGRAM_DEGC, 141), np.linspace(*DIAGRAM_MPA, 76)
-    cooled = [[cooled_wire(constants, MPA * s, t + ZERO_DEGC_K).grain_r_phase.mean() for t in degc] for s in mpa]
+    cooled = [[cooled_wire(constants, MPA * s, t + ZERO_DEGC_K).r_phase_fraction for t in degc] for s in mpa]
     heated = [isobaric_path(constants, MPA * s, degc + ZERO_DEGC_K).r_phase_fraction for s in mpa]
     axes.contour(
         degc, mpa, 100.0 * np.array(heated), levels=SHADES_PCT[1::2], colors=[R_PHASE], linewidths=0.8, linestyles=":"
@@ -305,21 +305,24 @@ def draw_lines(axes: Axes, constants: WireConstants) -> None:
     """Draw where the middle grain's phase changes are due, each in the colour of the phase that forms."""
     mpa = np.linspace(*DIAGRAM_MPA, 80)
     for name, colour, words in (
-        ("a_to_r_k", R_PHASE, "R-phase from austenite"),
-        ("a_to_m_k", MARTENSITE, "martensite from austenite"),
-        ("m_to_a_k", AUSTENITE, "austenite from martensite"),
+        ("a_to_r", R_PHASE, "R-phase from austenite"),
+        ("a_to_m", MARTENSITE, "martensite from austenite"),
+        ("m_to_a", AUSTENITE, "austenite from martensite"),
     ):
         line = np.array([due_degc(constants, MPA * s, name) for s in mpa])
         axes.plot(line, mpa, "--", color=colour, linewidth=1.6, label=words)
 
 
 def due_degc(constants: WireConstants, stress_pa: float, change: str) -> float:
-    """Return the temperature at which a change is due for the middle grain, with a driving force of zero."""
+    """Return the temperature at which a change is due for the middle grain: its threshold is at an offset of 0."""
     low, high = 100.0, 700.0
-    cooling = change in ("a_to_m_k", "a_to_r_k", "r_to_m_k")
+    cooling = change in ("a_to_m", "a_to_r", "r_to_m")
+    derived = constants.derived.record
     for _ in range(50):
         middle = 0.5 * (low + high)
-        due = getattr(driving_forces_at(constants.record, middle, stress_pa, 1.0), change) > 0.0
+        threshold = getattr(thresholds_at(derived, middle, stress_pa, 1.0, 0.0), change)
+        # Cooling moves fronts down to a threshold, heating up to it.
+        due = threshold < 0.0 if cooling else threshold > 0.0
         low, high = (middle, high) if due == cooling else (low, middle)
     return 0.5 * (low + high) - ZERO_DEGC_K
 

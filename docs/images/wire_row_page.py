@@ -8,8 +8,8 @@ from musclewire.wire.state import WireState
 
 HEAD = """# The row of a wire
 
-Written by `python docs/images/draw.py physics` from the lists of fields in `wire/state.py`; a test holds this page to
-them. Do not edit it by hand.
+Written by `python docs/images/draw.py physics` from the lists of fields in `wire/state.py` and `wire/constants.py`; a
+test holds this page to them. Do not edit it by hand.
 
 A simulated wire is two rows: its state, which changes from step to step, and its constants. A row is a
 NumPy record: compiled code reads and writes `state.temperature_k` in place, Python reads the same name
@@ -17,8 +17,10 @@ NumPy record: compiled code reads and writes `state.temperature_k` in place, Pyt
 changes: a step works on a copy. `state.replace(time_s=0.0)` is another state, `state.values()` every field by name,
 `state.row` the record itself, in an array of one.
 
-Every number is a double. `grains` is the number of grain classes of the bench (160 unless a rig file says otherwise);
-each number of them has a layout of its own, for which the kernels are compiled once and kept on disk.
+Every number is a double. `classes` is the number of classes of barrier, 1 unless a caller of
+`wire.building:constants_of` gives more; each number of them has a layout of its own, for which the kernels are compiled
+once and kept on disk. What a step reads are products and reciprocals of the constants, made once
+(`wire.constants:StepConstants`).
 """
 
 
@@ -27,7 +29,7 @@ def page() -> str:
     parts = [
         HEAD,
         f"## State\n\n`wire.state:WireState`. {summary(WireState)}\n\n{fields(WireState)}\n",
-        f"## Constants\n\n`wire.state:WireConstants`. {summary(WireConstants)}\n\n{fields(WireConstants)}\n",
+        f"## Constants\n\n`wire.constants:WireConstants`. {summary(WireConstants)}\n\n{fields(WireConstants)}\n",
     ]
     return "\n".join(parts)
 
