@@ -10,6 +10,7 @@ from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.rigs.configuration import RigConfiguration, simulated_configuration
 from musclewire.rigs.simulated_opening import open_simulated
+from musclewire.simulate.stepping import Stepping
 from musclewire.simulate.wires import OneWire
 from musclewire.wire.constants import WireConstants
 
@@ -30,6 +31,8 @@ class SimulatedWire:
         Limits of the protection; sense voltage, maximum voltage and shunt are among them.
     bench
         Numbers of the bench by name, in SI.
+    stepping
+        How the rig divides a sample into steps of the simulation.
     undisturbed
         Whether the rig has still air and no faults; what disturbs it is not part of these numbers.
     """
@@ -38,6 +41,7 @@ class SimulatedWire:
     constants: WireConstants
     limits: ProtectionLimits
     bench: Mapping[str, float]
+    stepping: Stepping
     undisturbed: bool
 
     @property
@@ -67,9 +71,9 @@ def simulated_wire(rig: str | Path | RigConfiguration = "simulated", **settings:
     """
     configuration, where = simulated_configuration(rig)
     device = open_simulated(configuration, where, None, None, None, False, settings)
-    wires = device.wires
-    if not isinstance(wires, OneWire):
+    inside = device.inside()
+    if not isinstance(inside.wires, OneWire):
         raise CallerError(f"{where} has two wires: this needs a rig with one")
     quiet = configuration.surroundings.still and not configuration.fault
     name = str(device.metadata()["wire"])
-    return SimulatedWire(name, wires.constants, device.facts.limits, device.bench, quiet)
+    return SimulatedWire(name, inside.wires.constants, device.facts.limits, inside.bench, inside.stepping, quiet)

@@ -269,16 +269,6 @@ class SimulatedDevice:
         return self._wires.state
 
     @property
-    def wires(self) -> SimulatedWires:
-        """The simulated wires, for a program that runs them without this device; never for an estimator."""
-        return self._wires
-
-    @property
-    def bench(self) -> Mapping[str, float]:
-        """The numbers of the bench by name, in SI."""
-        return self._bench
-
-    @property
     def partner_state(self) -> WireState | None:
         """The true state of a second wire; None if there is only one wire."""
         return self._wires.partner_state

@@ -128,7 +128,7 @@ def test_the_wire_system_is_the_simulator_to_the_bit() -> None:
     drives = 1.5 + 1.5 * np.sin(0.3 * times) ** 2
     answer = control.input_output_response(system, times, drives, x)
     for sample, drive_v in enumerate(drives[:-1], 1):
-        state, means = advance(state, wire.constants, float(drive_v), wire.sample_period_s)
+        state, means = advance(state, wire.constants, float(drive_v), wire.sample_period_s, wire.stepping)
         assert answer.outputs[:, sample].tolist() == list(means)
     assert answer.states[: state.numbers.size, -1].tolist() == state.numbers.tolist()
 

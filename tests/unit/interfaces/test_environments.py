@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.controllers.protection import Event, State, allowed_drive_v, armed, protect_command, protect_reading
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, NumericsError
 from musclewire.experiment.open_loop import characterize
 from musclewire.identify import fit
 from musclewire.interfaces.environments import ENVIRONMENT, Episode, WireEnv, WireVectorEnv
@@ -154,7 +154,8 @@ def test_an_ended_wire_begins_its_next_episode_cold_in_the_next_step() -> None:
 
 
 def test_the_protection_ends_an_episode_in_both_at_the_same_sample() -> None:
-    limits = {"limits": {"maximum_temperature": "60 degC"}}
+    # The amplifier's steps round this maximum up: what is out is a little more, and no command to be refused.
+    limits = {"maximum_voltage": "3.3 V", "limits": {"maximum_temperature": "60 degC"}}
     configuration = RigConfiguration.model_validate(limits)
     single, vector = (
         WireEnv(configuration, episode=SHORT, **QUIET),
@@ -233,3 +234,66 @@ def test_a_wrong_action_is_refused_in_one_line() -> None:
     for wrong in (np.zeros(2), np.array([np.nan])):
         with pytest.raises(CallerError, match="an action is an array of shape"):
             env.step(wrong)
+
+
+@pytest.mark.parametrize("make", [WireEnv, WireVectorEnv])
+def test_a_step_without_a_reset_and_an_unknown_option_are_refused_in_one_line(make: Any) -> None:
+    env = make(episode=SHORT)
+    with pytest.raises(CallerError, match="call reset"):
+        env.step(np.zeros(env.action_space.shape))
+    with pytest.raises(CallerError, match="'reset_mask'"):
+        env.reset(options={"reset_mask": None})
+
+
+def test_after_the_protection_has_ended_an_episode_it_takes_no_step() -> None:
+    env = WireEnv(RigConfiguration.model_validate({"limits": {"maximum_temperature": "23 degC"}}), episode=SHORT)
+    env.reset(seed=1)
+    terminated = False
+    while not terminated:
+        _, _, terminated, *_ = env.step(np.ones(1))
+    with pytest.raises(CallerError, match="the protection has ended it"):
+        env.step(np.ones(1))
+
+
+def test_gymnasiums_own_wrappers_of_vectors_work_around_it() -> None:
+    """Statistics of episodes rest on the autoreset that the metadata declare; observations are rescaled by bounds."""
+    counted = gymnasium.wrappers.vector.RecordEpisodeStatistics(WireVectorEnv(2, episode=SHORT))
+    env = gymnasium.wrappers.vector.RescaleObservation(counted, -1.0, 1.0)
+    env.reset(seed=1)
+    total = np.zeros(2)
+    for _ in range(60):
+        observed, rewards, _, truncated, infos = env.step(np.zeros((2, 1)))
+        total += rewards
+        assert (np.abs(observed) <= 1.0).all()
+    assert truncated.all()
+    np.testing.assert_allclose(infos["episode"]["r"], total)
+    assert infos["episode"]["l"].tolist() == [60, 60]
+
+
+def test_wires_of_several_rigs_take_turns() -> None:
+    rigs = [RigConfiguration.model_validate({"settings": {"pretension_n": force_n}}) for force_n in (1.5, 2.2)]
+    env = WireVectorEnv(4, rigs, episode=SHORT, **QUIET)
+    env.reset(seed=1)
+    for _ in range(40):
+        observed, *_ = env.step(np.full((4, 1), 0.6))
+    assert np.array_equal(observed[:2], observed[2:])
+    assert not np.array_equal(observed[0], observed[1])
+
+
+THIN = {"wire": "flexinol-0.025-lt", "settings": {"pretension_n": 0.1, "spring_stiffness_n_per_m": 10.0}}
+# A thin wire is heated within a sample, and its resistance jumps by more than that of any other.
+THIN_LIMITS = {"maximum_temperature": "300 degC", "jump_share": 0.9}
+
+
+def test_a_simulation_that_its_steps_do_not_resolve_is_an_error_and_no_result() -> None:
+    rig = RigConfiguration.model_validate({**THIN, "limits": THIN_LIMITS})
+    coarse, fine = WireVectorEnv(1, rig, episode=SHORT, time_step_s=0.05), WireVectorEnv(1, rig, episode=SHORT)
+    for env in (coarse, fine):
+        env.reset(seed=1)
+        truncated = np.zeros(1)
+        while not truncated.any():
+            _, _, terminated, truncated, _ = env.step(np.full((1, 1), 0.6))
+            assert not terminated.any()
+    with pytest.raises(NumericsError, match="time_step_s"):
+        coarse.step(np.ones((1, 1)))
+    fine.step(np.ones((1, 1)))

@@ -9,9 +9,15 @@ import gymnasium
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import RigError
+from musclewire.errors import CallerError, RigError
 from musclewire.interfaces.environments.episodes import MAX_RESISTANCE_FACTOR, PERCENT, Episode, episode_from
-from musclewire.interfaces.environments.spaces import action_space, checked_actions, observation_space, strain_model
+from musclewire.interfaces.environments.spaces import (
+    action_space,
+    checked_actions,
+    no_options,
+    observation_space,
+    strain_model,
+)
 from musclewire.physics.resistance import wire_resistance
 from musclewire.rigs.configuration import RigConfiguration, open_rig, simulated_configuration
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
@@ -74,7 +80,7 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
         self._configuration, _ = simulated_configuration(rig)
         self._settings: dict[str, Any] = settings
         self._episode, self._model = episode_from(episode), strain_model(model)
-        self._rig = self._opened(0)
+        self._rig, self._running = self._opened(0), False
         if self._model is not None:
             self._estimator = ESTIMATORS.find(estimator)(
                 EstimatorSetup(self._model, self._rig.shunt_resistance_ohm, self._rig.sample_period_s)
@@ -103,9 +109,16 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
         Returns
         -------
         The first observation, and no information.
+
+        Raises
+        ------
+        CallerError
+            For any option.
         """
+        no_options(options)
         super().reset(seed=seed, options=options)
         self._rig.close()
+        self._running = True
         self._rig = self._opened(int(self.np_random.integers(2**31)))
         self._targets = self._episode.drawn(self.np_random.random(self._episode.levels))
         self._sample = 0
@@ -130,8 +143,10 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
         Raises
         ------
         CallerError
-            For an action that is not one finite number.
+            For an action that is not one finite number, before a reset, and after the protection has switched off.
         """
+        if not self._running:
+            raise CallerError("this episode has not begun, or the protection has ended it: call reset")
         part = 0.5 * (float(np.clip(checked_actions(action, (1,))[0], -1.0, 1.0)) + 1.0)
         span_v = self._limits.maximum_voltage_v - self._limits.sense_voltage_v
         drive_v = min(self._limits.sense_voltage_v + part * span_v, self._limits.maximum_voltage_v)
@@ -141,6 +156,7 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
         try:
             sample = self._rig.exchange(Drive(drive_v))
         except RigError as error:
+            self._running = False
             self._observed[3:5] = 0.0, self._target_at(self._sample)
             reward = -PERCENT * self._targets.max() * (last - self._sample + 1)
             return self._observed.copy(), float(reward), True, False, {"event": event_name(error)}
@@ -152,6 +168,7 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
 
     def close(self) -> None:
         """Switch the rig's drive off."""
+        self._running = False
         self._rig.close()
 
     def _target_at(self, sample: int) -> float:

@@ -18,6 +18,7 @@ __all__ = [
     "OBSERVED",
     "action_space",
     "checked_actions",
+    "no_options",
     "observation_space",
     "strain_model",
 ]
@@ -27,6 +28,8 @@ OBSERVED = (
     "wire_voltage_v", "shunt_voltage_v", "wire_resistance_ohm", "drive_voltage_v", "target_strain", "estimated_strain",
 )  # fmt: skip
 
+# The drive that is out is the commanded one in the amplifier's steps, which may round it up.
+DRIVE_ROUNDING = 1.01
 # An estimate at the end of the model's range may be beyond it by this fraction of the range: it is a sum of powers.
 ROUNDING = 1e-9
 
@@ -43,7 +46,7 @@ def observation_space(limits: ProtectionLimits, episode: Episode, model: Sensing
         limits.wire_range_v,
         limits.shunt_range_v,
         MAX_RESISTANCE_FACTOR * limits.resistance_high_ohm,
-        limits.maximum_voltage_v,
+        DRIVE_ROUNDING * limits.maximum_voltage_v,
         episode.high,
     ]
     if model is not None:
@@ -61,6 +64,12 @@ def strain_model(given: SensingModel | str | Path | None) -> SensingModel | None
     if model.quantity != "strain":
         raise CallerError(f"the environments follow targets of strain, and this model estimates {model.quantity}")
     return model
+
+
+def no_options(options: dict[str, Any] | None) -> None:
+    """Raise CallerError for options of a reset: none are known."""
+    if options:
+        raise CallerError(f"a reset has no option '{next(iter(options))}': give seed alone")
 
 
 def checked_actions(action: Any, shape: tuple[int, ...]) -> FloatArray:

@@ -29,7 +29,13 @@ from musclewire.interfaces.environments.kernels import (
     read_lanes,
 )
 from musclewire.interfaces.environments.lanes import WireLanes
-from musclewire.interfaces.environments.spaces import action_space, checked_actions, observation_space, strain_model
+from musclewire.interfaces.environments.spaces import (
+    action_space,
+    checked_actions,
+    no_options,
+    observation_space,
+    strain_model,
+)
 from musclewire.interfaces.environments.watch import Watch
 from musclewire.interfaces.simulated_wire import SimulatedWire, simulated_wire
 from musclewire.rigs.configuration import RigConfiguration
@@ -120,7 +126,13 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         Returns
         -------
         The first observations, (num_envs, n_observed), and no information.
+
+        Raises
+        ------
+        CallerError
+            For any option.
         """
+        no_options(options)
         super().reset(seed=seed, options=options)
         self._run = self._run._replace(seed=int(self.np_random.integers(2**63 - 1)))
         self._memory["ended"], self._memory["episode"] = 1, -1
@@ -144,8 +156,12 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         Raises
         ------
         CallerError
-            For actions of another shape, or that are not finite.
+            For actions of another shape, or that are not finite, and before a reset.
+        NumericsError
+            When an episode has ended, if steps of the simulation were too long for what a wire did.
         """
+        if self._np_random is None:
+            raise CallerError("no episode has begun: call reset")
         ends = self._take_sample(checked_actions(actions, (self.num_envs, 1))[:, 0])
         infos: dict[str, Any] = {"measured_strain": ends.strain}
         terminated = ends.event != 0
@@ -169,6 +185,7 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
 
     def _restart(self, lanes: Mask) -> None:
         """Begin the next episode of some wires: cold, with new targets."""
+        self._lanes.require_resolved()
         self._lanes.rest(lanes)
         self._watch.rest(lanes)
         self._memory["sample"][lanes] = 0

@@ -47,7 +47,7 @@ class Watch:
     def command(self, drive_v: FloatArray) -> None:
         """Replace the drives of watched lanes by those that are allowed, in place."""
         for lane, state in self._states.items():
-            commanded = protect_command(state, self._limits[lane], float(drive_v[lane]))
+            commanded = commanded_state(state, self._limits[lane], float(drive_v[lane]))
             self._states[lane] = commanded
             self._memory["drive_voltage_v"][lane] = drive_v[lane] = allowed_drive_v(commanded, self._limits[lane])
 
@@ -75,5 +75,10 @@ class Watch:
 def running(kept: np.void, limits: ProtectionLimits) -> ProtectionState:
     """Return the state of a lane that is driven and has had sound readings only."""
     remembered: dict[str, Any] = {name: float(kept[name]) for name in NAMES}
-    driven = protect_command(armed(limits), limits, float(kept["drive_voltage_v"]))
+    driven = commanded_state(armed(limits), limits, float(kept["drive_voltage_v"]))
     return driven._replace(**remembered)
+
+
+def commanded_state(state: ProtectionState, limits: ProtectionLimits, drive_voltage_v: float) -> ProtectionState:
+    """Return the state after a command, which the amplifier's steps may have rounded to above the maximum."""
+    return protect_command(state, limits, min(drive_voltage_v, limits.maximum_voltage_v))
