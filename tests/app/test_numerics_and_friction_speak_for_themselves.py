@@ -37,6 +37,14 @@ def test_a_step_that_is_too_long_is_named_with_what_to_use(
     assert not any(word in answer.err for word in FAULTS)
 
 
+def test_a_step_that_shows_is_a_warning(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    path = rig_file(tmp_path, 'sample_period = "0.5 s"\n[settings]\ntime_step_s = 0.5\n')
+    answer = musclewire("characterize", path, "-o", tmp_path / "loop.h5", "--cycles", "1", "--json")
+    assert answer.code == 0, answer.err
+    (warning,) = answer.json["warnings"]
+    assert "fixed steps of 500 ms" in warning
+
+
 def test_chosen_steps_resolve_a_sample_of_1_s(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     path = rig_file(tmp_path, 'sample_period = "1 s"\n')
     answer = musclewire("characterize", path, "-o", tmp_path / "loop.h5", "--cycles", "1", "--json")

@@ -357,6 +357,7 @@ def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recor
         **stated,
         # The rig itself has not run.
         "friction_held_m": max(held_m, run.friction_held_m),
+        "step_error_k": run.step_error_k,
         **loop.prepared.metadata,
         "software_version": software_version(),
         "start_time": datetime.now(UTC).isoformat(timespec="seconds"),

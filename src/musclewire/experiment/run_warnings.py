@@ -1,19 +1,34 @@
-"""Everything that a finished run warns of: a wire that pulled too hard, and a wire that friction held."""
+"""Everything that a finished run warns of: a wire that pulled too hard, one that friction held, steps too long."""
 
 from __future__ import annotations
 
 from musclewire.experiment.force_limit import force_warnings
 from musclewire.signals.recording import Recording
 
-__all__ = ["friction_warnings", "run_warnings"]
+__all__ = ["friction_warnings", "run_warnings", "step_warnings"]
 
 # Friction counts as holding the wire from this fraction of a leg's length on: 0.01 points of strain.
 HELD_FRACTION = 1e-4
+# A step's error counts from here on: twenty times the tolerance of chosen steps. From 2 K on the rig itself refuses.
+STEP_ERROR_K = 0.1
 
 
 def run_warnings(recording: Recording) -> tuple[str, ...]:
     """Return the warnings of a run, the most dangerous first; none for a run without any."""
-    return (*force_warnings(recording), *friction_warnings(recording))
+    return (*force_warnings(recording), *friction_warnings(recording), *step_warnings(recording))
+
+
+def step_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return a warning if the steps of a simulation were so long that they show; none otherwise."""
+    error_k = recording.facts.number_or_none("step_error_k")
+    step_s = recording.facts.number_or_none("time_step_s")
+    if error_k is None or error_k <= STEP_ERROR_K:
+        return ()
+    steps = f"fixed steps of {1e3 * step_s:g} ms" if step_s else "steps chosen by tolerance"
+    return (
+        f"the steps of the simulation show: {steps} left an error of up to {error_k:.2g} K in temperature: set "
+        "time_step_s to 0 for chosen steps, to a shorter step, or lower temperature_tolerance_k",
+    )
 
 
 def friction_warnings(recording: Recording) -> tuple[str, ...]:

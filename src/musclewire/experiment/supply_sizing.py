@@ -18,7 +18,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.experiment.drive import drive_wire
 from musclewire.experiment.run import OnSample
-from musclewire.experiment.run_warnings import friction_warnings
+from musclewire.experiment.run_warnings import friction_warnings, step_warnings
 from musclewire.identify.catalogue_check import PULL_STRESS_PA, UNCOUNTED_STRAIN
 from musclewire.identify.electrical_sizing import (
     OVERHEATED_K,
@@ -248,7 +248,7 @@ def size_supply(
     numbers = drive_numbers(recording, request.on_s, best.stroke)
     settled = steady_temperature_k(numbers.power_end_w / request.length_m, wire, request.ambient_k)
     shunt = suggested_shunt(wire.resistance_per_metre_ohm_per_m.value * request.length_m, best.current_a)
-    warnings = (*warnings_for(plan, numbers, settled), *friction_warnings(recording))
+    warnings = (*warnings_for(plan, numbers, settled), *friction_warnings(recording), *step_warnings(recording))
     return SupplySizing(plan, recording, numbers, settled, best, shunt, warnings)
 
 

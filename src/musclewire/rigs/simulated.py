@@ -321,6 +321,7 @@ class SimulatedDevice:
             "new_wire": self._new_wire,
             "seed": self._seed,
             "friction_held_m": self._held_m,
+            "step_error_k": self._wires.step_error_k,
         }
 
     def _convection_metadata(self) -> Metadata:

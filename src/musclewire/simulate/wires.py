@@ -296,6 +296,11 @@ class SimulatedWires(Protocol):
         """Length by which friction holds a connector ahead of its slack wire [m], 0 for taut wires."""
         ...
 
+    @property
+    def step_error_k(self) -> float:
+        """Largest estimated error of a step in temperature since the wires were at rest [K]."""
+        ...
+
     def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
         """Advance by one sample at one drive voltage.
 
@@ -384,6 +389,11 @@ class OneWire:
         numbers = self._state.numbers
         return float(numbers[CONNECTOR] - numbers[CONTRACTION]) * self.constants.leg_length_m
 
+    @property
+    def step_error_k(self) -> float:
+        """Largest estimated error of a step in temperature since the wire was at rest [K]."""
+        return float(self._state.step_error_k)
+
     def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
         """Advance by one sample at one drive voltage."""
         if self._handed_out:
@@ -444,6 +454,11 @@ class TwoWires:
         if self._pair.direction != APART:
             return 0.0
         return max(state.slack * one.leg_length_m for state, one in zip(self._states, self._both, strict=True))
+
+    @property
+    def step_error_k(self) -> float:
+        """The larger of both errors [K]."""
+        return max(state.step_error_k for state in self._states)
 
     def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
         """Advance by one sample at one drive voltage."""

@@ -36,13 +36,15 @@ class LoopTicks(NamedTuple):
 class CompiledRun(NamedTuple):
     """How a compiled loop ended, how many samples are complete, and the columns of the rig, ticks and targets.
 
-    ``friction_held_m`` is by how much friction held the connector ahead of the slack wire at most.
+    ``friction_held_m`` is by how much friction held the connector ahead of the slack wire at most, ``step_error_k`` the
+    largest estimated error of a step in temperature [K].
     """
 
     ended: Ended
     samples: int
     columns: dict[str, FloatArray]
     friction_held_m: float
+    step_error_k: float
 
 
 def uncompiled(rig: GuardedRig) -> str:
@@ -105,7 +107,8 @@ def run_compiled(rig: GuardedRig, ticks: LoopTicks, targets: Targets, first_driv
     if ended == Ended.DONE and arrays.wire.states[0]["time_s"] != targets.times_s[-1]:
         raise NumericsError("the compiled loop's clock differs from the rig's: report it with the rig file")
     held_m = float(arrays.slack_m[:complete].max(initial=0.0))
-    run = CompiledRun(Ended(ended), complete, columns_of(arrays.shown, ticks), held_m)
+    error_k = float(arrays.wire.states[0]["step_error_k"])
+    run = CompiledRun(Ended(ended), complete, columns_of(arrays.shown, ticks), held_m, error_k)
     return with_endpoint(run, arrays.true_displacement_m, inside, noise)
 
 
