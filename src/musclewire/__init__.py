@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.pretension import pretension_sweep
     from musclewire.experiment.training import recalibrate, train
     from musclewire.experiment.zero_tendon import zero_tendon
+    from musclewire.export.fmu import export_fmu
     from musclewire.identify import estimate, fit
     from musclewire.identify.physical.calibrate import calibrate
     from musclewire.rigs.configuration import open_rig
@@ -53,6 +54,7 @@ __all__ = [
     "read_study",
     "write_study",
     "read_study_data",
+    "export_fmu",
     "read_recording",
     "load_model",
     "Recording",
@@ -84,6 +86,7 @@ _HOMES = {
     "read_study": "musclewire.studies",
     "write_study": "musclewire.studies.study_page",
     "read_study_data": "musclewire.studies",
+    "export_fmu": "musclewire.export.fmu",
     "read_recording": "musclewire.signals",
     "load_model": "musclewire.sensing",
     "Recording": "musclewire.signals",

@@ -111,6 +111,7 @@ CALLS = {
     "bench": ["--quick", "--only", "step[10ms,numba]"],
     "rules": [],
     "export c": ["model.json", "-o", "library"],
+    "export fmu": ["model.json", "-o", "fmus"],
     "cite": [],
 }
 

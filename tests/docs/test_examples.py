@@ -20,6 +20,7 @@ PROMISES = {
     "move_a_wire_by_its_resistance": r"largest \d+\.\d+ %, mean \d+\.\d+ %",
     "fit_a_csv_recording": r"2 % strain requires \d+\.\d+ ohm",
     "compare_rule_bases": r"zhao-1993 .*%(?s:.*)fixed .*%(?s:.*)liu-7x7 .*%(?s:.*)liu-7x7-mirrored .*%",
+    "couple_two_fmus": r"2\.5 % +2\.[45]\d\d %",
     "find_the_best_pretension": r"best: \d+\.\d+ N",
     "train_by_evolution": r"trained +mean reward -\d\.\d+ (?s:.*)mean error is \d+ % below the plain PID's",
     "train_and_recalibrate": r"settled\n(?s:.*)R_min moved by [+-]\d+\.\d+ ohm",

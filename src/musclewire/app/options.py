@@ -212,7 +212,8 @@ ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.ma
 QUICK = option("--quick", help="Fewer repetitions.")
 SETTINGS = option("--settings", help="TOML file with settings of the controller, as kp_range = [0.01, 0.1].")
 DOUBLE = option("--double", help="Double precision instead of single.")
-NAME = option("--name", help="Name of the library, a C identifier.")
+NAME = option("--name", help="Name of the library or FMU, a C identifier.")
+SOURCES_ONLY = option("--sources-only", help="Write the FMU without a binary, for tools that compile its sources.")
 
 Json = Annotated[bool, JSON]
 RigName = Annotated[

@@ -199,7 +199,8 @@ def added_friction_n(displacement_m: FloatArray, parts: Sequence[LoadPart], tend
 def tendon_friction_n(tendon: Tendon, displacement_m: FloatArray) -> FloatArray:
     """Return the largest friction along the tendon over displacement, (n_points,)."""
     pulled = tendon.force_n(displacement_m, tendon.endpoint_force_n(displacement_m))
-    return np.asarray(tendon.column("friction_share", displacement_m) * pulled)
+    # Far beyond the end of the finger's curve its compliance, continued, turns negative, and so would the friction.
+    return np.maximum(tendon.column("friction_share", displacement_m) * pulled, 0.0)
 
 
 def travel_at_force(tendon: Tendon, force_n: float, name: str) -> float:
