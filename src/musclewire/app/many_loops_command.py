@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app.options import IN_PYTHON, RUNS, THREADS
-from musclewire.app.output import emit_json, progress_bar, say, show
+from musclewire.app.output import emit_json, progress_bar, say, show, warn
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
@@ -72,6 +72,7 @@ def run_many_loops(
             on_outcome=on_outcome,
             **loop,
         )
+    warn(found.warnings)
     if json:
         emit_json(many_json(found))
     else:
@@ -95,6 +96,7 @@ def many_json(found: ManyControlRuns) -> dict[str, Any]:
                 "mae_pct": None if outcome.metrics is None else [step.mae_pct for step in outcome.metrics.steps],
                 "mae_max_pct": None if outcome.metrics is None else outcome.metrics.mae_max_pct,
                 "rms_pct": None if outcome.metrics is None else outcome.metrics.rms_pct,
+                "warnings": outcome.warnings,
                 "valid_share": None if outcome.metrics is None else outcome.metrics.valid_share,
             }
             for outcome in found.outcomes

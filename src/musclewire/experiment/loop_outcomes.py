@@ -33,6 +33,8 @@ class LoopOutcome(NamedTuple):
         Its errors; None if it did not reach its end.
     run
         Its recording, up to the error if there was one; None unless recordings are kept.
+    warnings
+        Warnings of the run: a wire that pulled harder than allowed, friction that held it.
     """
 
     seed: int
@@ -40,6 +42,7 @@ class LoopOutcome(NamedTuple):
     compiled: bool
     metrics: ControlMetrics | None
     run: Recording | None
+    warnings: tuple[str, ...] = ()
 
 
 class StepSpread(NamedTuple):
@@ -93,6 +96,15 @@ class ManyControlRuns:
     def in_python(self) -> int:
         """How many loops ran in Python."""
         return sum(not outcome.compiled for outcome in self.outcomes)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """How many loops have warnings, with those of the first; none if no loop has one."""
+        found = [outcome for outcome in self.outcomes if outcome.warnings]
+        if not found:
+            return ()
+        where = f"in {len(found)} of {len(self.outcomes)} loops, the first of them that of seed {found[0].seed}: "
+        return tuple(where + text for text in found[0].warnings)
 
     @property
     def mae_pct(self) -> FloatArray:

@@ -26,6 +26,7 @@ from musclewire.experiment.closed_loop import APPROACH_S, LoopChoice, PreparedLo
 from musclewire.experiment.loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import NO_CLOCK, cause_of, what_protects
+from musclewire.experiment.run_warnings import run_warnings
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.compiled_loop.kernel import Ended
 from musclewire.rigs.compiled_loop.running import CompiledRun, LoopTicks, Targets, run_compiled, times_on_rig_s
@@ -316,7 +317,7 @@ def outcome_on(rig: GuardedRig, loop: CompiledLoop, seed: int) -> LoopOutcome:
     run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
     if run.ended is Ended.DONE:
         whole = control_run(rig, loop, run)
-        return LoopOutcome(seed, "done", True, whole.metrics, whole)
+        return LoopOutcome(seed, "done", True, whole.metrics, whole, run_warnings(whole))
     outcome = outcome_in_python(rig, loop.model, loop.prepared.reference, loop.choice, seed)
     if outcome.ended == "done" and run.ended in ENDS_A_RUN:
         raise NumericsError(unlike(run.ended, f"of seed {seed} "))
@@ -376,4 +377,4 @@ def outcome_in_python(
         run = control(rig, model, reference, **choice.options)
     except (RigError, NumericsError) as error:
         return LoopOutcome(seed, cause_of(error), False, None, getattr(error, "recording", None))
-    return LoopOutcome(seed, "done", False, run.metrics, run)
+    return LoopOutcome(seed, "done", False, run.metrics, run, run_warnings(run))

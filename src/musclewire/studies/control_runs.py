@@ -102,7 +102,7 @@ def on_rig(runs: Runs[ControlOptions], run: Run[ControlOptions]) -> Outcome:
     with runs.open(run) as rig:
         model = own_model(rig, options) if options.model == "own" else load_model(options.model)
         reference = staircase(options.start, options.stop, options.step, hold_s=options.hold)
-        # Two wires, faults and moving air have no compiled form; either way the numbers are the same.
+        # Two wires and faults have no compiled form; either way the numbers are the same.
         loop = control if options.in_python or uncompiled(rig) else control_compiled
         done = loop(rig, model, reference, estimator=options.estimator, controller=options.controller)
     return {**errors_of(done.metrics), "model_gap": model.hysteresis_gap, **series_of(done)}

@@ -25,7 +25,7 @@ from musclewire.controllers import (
 from musclewire.controllers.pid import PidSettings
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.experiment.closed_loop import control
-from musclewire.experiment.loop_outcomes import LoopOutcome
+from musclewire.experiment.loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment.many_loops import control_compiled, control_many
 from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.run_warnings import friction_warnings
@@ -89,7 +89,9 @@ def test_friction_that_holds_the_wire_is_said_by_both(model: SensingModel) -> No
     assert fast.compiled
     assert_same(fast, slow)
     assert fast.run is not None
-    assert friction_warnings(fast.run) != ()
+    assert friction_warnings(fast.run) == fast.warnings != ()
+    shown = ManyControlRuns((fast._replace(warnings=()), fast)).warnings
+    assert shown == (f"in 1 of 2 loops, the first of them that of seed 1: {fast.warnings[0]}",)
 
 
 any_rig = st.fixed_dictionaries(
@@ -160,10 +162,11 @@ def test_each_loop_may_have_its_own_rig_and_model(model: SensingModel) -> None:
         assert control_many(rig, own, SHORT, seeds=[1]).outcomes == (outcome,)
 
 
-def test_a_loop_goes_on_from_where_an_experiment_has_left_the_rig(model: SensingModel) -> None:
+@pytest.mark.parametrize("air", [Surroundings(), Surroundings(ambient_swing=2.0, draught=0.1)], ids=["still", "moving"])
+def test_a_loop_goes_on_from_where_an_experiment_has_left_the_rig(model: SensingModel, air: Surroundings) -> None:
     after = []
     for run in (control, control_compiled):
-        with open_rig(seed=5) as rig:
+        with open_rig(RigConfiguration(surroundings=air), seed=5) as rig:
             characterize(rig, cycles=1)
             after.append(run(rig, model, SHORT))
     assert list(after[0].columns) == list(after[1].columns)

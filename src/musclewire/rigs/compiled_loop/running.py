@@ -61,8 +61,6 @@ def uncompiled(rig: GuardedRig) -> str:
         return "the rig has two wires"
     if rig.protection.state is not State.ARMED:
         return "the rig is being driven, or has failed"
-    if inside.air is not None and inside.wires.state.time_s > 0.0:
-        return "the air moves, and the rig has been driven before"
     return ""
 
 
