@@ -46,11 +46,11 @@ def fixed_rounds(rounds: int) -> float:
     return value
 
 
-def seconds(run: Callable[[], object]) -> float:
-    """Return how long a call takes."""
-    begin = time.perf_counter()
+def seconds(run: Callable[[], object]) -> tuple[float, float]:
+    """Return how long a call takes by the clock, and how much processor time its threads take."""
+    begin, began = time.perf_counter(), time.process_time()
     run()
-    return time.perf_counter() - begin
+    return time.perf_counter() - begin, time.process_time() - began
 
 
 def stepper(env: Any, shape: tuple[int, ...], steps: int) -> Callable[[], None]:
@@ -106,11 +106,13 @@ def measured(turns: int, steps: int) -> dict[str, float]:
         "fixed": (lambda: fixed_rounds(ROUNDS), ROUNDS),
     }
     took: dict[str, list[float]] = {name: [] for name in kinds}
+    processor: list[float] = []
     for turn in range(turns + 1):
         for name, (run, count) in kinds.items():
-            each_s = seconds(run) / count
+            clock_s, processor_s = seconds(run)
             if turn:  # the first one compiles
-                took[name].append(each_s)
+                took[name].append(clock_s / count)
+                processor += [processor_s / count] if name == "ours" else []
     ratios = {
         f"{over} over ours": statistics.median(b / a for a, b in zip(took["ours"], took[over], strict=True))
         for over in ("carts", "single", "with estimator")
@@ -118,6 +120,7 @@ def measured(turns: int, steps: int) -> dict[str, float]:
     return {
         "steps_per_s": 1.0 / statistics.median(took["ours"]),
         "best_steps_per_s": 1.0 / min(took["ours"]),
+        "processor_s_per_step": statistics.median(processor),
         "fixed_rounds_per_step": statistics.median(a / b for a, b in zip(took["ours"], took["fixed"], strict=True)),
         "with_estimator_over_ours": ratios["with estimator over ours"],
         "single_over_ours": ratios["single over ours"],
@@ -139,6 +142,7 @@ def main() -> None:
         return
     print(f"{WIRES} wires, samples of 50 ms: {found['steps_per_s'] / 1e6:.3f} million environment steps a second")
     print(f"  (best {found['best_steps_per_s'] / 1e6:.3f}; the bar is {BAR_PER_S / 1e6:g})")
+    print(f"an environment step takes {1e9 * found['processor_s_per_step']:.0f} ns of processor time")
     print(f"one environment step costs {found['fixed_rounds_per_step']:.1f} rounds of the fixed workload")
     print(f"with the estimator's strain in the observation it costs {found['with_estimator_over_ours']:.2f} times that")
     print(f"a step of {SINGLE} single environments one after the other: {found['single_over_ours']:.0f} times ours")

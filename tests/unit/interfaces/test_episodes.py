@@ -13,7 +13,9 @@ from musclewire.interfaces.environments.episodes import Episode, episode_from
 def test_by_default_it_is_the_papers_staircase() -> None:
     episode = Episode()
     assert episode.drawn(np.zeros(episode.levels)).tolist() == pytest.approx(list(staircase().levels))
-    assert episode.samples(0.05) == (240, 120)
+    levels = episode.level_of_sample(0.05)
+    assert levels.size == 1560 + 1
+    assert np.bincount(levels).tolist() == [240 + 120, *[120] * 9, 120 + 1]
 
 
 def test_random_levels_fill_the_range() -> None:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
+from musclewire.arrays import FloatArray, IntArray
 from musclewire.controllers.references import staircase
 from musclewire.errors import CallerError, nearest_hint
 
@@ -98,8 +98,8 @@ class Episode:
         steps = staircase(self.low, self.high, (self.high - self.low) / self.increments, self.hold_s)
         return np.broadcast_to(np.asarray(steps.levels), draws.shape).copy()
 
-    def samples(self, sample_period_s: float) -> tuple[int, int]:
-        """Return the samples of the approach and of one level.
+    def level_of_sample(self, sample_period_s: float) -> IntArray:
+        """Return which level is asked for in each sample.
 
         Parameters
         ----------
@@ -108,9 +108,12 @@ class Episode:
 
         Returns
         -------
-        Both as whole numbers; a level has at least one.
+        Numbers of the levels, (n_samples + 1,), from the first sample after the reset on; the last one is what is asked
+        for when the episode has ended. Approach and levels are rounded to whole samples, a level to at least one.
         """
-        return round(self.approach_s / sample_period_s), max(round(self.hold_s / sample_period_s), 1)
+        approach, hold = round(self.approach_s / sample_period_s), max(round(self.hold_s / sample_period_s), 1)
+        samples = np.arange(approach + self.levels * hold + 1)
+        return np.clip((samples - approach) // hold, 0, self.levels - 1)
 
 
 def episode_from(given: Episode | str | Mapping[str, Any]) -> Episode:

@@ -83,11 +83,14 @@ NO_CURVE = Curve(0.0, 0.0, 0.0, 0.0, np.empty(0), np.empty(0))
 
 
 class LaneRun(NamedTuple):
-    """What all lanes have in common: seed, length of approach and level in samples, and the estimator's curve."""
+    """What all lanes have in common: seed, number of the level asked for in each sample, and the estimator's curve.
+
+    The samples of an episode are counted from the first after the reset; there is one level more than samples, which is
+    asked for after the last.
+    """
 
     seed: int
-    approach: int
-    hold: int
+    level_of_sample: NDArray[np.int64]
     curve: Curve
 
 
@@ -214,23 +217,17 @@ def estimate_of(curve: Curve, resistance_ohm: float) -> float:
 
 
 @compiled
-def level_at(run: LaneRun, levels: int, sample: int) -> int:
-    """Return the number of the level that is asked for in a sample, counted from the first after the reset."""
-    return min(max((sample - run.approach) // run.hold, 0), levels - 1)
-
-
-@compiled
 def judge_lanes(facts: Rows, memory: Rows, targets: FloatArray, run: LaneRun, ends: LaneEnds) -> None:
     """Reward and observe all lanes at the end of a sample; ``targets`` are their levels, (n_lanes, n_levels).
 
     A lane that had ended was at rest before this sample, which was the first of its episode.
     """
-    levels = targets.shape[1]
-    last = run.approach + levels * run.hold
+    last = run.level_of_sample.shape[0] - 1
     for lane in range(targets.shape[0]):
         fact, kept, seen = facts[lane], memory[lane], ends.observed[lane]
+        before = run.level_of_sample[max(kept["sample"] - 1, 0)]
         # The sample that has just ended is judged by the target that was asked for while it was taken.
-        error = abs(targets[lane, level_at(run, levels, kept["sample"] - 1)] - ends.strain[lane])
+        error = abs(targets[lane, before] - ends.strain[lane])
         ends.reward[lane] = 0.0 if kept["ended"] else -PERCENT * error
         tripped = ends.event[lane] != 0
         if tripped:
@@ -244,7 +241,7 @@ def judge_lanes(facts: Rows, memory: Rows, targets: FloatArray, run: LaneRun, en
             if run.curve.heating.shape[0]:
                 seen[5] = estimate_of(run.curve, resistance_ohm)
         seen[3] = kept["drive_voltage_v"]
-        seen[4] = targets[lane, level_at(run, levels, kept["sample"])]
+        seen[4] = targets[lane, run.level_of_sample[kept["sample"]]]
         ends.truncated[lane] = not tripped and kept["sample"] >= last
         kept["ended"] = tripped or ends.truncated[lane]
         kept["sample"] += 1

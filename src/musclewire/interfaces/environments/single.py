@@ -86,7 +86,7 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
                 EstimatorSetup(self._model, self._rig.shunt_resistance_ohm, self._rig.sample_period_s)
             )
         self._limits = self._rig.protection_limits
-        self._approach, self._hold = self._episode.samples(self._rig.sample_period_s)
+        self._level_of_sample = self._episode.level_of_sample(self._rig.sample_period_s)
         self.action_space = action_space()
         space = observation_space(self._limits, self._episode, self._model)
         self.observation_space, self._shape = space, space.shape
@@ -151,7 +151,7 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
         span_v = self._limits.maximum_voltage_v - self._limits.sense_voltage_v
         drive_v = min(self._limits.sense_voltage_v + part * span_v, self._limits.maximum_voltage_v)
         self._sample += 1
-        last = self._approach + self._episode.levels * self._hold
+        last = self._level_of_sample.size - 1
         target = self._target_at(self._sample - 1)
         try:
             sample = self._rig.exchange(Drive(drive_v))
@@ -173,8 +173,7 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
 
     def _target_at(self, sample: int) -> float:
         """Return the target that is asked for in a sample, counted from the first after the reset."""
-        level = max((sample - self._approach) // self._hold, 0)
-        return float(self._targets[min(level, self._targets.size - 1)])
+        return float(self._targets[self._level_of_sample[sample]])
 
     def _observe(self, sample: RawSample) -> None:
         """Write what a sample shows, and the target of the next one, into the observation."""

@@ -104,7 +104,7 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         self._targets = np.zeros((num_envs, self._episode.levels))
         self._drive_v = np.zeros(num_envs)
         self._watch = Watch([wire.limits for wire in lanes], self._facts, self._memory)
-        self._run = LaneRun(0, *self._episode.samples(period_s), curve_of(known))
+        self._run = LaneRun(0, self._episode.level_of_sample(period_s), curve_of(known))
         self.single_action_space = action_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.single_observation_space = observation_space(widest(wires), self._episode, known)
