@@ -22,6 +22,8 @@ from musclewire.speed.processes import first_period_of_ours, first_period_of_sci
 __all__ = ["cases"]
 
 CONTROL_PERIOD_S = 0.01
+# Cycles of ours in a turn, where one takes less than a millisecond.
+CYCLES = 10
 SAMPLE_S = 0.05
 EASIER = "theirs is an easier wire: two phases, no minor loops, no friction"
 
@@ -53,7 +55,7 @@ def step_and_scipy(step_s: float, _quick: bool) -> tuple[Side, Side]:
     start = start_of(wire)
     wanted_s = max(step_s, CONTROL_PERIOD_S)
     return (
-        Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s),
+        Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s, repeats=CYCLES),
         Side(lambda _: scipy_cycle(wanted_s), PERIOD_S / step_s),
     )
 
@@ -64,7 +66,7 @@ def step_and_numba(_quick: bool) -> tuple[Side, Side]:
     start, units = start_of(wire), PERIOD_S / 1e-2
     steps_a_sample = round(SAMPLE_S / EXPLICIT_STEP_S)
     return (
-        Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(1e-2)), units),
+        Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(1e-2)), units, repeats=CYCLES),
         Side(lambda _: numba_cycle(round(PERIOD_S / SAMPLE_S), steps_a_sample), units),
     )
 
@@ -92,7 +94,7 @@ def slow_loop_sides(_quick: bool) -> tuple[Side, Side]:
     """Return both sides of the loop."""
     wire = paper_wire()
     start = start_of(wire)
-    return Side(lambda _: cycle(wire, start, SAMPLE_S), 1.0), Side(lambda _: scipy_cycle(SAMPLE_S), 1.0)
+    return Side(lambda _: cycle(wire, start, SAMPLE_S), 1.0, repeats=CYCLES), Side(lambda _: scipy_cycle(SAMPLE_S), 1.0)
 
 
 def closed_loop_period() -> Case:

@@ -85,3 +85,10 @@ def test_the_peaks_of_the_machine_are_in_their_order() -> None:
     assert machine.vector_flops_per_s > machine.chained_flops_per_s > 0.0
     assert machine.bandwidth_bytes_per_s > 0.0
     assert machine.cores >= 1
+
+
+def test_what_is_repeated_in_a_turn_counts_once() -> None:
+    clock = Clock()
+    once, often = clock.work("once", 2.0, 4.0), clock.work("often", 2.0, 4.0)
+    assert Side(often.run, 4.0, repeats=10).time_us(clock) == pytest.approx(once.time_us(clock))
+    assert clock.done.count("often") == 10
