@@ -443,22 +443,16 @@ class LoopTiming:
         """Watch a run of this sample period; ``paced`` if a real clock sets its pace."""
         self._period_us = sample_period_s * 1e6
         self._paced = paced
-        self._samples_ns = array("q")
-        self._latencies_ns = array("q")
-        self._callbacks_ns = array("q")
-        self._callback_ns = 0
+        self._drive_ns, self._sample_ns, self._callbacks_ns = array("q"), array("q"), array("q")
 
     def sampled(self, drive_at_ns: int, sample_at_ns: int) -> None:
         """Record one exchange: when its drive was handed to the output and when its sample arrived."""
-        if self._samples_ns:
-            self._latencies_ns.append(drive_at_ns - self._samples_ns[-1])
-            self._callbacks_ns.append(self._callback_ns)
-        self._samples_ns.append(sample_at_ns)
-        self._callback_ns = 0
+        self._drive_ns.append(drive_at_ns)
+        self._sample_ns.append(sample_at_ns)
 
     def called_back(self, callback_ns: int) -> None:
-        """Record how long a callback kept the loop waiting after the last sample."""
-        self._callback_ns = callback_ns
+        """Record how long a callback kept the loop waiting after the last sample; called after every one or never."""
+        self._callbacks_ns.append(callback_ns)
 
     def metadata(self) -> dict[str, MetadataValue]:
         """Return the timing for a recording's metadata; only compute times if no clock paced the run.
@@ -468,13 +462,16 @@ class LoopTiming:
         ``deadline_misses`` counts the sample periods in which no sample came, ``drift_us`` is the excess of the whole
         run's duration over its periods.
         """
-        latencies = np.array(self._latencies_ns, dtype=np.float64) / 1e3
-        compute = latencies - np.array(self._callbacks_ns, dtype=np.float64) / 1e3
+        drive_ns, sample_ns = np.array(self._drive_ns), np.array(self._sample_ns)
+        latencies = (drive_ns[1:] - sample_ns[:-1]) / 1e3
+        # The run ends at its last sample, whose callback is before no drive.
+        callbacks = np.array(self._callbacks_ns[: latencies.size]) / 1e3
+        compute = latencies - callbacks if callbacks.size else latencies
         found: dict[str, MetadataValue] = {"pace": CLOCK if self._paced else NO_CLOCK, "deadline_misses": 0}
         found |= percentiles("compute", compute)
         if not self._paced or not latencies.size:
             return found
-        intervals = np.diff(np.array(self._samples_ns, dtype=np.float64)) / 1e3
+        intervals = np.diff(sample_ns) / 1e3
         # A burst after a late sample catches up: only whole periods without a sample are misses.
         empty = np.rint(intervals / self._period_us) - 1.0
         found["scheduling"] = scheduling()

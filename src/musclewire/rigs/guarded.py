@@ -173,7 +173,7 @@ class GuardedRig:
         with self._deciding:
             if self._off_for_good:
                 raise RigError("this rig is closed or has failed and stays off: open it again")
-            allowed = self._allowed(as_command(command))
+            allowed = self._allowed(command)
         sample = self._awaited(allowed)
         with self._deciding:
             if self._off_for_good:
@@ -184,16 +184,20 @@ class GuardedRig:
             self._judge(sample)
         return sample
 
-    def _allowed(self, command: Command) -> Command:
+    def _allowed(self, command: Command | float) -> Command:
         """Return the command that is allowed now. Raises as ``exchange`` does for one that never is."""
-        if self._accepts_targets and isinstance(command, Target):
+        if isinstance(command, Drive):
+            drive_voltage_v = command.voltage_v
+        elif self._accepts_targets and isinstance(command, Target):
             return command
-        try:
-            drive_voltage_v = drive_voltage_of(command)
-        except CallerError:
-            self.make_safe()
-            raise
-        self._protection.command(drive_voltage_v)
+        else:
+            try:
+                drive_voltage_v = drive_voltage_of(as_command(command))
+            except CallerError:
+                self.make_safe()
+                raise
+        if self._protection.command(drive_voltage_v):
+            return command if isinstance(command, Drive) and not command.by_protection else Drive(drive_voltage_v)
         if self._protection.tripped:
             self.close()
             raise ProtectionTripError(

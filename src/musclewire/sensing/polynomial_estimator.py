@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
 from musclewire.physics.resistance import MINIMUM_CURRENT_A, ResistanceReading, wire_resistance
-from musclewire.sensing.curve import CurveEstimate, ResistanceCurve
+from musclewire.sensing.curve import ResistanceCurve
 from musclewire.sensing.estimator import MAX_DROPOUTS, EstimatorSetup, dropout_failure
 from musclewire.sensing.known_load import KnownSpring
 from musclewire.signals.compiled_tick import CompiledTick
@@ -235,26 +235,33 @@ class PolynomialEstimator:
 
     def step(self, state: PolynomialState, sample: WireSample) -> EstimatorStep:
         """Return the estimate of one sample."""
-        reading = self.read(sample.wire_voltage_v, sample.shunt_voltage_v)
-        if not reading.valid:
-            state = state._replace(dropouts=state.dropouts + 1)
-            failure = dropout_failure(state.dropouts, sample)
-            return EstimatorStep(
-                QuantityEstimate(state.value, self._full, False, Reason.NO_CURRENT, failure), state, (0.0,)
-            )
-        resistance_ohm = reading.resistance_ohm
-        read = self.curve.estimate(resistance_ohm)
-        own = self._own_ohm[0] <= resistance_ohm <= self._own_ohm[1]
-        friction_n = self._friction_after(state, read.value)
-        segment = self._segment_after(state.segment, sample, resistance_ohm) if read.valid else state.segment
-        value, mismatches = read.value + friction_n, 0 if own else state.mismatches + 1
-        spring_force_n = None if self.load is None else read.value
-        reason = self._reason(own, read, segment)
+        resistance_ohm, has_current = self.read(sample.wire_voltage_v, sample.shunt_voltage_v)
+        if not has_current:
+            return self._without_current(state, sample)
+        read, std, in_range = self.curve.estimate(resistance_ohm)
+        low_ohm, high_ohm = self._own_ohm
+        own = low_ohm <= resistance_ohm <= high_ohm
+        _, _, mismatches, segment, spring_force_n, friction_n = state
+        if self.load is not None:
+            friction_n, spring_force_n = self._friction_after(state, read), read
+        # Once between B and C the wire remains there: a reference is within the model's range.
+        if in_range and not (segment is not None and segment.sensing):
+            segment = self._segment_after(segment, sample, resistance_ohm)
+        value, mismatches = read + friction_n, 0 if own else mismatches + 1
+        reason = self._reason(own, in_range, segment)
         failure = self._mismatch_failure(resistance_ohm, sample) if mismatches >= MAX_DROPOUTS else ""
         return EstimatorStep(
-            QuantityEstimate(value, read.std, reason is OK, reason, failure),
+            QuantityEstimate(value, std, reason is OK, reason, failure),
             PolynomialState(value, 0, mismatches, segment, spring_force_n, friction_n),
             (resistance_ohm,),
+        )
+
+    def _without_current(self, state: PolynomialState, sample: WireSample) -> EstimatorStep:
+        """Return the last value for a sample without current."""
+        state = state._replace(dropouts=state.dropouts + 1)
+        failure = dropout_failure(state.dropouts, sample)
+        return EstimatorStep(
+            QuantityEstimate(state.value, self._full, False, Reason.NO_CURRENT, failure), state, (0.0,)
         )
 
     def compiled_tick(self) -> CompiledTick | None:
@@ -328,9 +335,9 @@ class PolynomialEstimator:
         return PolynomialEstimator(curve, self._shunt_resistance_ohm, self.load)
 
     @staticmethod
-    def _reason(own: bool, read: CurveEstimate, segment: SegmentState | None) -> Reason:
+    def _reason(own: bool, in_range: bool, segment: SegmentState | None) -> Reason:
         """Return why a sample with current is valid or not."""
-        if not read.valid:
+        if not in_range:
             return Reason.OUT_OF_RANGE if own else Reason.MISMATCH
         return OK if segment is not None and segment.sensing else COLD
 
@@ -341,14 +348,11 @@ class PolynomialEstimator:
         return self.load.friction_after(state.friction_n, spring_force_n - state.spring_force_n)
 
     def _segment_after(self, segment: SegmentState | None, sample: WireSample, resistance_ohm: float) -> SegmentState:
-        """Return the segment after a sample, until the wire has come from its cold start to between B and C.
-
-        Then it remains there: a reference is within the model's range, so that the wire does not become cold again.
-        """
+        """Return the segment after a sample of a wire on its way from a cold start to between B and C."""
         power_w = sample.wire_voltage_v * sample.wire_voltage_v / resistance_ohm
         if segment is None:
             return self._tracker.start(resistance_ohm, power_w)
-        return segment if segment.sensing else self._tracker.step(segment, resistance_ohm, power_w)
+        return self._tracker.step(segment, resistance_ohm, power_w)
 
     def _mismatch_failure(self, resistance_ohm: float, sample: WireSample) -> str:
         """Return why a run must end: the wire would read as cold and be overheated."""

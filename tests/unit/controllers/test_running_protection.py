@@ -140,3 +140,17 @@ def test_a_reading_that_trips_is_kept_for_the_message() -> None:
         running.sample(1.0, 0.5, 0.31)
     assert running.tripped
     assert running.last_reading_v == (1.0, 0.5, 0.31)
+
+
+@pytest.mark.parametrize("period_s", [1e-3, 0.05])
+@given(st.lists(acts, max_size=30), volts)
+def test_a_command_that_is_said_to_be_followed_is_what_may_be_applied(
+    period_s: float, acts: list[Act], commanded_v: float
+) -> None:
+    running = RunningProtection(LIMITS, period_s)
+    for act in acts:
+        act(running)
+    if running.command(commanded_v):
+        assert running.allowed() == (commanded_v, False)
+    else:
+        assert running.state.state is not State.RUN or running.state.lasting_s != armed(LIMITS).lasting_s

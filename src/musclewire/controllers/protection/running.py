@@ -80,13 +80,14 @@ class RunningProtection:
         remembered = dict(zip(REMEMBERED, self._memory[0].item(), strict=True))
         return self._state._replace(drive_voltage_v=self._drive_voltage_v, **remembered)
 
-    def command(self, drive_voltage_v: float) -> None:
-        """Take a commanded drive voltage."""
+    def command(self, drive_voltage_v: float) -> bool:
+        """Take a commanded drive voltage; whether it is what may be applied. If not, ``allowed`` says what may."""
         # Neither infinity nor NaN is between these bounds.
         if self._quick and 0.0 <= drive_voltage_v <= self._highest_v:
             self._drive_voltage_v = drive_voltage_v
-        else:
-            self._become(protect_command(self.state, self._limits, drive_voltage_v, self._table))
+            return True
+        self._become(protect_command(self.state, self._limits, drive_voltage_v, self._table))
+        return self._quick
 
     def allowed(self) -> tuple[float, bool]:
         """Return the only drive voltage [V] that may be applied now, and whether it is not the commanded one."""
