@@ -3,8 +3,10 @@
 Prints JSON. The host's own time is all that it does between a sample and the next drive: policy (resistance, estimate,
 tracking, fuzzy PID), protection and recorder; the simulated wire is the plant and not counted. ``cpu_us`` is that time
 by the clock of the thread's CPU time, which stands still while another program has the core; its bars are 25 us at the
-median and 45 us at the 99th percentile. ``compute_us`` is the same by the wall's clock. Both medians also in units of a
-fixed workload that is measured in the same process (``fixed_work.py``).
+median and 45 us at the 99th percentile. ``compute_us`` is the same by the wall's clock. ``back_to_back_cpu_us`` is the
+CPU time of a loop that waits for no clock, with all it needs in the nearest caches: what other programs leave in them
+meanwhile makes the difference. Its median also in units of a fixed workload that is measured in the same process
+(``fixed_work.py``).
 
 The loop records to a file, in a temporary folder or where ``--output`` says; ``--memory`` goes without. ``--seconds``
 and ``--quick`` (ten seconds) run shorter than ten minutes. Real-time priority is taken where the system permits it
@@ -40,6 +42,7 @@ PERIOD_S = 1e-3
 BARS_US = {"p50": 25.0, "p99": 45.0}
 PERCENTILES = {"p50": 50.0, "p90": 90.0, "p99": 99.0, "p999": 99.9}
 APPROACH_S = 2.0
+BACK_TO_BACK_S = 30.0
 STEPS = 11
 
 
@@ -89,10 +92,12 @@ def fitted() -> mw.SensingModel:
         return mw.fit(mw.characterize(rig))
 
 
-def paced_run(model: mw.SensingModel, seconds: float, path: Path | None) -> tuple[ControlRun, TimedDevice, Collections]:
+def run_at_1_khz(
+    model: mw.SensingModel, seconds: float, path: Path | None, *, paced: bool = True
+) -> tuple[ControlRun, TimedDevice, Collections]:
     """Return a closed loop of so many seconds at 1 kHz, its device, and what the garbage collector did meanwhile."""
     hold_s = (seconds - APPROACH_S) / STEPS
-    with mw.open_rig("simulated", sample_period_s=PERIOD_S, real_time=True) as rig:
+    with mw.open_rig("simulated", sample_period_s=PERIOD_S, real_time=paced) as rig:
         device = rig.device = TimedDevice(rig.device)
         reference = staircase(hold_s=hold_s)
         watched = Collections()
@@ -101,31 +106,38 @@ def paced_run(model: mw.SensingModel, seconds: float, path: Path | None) -> tupl
     return run, device, watched
 
 
-def host_times(device: TimedDevice, timing: dict[str, Any], fixed_us: float) -> dict[str, Any]:
-    """Return the host's own times with their bars."""
+def cpu_percentiles_us(device: TimedDevice) -> dict[str, float]:
+    """Return the percentiles of the host's CPU time between a sample and the next drive [us]."""
     found = np.percentile(np.array(device.host_ns, dtype=np.float64) / 1e3, list(PERCENTILES.values()))
-    cpu_us = {name: round(float(value), 1) for name, value in zip(PERCENTILES, found, strict=True)}
+    return {name: round(float(value), 1) for name, value in zip(PERCENTILES, found, strict=True)}
+
+
+def back_to_back(model: mw.SensingModel) -> dict[str, Any]:
+    """Return the host's own times in a loop that waits for no clock, and the fixed workload in the same process."""
+    before_us = fixed_work_us()
+    _, device, _ = run_at_1_khz(model, BACK_TO_BACK_S, None, paced=False)
+    fixed_us, cpu_us = min(before_us, fixed_work_us()), cpu_percentiles_us(device)
     return {
-        "cpu_us": cpu_us,
-        "bars_cpu_us": BARS_US,
-        "bars_met": all(cpu_us[name] <= bar_us for name, bar_us in BARS_US.items()),
+        "back_to_back_cpu_us": cpu_us,
         "fixed_work_us": round(fixed_us, 2),
-        "cpu_per_fixed_work": round(cpu_us["p50"] / fixed_us, 3),
-        "compute_per_fixed_work": round(timing["compute_us"]["p50"] / fixed_us, 3),
+        "back_to_back_per_fixed_work": round(cpu_us["p50"] / fixed_us, 3),
     }
 
 
 def measured(model: mw.SensingModel, seconds: float, path: Path | None, refused: list[str]) -> dict[str, Any]:
     """Return all figures of one run."""
-    before, fixed_us = os.getloadavg(), fixed_work_us()
-    run, device, watched = paced_run(model, seconds, path)
-    timing = timing_json(run.metadata)
+    near, before = back_to_back(model), os.getloadavg()
+    run, device, watched = run_at_1_khz(model, seconds, path)
+    cpu_us = cpu_percentiles_us(device)
     return {
         "samples": len(run),
         "rate_hz": 1.0 / PERIOD_S,
         "seconds": run.duration_s + PERIOD_S,
-        **host_times(device, timing, fixed_us),
-        **timing,
+        "cpu_us": cpu_us,
+        "bars_cpu_us": BARS_US,
+        "bars_met": all(cpu_us[name] <= bar_us for name, bar_us in BARS_US.items()),
+        **near,
+        **timing_json(run.metadata),
         "collections": watched.count,
         "longest_collection_us": round(watched.longest_us, 1),
         "real_time_priority": not refused,

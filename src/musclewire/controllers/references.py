@@ -31,6 +31,7 @@ __all__ = [
 Direction: TypeAlias = Literal["rise", "return"]
 # A clock that adds up ticks may be a rounding error before the time of a step; that counts as the time of the step.
 CLOCK_TOLERANCE_S = 1e-9
+NO_TIME = "asked for the target at time {} s; give a finite time"
 
 
 class Reference(Protocol):
@@ -160,7 +161,9 @@ class Staircase:
         CallerError
             For a time that is not finite.
         """
-        index = bisect_right(self._starts_s, _checked_time(time_s) + CLOCK_TOLERANCE_S) - 1
+        if not math.isfinite(time_s):
+            raise CallerError(NO_TIME.format(time_s))
+        index = bisect_right(self._starts_s, time_s + CLOCK_TOLERANCE_S) - 1
         return self.levels[index if index > 0 else 0]
 
     def targets_at(self, time_s: ArrayLike) -> FloatArray:
@@ -222,7 +225,9 @@ class SampledReference:
         CallerError
             For a time that is not finite.
         """
-        index = bisect_right(self.time_s, _checked_time(time_s) + CLOCK_TOLERANCE_S) - 1
+        if not math.isfinite(time_s):
+            raise CallerError(NO_TIME.format(time_s))
+        index = bisect_right(self.time_s, time_s + CLOCK_TOLERANCE_S) - 1
         return float(self.target[max(index, 0)])
 
     def targets_at(self, time_s: ArrayLike) -> FloatArray:
@@ -340,13 +345,6 @@ def sampled_reference(time_s: ArrayLike, target: ArrayLike) -> SampledReference:
         row = int(np.argmax(np.diff(times) <= 0.0)) + 1
         raise CallerError(f"the times of the reference must increase; row {row} has {times[row]} s; sort the rows")
     return SampledReference(times, targets)
-
-
-def _checked_time(time_s: float) -> float:
-    """Return a time; CallerError if it is not finite."""
-    if not math.isfinite(time_s):
-        raise CallerError(f"asked for the target at time {time_s} s; give a finite time")
-    return time_s
 
 
 def _zero_order_hold(starts_s: FloatArray, levels: FloatArray, time_s: ArrayLike) -> FloatArray:

@@ -39,6 +39,8 @@ __all__ = ["SelfSensingPolicy", "control", "controller_for"]
 
 # In the first step the wire starts cold, where resistance does not determine strain; it gets this long to arrive.
 APPROACH_S = 12.0
+# Of an estimator without a slow part no status is recorded.
+NO_STATUS: tuple[float, ...] = ()
 
 
 def controller_for(
@@ -121,7 +123,11 @@ class SelfSensingPolicy:
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the controller's answer to one sample. Raises RigError if the estimator cannot continue."""
-        (estimate, self._estimator_state, sensed), status = self._estimated(wire_sample(sample))
+        measured, status = wire_sample(sample), NO_STATUS
+        if self._slow is None:
+            estimate, self._estimator_state, sensed = self._estimator.step(self._estimator_state, measured)
+        else:
+            (estimate, self._estimator_state, sensed), status = self._corrected(self._slow, measured)
         if estimate.failure:
             raise RigError(estimate.failure)
         # The sample that has just ended is judged by the target that held while it was taken.
@@ -133,15 +139,13 @@ class SelfSensingPolicy:
         values = (*sensed, *status, judged, estimate.value, float(estimate.valid), *controlled)
         return Decision(command, values)
 
-    def _estimated(self, sample: WireSample) -> tuple[EstimatorStep, tuple[float, ...]]:
+    def _corrected(self, slow: SlowCorrections, sample: WireSample) -> tuple[EstimatorStep, tuple[float, ...]]:
         """Return the estimator's step, with a due correction of its slow part, and the status of that."""
-        if self._slow is None:
-            return self._estimator.step(self._estimator_state, sample), ()
-        state, status = self._slow.before(self._estimator_state)
+        state, status = slow.before(self._estimator_state)
         step = self._estimator.step(state, sample)
-        self._slow.after(sample)
+        slow.after(sample)
         if status is not SlowStatus.NONE_DUE:
-            self.metadata.update(self._slow.metadata())
+            self.metadata.update(slow.metadata())
         return step, (float(status),)
 
 

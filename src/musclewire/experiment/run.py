@@ -18,7 +18,7 @@ from operator import itemgetter
 from pathlib import Path
 from time import perf_counter_ns
 from types import TracebackType
-from typing import NamedTuple, Protocol, Self, TypedDict, cast
+from typing import NamedTuple, Protocol, Self, TypedDict
 
 import numpy as np
 
@@ -362,7 +362,7 @@ class Recorder:
         """
         if len(row) != len(self._columns):
             raise ValueError(f"a row of {len(row)} values for {len(self._columns)} columns: {', '.join(self._columns)}")
-        kept = cast("list[float]", row)
+        kept: list[float] = row  # type: ignore[assignment]  # unless an instrument has no reading
         try:
             self._values.fromlist(kept)
         except TypeError:

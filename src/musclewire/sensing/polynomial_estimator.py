@@ -35,7 +35,7 @@ __all__ = [
 ]
 
 # What every sample compares with: to look up a member of an enumeration takes longer than to compare it.
-OK, COLD = Reason.OK, Reason.COLD
+OK = Reason.OK
 # A resistance further outside R_min..R_max, as a fraction of their span, is that of another wire, or a fault.
 MISMATCH_FRACTION = 0.15
 
@@ -248,7 +248,9 @@ class PolynomialEstimator:
         if in_range and not (segment is not None and segment.sensing):
             segment = self._segment_after(segment, sample, resistance_ohm)
         value, mismatches = read + friction_n, 0 if own else mismatches + 1
-        reason = self._reason(own, in_range, segment)
+        # The usual case first; without a function, which a loop at 1 kHz would call in every sample.
+        sensing = in_range and segment is not None and segment.sensing
+        reason = OK if sensing else self._reason(own, in_range)
         failure = self._mismatch_failure(resistance_ohm, sample) if mismatches >= MAX_DROPOUTS else ""
         return EstimatorStep(
             QuantityEstimate(value, std, reason is OK, reason, failure),
@@ -335,11 +337,11 @@ class PolynomialEstimator:
         return PolynomialEstimator(curve, self._shunt_resistance_ohm, self.load)
 
     @staticmethod
-    def _reason(own: bool, in_range: bool, segment: SegmentState | None) -> Reason:
-        """Return why a sample with current is valid or not."""
-        if not in_range:
-            return Reason.OUT_OF_RANGE if own else Reason.MISMATCH
-        return OK if segment is not None and segment.sensing else COLD
+    def _reason(own: bool, in_range: bool) -> Reason:
+        """Return why a sample with current is not valid."""
+        if in_range:
+            return Reason.COLD
+        return Reason.OUT_OF_RANGE if own else Reason.MISMATCH
 
     def _friction_after(self, state: PolynomialState, spring_force_n: float) -> float:
         """Return the friction in addition to a known spring [N], by the direction of motion."""
