@@ -66,7 +66,13 @@ def uniform_table(edges: Array) -> Distribution:
 
 def with_distribution(constants: WireConstants, table: Distribution) -> WireConstants:
     """Return constants whose grains have another distribution."""
-    changed = constants.replace(distribution_start=table.start, distribution_step=table.step)
+    changed = constants.replace(
+        distribution_start=table.start,
+        distribution_step=table.step,
+        distribution_core_start=table.core_start,
+        distribution_core_end=table.core_end,
+        distribution_core_step=table.core_step,
+    )
     changed.distribution_cells = np.ascontiguousarray(table.cells[None])
     return changed
 

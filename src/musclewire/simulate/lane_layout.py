@@ -121,7 +121,10 @@ class LaneConstants(NamedTuple):
     shakedown_strain: float
     shakedown_resistivity: float
     shakedown_barrier: float
-    distribution_start: float
+    distribution_core_start: float
+    distribution_core_end: float
+    distribution_core_place: float
+    distribution_per_core_step: float
     distribution_per_step: float
 
 
@@ -197,7 +200,8 @@ def constants_of_lane(b: Block, lane: int) -> Any:
         b.k_r_phase_resistivity_ohm_m[lane], b.k_r_phase_resistivity_per_k[lane],
         b.k_martensite_resistivity_ohm_m[lane], b.k_martensite_resistivity_per_k[lane], b.k_shakedown_cycles[lane],
         b.k_shakedown_strain[lane], b.k_shakedown_resistivity[lane], b.k_shakedown_barrier[lane],
-        b.k_distribution_start[lane], b.k_distribution_per_step[lane],
+        b.k_distribution_core_start[lane], b.k_distribution_core_end[lane], b.k_distribution_core_place[lane],
+        b.k_distribution_per_core_step[lane], b.k_distribution_per_step[lane],
     )
 
 

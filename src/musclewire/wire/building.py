@@ -96,6 +96,9 @@ def constants_of(
         cold_strain=0.0,
         distribution_start=spread.start,
         distribution_step=spread.step,
+        distribution_core_start=spread.core_start,
+        distribution_core_end=spread.core_end,
+        distribution_core_step=spread.core_step,
         class_weight=weights,
         class_barrier_k=barriers_k,
     )

@@ -98,7 +98,10 @@ class WireConstants(Row):
     martensite_spread_per_pa: float = field("K/Pa", "change of that spread with stress")
     r_phase_spread_k: float = field("K", "spread of the R-phase's transformation temperature over the grains")
     distribution_start: float = field("1", "offset of the distribution's first cell, in units of the spread")
-    distribution_step: float = field("1", "width of a cell")
+    distribution_step: float = field("1", "width of a cell outside the distribution's core")
+    distribution_core_start: float = field("1", "offset at which the core begins")
+    distribution_core_end: float = field("1", "offset at which the core ends; where it begins if there is none")
+    distribution_core_step: float = field("1", "width of a cell in the core")
     class_weight: FloatArray = field("1", "fraction of the grains in each class of barrier; they add up to 1", CLASSES)
     class_barrier_k: FloatArray = field("K", "barrier of each class beyond `martensite_barrier_k`", CLASSES)
 
@@ -202,8 +205,11 @@ class StepConstants(Row):
     shakedown_strain: float = field("1", "strain that a new wire gains by shakedown")
     shakedown_resistivity: float = field("1", "relative rise of martensite's resistivity in a new wire")
     shakedown_barrier: float = field("1", "relative rise of martensite's barrier in a new wire")
-    distribution_start: float = field("1", "offset of the distribution's first cell, in units of the spread")
-    distribution_per_step: float = field("1", "cells per unit of the spread")
+    distribution_core_start: float = field("1", "offset at which the distribution's core begins")
+    distribution_core_end: float = field("1", "offset at which it ends")
+    distribution_core_place: float = field("1", "cells before the core")
+    distribution_per_core_step: float = field("1", "cells per unit of the spread in the core")
+    distribution_per_step: float = field("1", "cells per unit of the spread outside")
     class_weight: FloatArray = field("1", "fraction of the grains in each class of barrier", CLASSES)
     class_barrier_k: FloatArray = field("K", "barrier of each class beyond the common one", CLASSES)
     convection_w_per_m2_k: FloatArray = field(
@@ -291,7 +297,10 @@ def derive_transformation(of: WireConstants, to: StepConstants) -> None:
     to.r_phase_resistivity_per_k = of.r_phase_resistivity_per_k
     to.martensite_resistivity_ohm_m = of.martensite_resistivity_ohm_m
     to.martensite_resistivity_per_k = of.martensite_resistivity_per_k
-    to.distribution_start = of.distribution_start
+    to.distribution_core_start = of.distribution_core_start
+    to.distribution_core_end = of.distribution_core_end
+    to.distribution_per_core_step = 1.0 / of.distribution_core_step
     to.distribution_per_step = 1.0 / of.distribution_step
+    to.distribution_core_place = (of.distribution_core_start - of.distribution_start) * to.distribution_per_step
     to.class_weight[:] = of.class_weight
     to.class_barrier_k[:] = of.class_barrier_k

@@ -29,29 +29,43 @@ CORE = 0.3
 REACH = 4.5
 # The same number for all: compiled code then knows the table's size. 32 kB, of which a step touches a few lines.
 CELLS = 1024
+# Half of them lie between these normal quantiles: heavy tails would leave a steep middle too few.
+CORE_REACH, CORE_CELLS = 1.0, CELLS // 2
 
 
 class Distribution(NamedTuple):
-    """Cumulative distribution of the grains' offsets in units of the spread: cubics on cells of equal width.
+    """Cumulative distribution of the grains' offsets in units of the spread: cubics on cells.
+
+    Cells have one width, or two: narrow ones in a core, where a heavy-tailed distribution is steep, wide ones outside.
 
     Parameters
     ----------
     start
         Offset of the first cell's lower end.
     step
-        Width of a cell.
+        Width of a cell outside the core.
     cells
         Coefficients of each cell's cubic over the place in the cell, 0 to 1, constant term first; (n_cells, 4).
         Cumulative fraction 0 below the first cell, 1 above the last.
+    core_start, core_end
+        Offsets between which the core's cells lie, each an end of a cell; the same for no core.
+    core_step
+        Width of a cell in the core.
     """
 
     start: float
     step: float
     cells: FloatArray
+    core_start: float = 0.0
+    core_end: float = 0.0
+    core_step: float = 1.0
 
     def cumulative(self, offset: FloatArray) -> FloatArray:
         """Return the fraction of the grains below offsets, of any shape."""
-        place = np.clip((np.asarray(offset, dtype=np.float64) - self.start) / self.step, 0.0, len(self.cells))
+        offset = np.asarray(offset, dtype=np.float64)
+        core = np.clip(offset, self.core_start, self.core_end)
+        place = (self.core_start - self.start) / self.step + (core - self.core_start) / self.core_step
+        place = np.clip(place + (offset - core) / self.step, 0.0, len(self.cells))
         low = np.minimum(place.astype(int), len(self.cells) - 1)
         part = place - low
         a, b, c, d = np.moveaxis(self.cells[low], -1, 0)
@@ -141,18 +155,28 @@ def signed_power_distribution(skew: float, tail: float) -> Distribution:
     CallerError
         For a skew or tail out of range.
     """
-    below, above = -signed_power(np.array(-REACH), skew, tail), signed_power(np.array(REACH), skew, tail)
-    cells_below = min(max(round(CELLS * float(below / (below + above))), 1), CELLS - 1)
-    cells_above = CELLS - cells_below
-    step = max(float(below) / cells_below, float(above) / cells_above)
-    offset = step * np.arange(-cells_below, cells_above + 1)
+    core_end = abs(signed_power(np.array([-CORE_REACH, CORE_REACH]), skew, tail))
+    core_step, below = cells_on_both_sides(core_end, CORE_CELLS)
+    core = core_step * np.arange(-below, CORE_CELLS - below + 1)
+    beyond = abs(signed_power(np.array([-REACH, REACH]), skew, tail)) - (-core[0], core[-1])
+    step, below = cells_on_both_sides(beyond, CELLS - CORE_CELLS)
+    outside = step * np.arange(1, CELLS - CORE_CELLS + 1)
+    offset = np.concatenate((core[0] - outside[:below][::-1], core, core[-1] + outside[: CELLS - CORE_CELLS - below]))
     quantile = quantile_at(np.asarray(offset, dtype=np.float64), skew, tail)
     cumulative = ndtr(quantile)
     cumulative[0], cumulative[-1] = 0.0, 1.0
     density = np.exp(-0.5 * quantile**2) / math.sqrt(2.0 * math.pi) / unskewed_slope(quantile, tail)
     left = density / np.where(offset > 0.0, 1.0 + skew, 1.0 - skew)
     right = density / np.where(offset >= 0.0, 1.0 + skew, 1.0 - skew)
-    return Distribution(float(offset[0]), step, cubic_cells(cumulative, right[:-1] * step, left[1:] * step))
+    width = np.diff(offset)
+    cells = cubic_cells(cumulative, right[:-1] * width, left[1:] * width)
+    return Distribution(float(offset[0]), step, cells, float(core[0]), float(core[-1]), core_step)
+
+
+def cells_on_both_sides(reach: FloatArray, cells: int) -> tuple[float, int]:
+    """Return the width of cells that reach as far below a place and above it, (2,), and how many lie below."""
+    below = min(max(round(cells * float(reach[0] / reach.sum())), 1), cells - 1)
+    return max(float(reach[0]) / below, float(reach[1]) / (cells - below)), below
 
 
 def unskewed_slope(quantile: FloatArray, tail: float) -> FloatArray:

@@ -329,7 +329,8 @@ def cumulative_at(constants: StepConstants, cells: Rows, row: int, offset: float
     Parameters
     ----------
     constants
-        One record of the wire's derived constants, for the start and the step of the cells.
+        One record of the wire's derived constants, for the places of the cells: narrow ones in the core of the
+        distribution, wide ones outside.
     cells
         Record of the cubic coefficients, ``table`` (classes, n_cells, 4) or (1, n_cells, 4) for all classes.
     row
@@ -343,7 +344,12 @@ def cumulative_at(constants: StepConstants, cells: Rows, row: int, offset: float
     """
     count = cells.table.shape[1]
     row = row if cells.table.shape[0] > 1 else 0  # all classes may share one distribution
-    place = (offset - constants.distribution_start) * constants.distribution_per_step
+    k = constants
+    core = offset if offset > k.distribution_core_start else k.distribution_core_start
+    core = core if core < k.distribution_core_end else k.distribution_core_end
+    per_offset = k.distribution_per_core_step if core == offset else k.distribution_per_step
+    place = k.distribution_core_place + (core - k.distribution_core_start) * k.distribution_per_core_step
+    place += (offset - core) * k.distribution_per_step
     inside = place if place > 0.0 else 0.0
     inside = inside if inside < count else float(count)
     cell = int(inside)
@@ -351,6 +357,6 @@ def cumulative_at(constants: StepConstants, cells: Rows, row: int, offset: float
     part = inside - cell
     a, b = cells.table[row, cell, 0], cells.table[row, cell, 1]
     c, d = cells.table[row, cell, 2], cells.table[row, cell, 3]
-    density = (b + part * (2.0 * c + part * (3.0 * d))) * constants.distribution_per_step
+    density = (b + part * (2.0 * c + part * (3.0 * d))) * per_offset
     density = density if (place > 0.0) & (place < count) else 0.0
     return a + part * (b + part * (c + part * d)), density

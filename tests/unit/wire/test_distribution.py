@@ -21,6 +21,8 @@ from musclewire.wire.distribution import (
 
 SKEW = st.floats(-0.9, 0.9)
 TAIL = st.floats(0.0, 2.0)
+# The limits within which calibration looks for an alloy (parameters/data/priors/niti-wire.toml).
+PRIOR_SKEW, PRIOR_TAIL = st.floats(-0.6, 0.6), st.floats(0.0, 1.5)
 QUANTILES = np.linspace(-4.4, 4.4, 400)
 
 
@@ -30,30 +32,32 @@ def test_without_skew_and_tail_it_is_the_normal_distribution() -> None:
 
 
 @settings(max_examples=50)
-@given(skew=st.floats(-0.6, 0.6), tail=st.floats(0.0, 0.8))
+@given(skew=PRIOR_SKEW, tail=PRIOR_TAIL)
 def test_the_table_is_the_signed_power_of_a_normal_quantile(skew: float, tail: float) -> None:
-    """At every quantile, to a ten-thousandth of the wire; shipped, to a millionth."""
+    """At every quantile, to 2e-5 of the wire wherever calibration may look: a three-hundredth of a grain of 160."""
     table = signed_power_distribution(skew, tail)
-    assert table.cumulative(signed_power(QUANTILES, skew, tail)) == pytest.approx(norm.cdf(QUANTILES), abs=1e-4)
+    assert table.cumulative(signed_power(QUANTILES, skew, tail)) == pytest.approx(norm.cdf(QUANTILES), abs=2e-5)
 
 
-def test_the_table_of_the_shipped_alloy_is_right_to_a_millionth() -> None:
+def test_the_table_of_the_shipped_alloy_is_right_to_1e_8() -> None:
     alloy = load_alloy("flexinol").values()
     skew, tail = alloy["grain_skew"], alloy["grain_tail"]
     table = signed_power_distribution(skew, tail)
-    assert table.cumulative(signed_power(QUANTILES, skew, tail)) == pytest.approx(norm.cdf(QUANTILES), abs=1e-6)
+    assert table.cumulative(signed_power(QUANTILES, skew, tail)) == pytest.approx(norm.cdf(QUANTILES), abs=1e-8)
 
 
 @settings(max_examples=50)
-@given(skew=SKEW, tail=st.floats(0.0, 1.0))
+@given(skew=SKEW, tail=TAIL)
 def test_the_table_rises_from_0_to_1_without_a_jump(skew: float, tail: float) -> None:
     table = signed_power_distribution(skew, tail)
-    ends = table.start + table.step * np.arange(len(table.cells) + 1)
-    inside = np.linspace(ends[0] - 1.0, ends[-1] + 1.0, 20_001)
+    end = float(signed_power(np.array(5.0), skew, tail))
+    inside = np.linspace(table.start - 1.0, end, 20_001)
     values = table.cumulative(inside)
     assert values[0] == 0.0
     assert values[-1] == 1.0
     assert (np.diff(values) >= -1e-15).all()
+    core = np.linspace(table.core_start, table.core_end, 2001)
+    assert (np.diff(table.cumulative(core)) > 0.0).all()
     # Each cell ends where the next one begins.
     assert table.cells[:-1].sum(axis=1) == pytest.approx(table.cells[1:, 0], abs=1e-15)
 
