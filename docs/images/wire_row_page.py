@@ -17,10 +17,9 @@ NumPy record: compiled code reads and writes `state.temperature_k` in place, Pyt
 changes: a step works on a copy. `state.replace(time_s=0.0)` is another state, `state.values()` every field by name,
 `state.row` the record itself, in an array of one.
 
-Every number is a double. `classes` is the number of classes of barrier, 1 unless a caller of
-`wire.building:constants_of` gives more; each number of them has a layout of its own, for which the kernels are compiled
-once and kept on disk. What a step reads are products and reciprocals of the constants, made once
-(`wire.constants:StepConstants`).
+Every number is a double. `classes` is the number of classes of barrier, 1 unless whoever builds the constants gives
+more; each number of them has a layout of its own, for which the kernels are compiled once and kept on disk. What a step
+reads are products and reciprocals of the constants, made once (`wire.constants:StepConstants`).
 """
 
 
