@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import inspect
+from pathlib import Path
 
 import pytest
 
@@ -13,7 +14,8 @@ EXAMPLES = [name for name in musclewire.__all__ if ">>> " in (inspect.getdoc(get
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_the_example_of_a_public_name_runs(name: str) -> None:
+def test_the_example_of_a_public_name_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # an example may write a file
     item = getattr(musclewire, name)
     (test,) = doctest.DocTestFinder(recurse=False).find(item, name, globs={})
     results = doctest.DocTestRunner().run(test)
