@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
+from pydantic.fields import FieldInfo
+
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.parameter_groups import Alloy, Bench, ParameterGroup, Wire, checked
 from musclewire.parameters.validation import unit_of, validated
@@ -22,7 +24,7 @@ from musclewire.wire.building import constants_of
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import spring_load
 
-__all__ = ["Value", "VariedKey", "VariedRig", "VariedWire", "keys_of"]
+__all__ = ["Value", "VariedKey", "VariedRig", "VariedWire", "key_unit", "keys_of"]
 
 Value = float | str | bool
 GROUPS: Mapping[str, type[ParameterGroup]] = {"wire": Wire, "alloy": Alloy, "bench": Bench}
@@ -117,14 +119,23 @@ def keys_of(configuration: RigConfiguration) -> dict[str, VariedKey]:
     found |= {key: found[number] for key, number in SETTINGS.items()}
     found |= {name: VariedKey("", "", (name,)) for name in PLAIN_KEYS}
     found |= {
-        f"surroundings.{key}": VariedKey(unit_of(field), "", ("surroundings", key))
+        f"surroundings.{key}": VariedKey(key_unit(field), "", ("surroundings", key))
         for key, field in Surroundings.model_fields.items()
     }
     for position, prefix in enumerate(part_names(configuration.load)):
         for key, field in type(configuration.load[position]).model_fields.items():
             if key != "part":
-                found[f"{prefix}.{key}"] = VariedKey(unit_of(field), "", ("load", position, key))
+                found[f"{prefix}.{key}"] = VariedKey(key_unit(field), "", ("load", position, key))
     return found
+
+
+def key_unit(field: FieldInfo) -> str:
+    """Return the SI unit of a key, "1" for a plain number; "" for a key that is a name, a count or a yes or no."""
+    kinds = [field.annotation, *getattr(field.annotation, "__args__", ())]
+    inner = (getattr(item, "func", None) for kind in kinds for item in getattr(kind, "__metadata__", ()))
+    unit = unit_of(field) or next((str(said) for item in inner if (said := getattr(item, "unit", ""))), "")
+    is_number = any(kind is float or getattr(kind, "__origin__", None) is float for kind in kinds)
+    return unit or ("1" if is_number else "")
 
 
 def part_names(parts: Iterable[LoadPart]) -> list[str]:

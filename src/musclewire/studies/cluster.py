@@ -94,8 +94,10 @@ class Queue:
     def __init__(self, client: Any, task: Task, chunks: Sequence[Chunk], retries: int) -> None:
         """Begin with all chunks here."""
         self._client, self._retries = client, retries
-        self._waiting = deque((chunk, 0) for chunk in chunks)
-        self._there: dict[Any, tuple[Chunk, int]] = {}
+        self._chunks = chunks
+        # Places of chunks, and how often each has failed: those that are still here, and those on the cluster.
+        self._waiting = deque((place, 0) for place in range(len(chunks)))
+        self._there: dict[Any, tuple[int, int]] = {}
         self._patience_s: dict[Any, float] = {}
         self._task = task
 
@@ -113,9 +115,9 @@ class Queue:
         """Send as many chunks as the cluster's threads need."""
         room = max(MIN_CHUNKS, CHUNKS_PER_THREAD * sum(self._client.nthreads().values()))
         while self._waiting and len(self._there) < room:
-            chunk, failures = self._waiting.popleft()
-            future = self._client.submit(evaluate_chunk, self._task, chunk, pure=False)
-            self._there[future] = (chunk, failures)
+            place, failures = self._waiting.popleft()
+            future = self._client.submit(evaluate_chunk, self._task, self._chunks[place], pure=False)
+            self._there[future] = (place, failures)
 
     def _finished(self) -> list[Any]:
         """Return what is done on the cluster, well or not; none if nothing is after a moment."""
@@ -131,7 +133,7 @@ class Queue:
 
     def _taken(self, future: Any) -> ChunkResult | None:
         """Return a result, which the cluster then forgets; None for a chunk that has to be begun or awaited again."""
-        chunk, failures = self._there.pop(future)
+        place, failures = self._there.pop(future)
         patience_s = self._patience_s.pop(future, TAKE_S)
         result: ChunkResult | None = None
         try:
@@ -141,13 +143,13 @@ class Queue:
         except Exception as problem:
             if isinstance(problem, TimeoutError) and future.status != "error":
                 # Its worker died before the result had left it, and it waits for another one; or the way is slow.
-                self._there[future], self._patience_s[future] = (chunk, failures), 2.0 * patience_s
+                self._there[future], self._patience_s[future] = (place, failures), 2.0 * patience_s
                 return None
-            self._failed(chunk, failures, problem)
+            self._failed(place, failures, problem)
         future.release()
         return result
 
-    def _failed(self, chunk: Chunk, failures: int, problem: BaseException) -> None:
+    def _failed(self, place: int, failures: int, problem: BaseException) -> None:
         """Begin a chunk again, or raise what has failed too often."""
         if isinstance(problem, ImportError):
             raise CallerError(
@@ -155,9 +157,9 @@ class Queue:
                 "and the package of the kind of run, on every worker"
             ) from None
         if failures >= self._retries:
-            text = " ".join(str(problem).split())
+            text, chunk = " ".join(str(problem).split()), self._chunks[place]
             raise NumericsError(
                 f"the runs {chunk.first} to {chunk.stop - 1} have failed {failures + 1} times on the cluster "
                 f"({type(problem).__name__}: {text}); finished runs are kept"
             ) from None
-        self._waiting.append((chunk, failures + 1))
+        self._waiting.append((place, failures + 1))

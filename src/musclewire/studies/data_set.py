@@ -173,7 +173,7 @@ def built(
     coordinates = {
         name: (
             "run",
-            column if column.dtype.kind in "fb" else column.astype(str),
+            column if column.dtype.kind in "fbiu" else column.astype(str),
             attributes(known["parameters"][name]),
         )
         for name, column in values.items()

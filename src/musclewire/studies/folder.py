@@ -7,19 +7,20 @@ chunks/0-200.npz        what the runs 0 to 199 yielded
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 from zipfile import BadZipFile
 
 import numpy as np
 
 from musclewire.errors import CallerError
 from musclewire.signals.whole_files import write_text_whole, write_whole
+from musclewire.studies.design import Design
 from musclewire.studies.evaluation import Chunk, ChunkResult
 from musclewire.studies.plan import Plan, engine
 
-__all__ = ["StudyFolder", "unfinished"]
+__all__ = ["Chunks", "StudyFolder", "unfinished"]
 
 STUDY, CHUNKS, DATA = "study.json", "chunks", "data.parquet"
 PAGE, TABLE = "report.html", "sensitivity.csv"
@@ -89,7 +90,8 @@ class StudyFolder:
 
     def _clear(self) -> None:
         """Delete the results of a study; files that are not its own stay."""
-        for file in [*(self.path / CHUNKS).glob("*-*.npz"), self.data, self.page, self.table, self.path / STUDY]:
+        self.remove_chunks()
+        for file in (self.data, self.page, self.table, self.path / STUDY):
             file.unlink(missing_ok=True)
         if (self.path / CHUNKS).is_dir() and not any((self.path / CHUNKS).iterdir()):
             (self.path / CHUNKS).rmdir()
@@ -98,12 +100,14 @@ class StudyFolder:
 
     def finished(self) -> list[tuple[int, int]]:
         """Return the runs that are finished, as ranges in ascending order: the first, and the one after the last."""
-        found = []
-        for file in (self.path / CHUNKS).glob("*-*.npz"):
-            first, _, stop = file.stem.partition("-")
-            if first.isdigit() and stop.isdigit():
-                found.append((int(first), int(stop)))
-        return sorted(found)
+        names = (file.stem.partition("-") for file in (self.path / CHUNKS).glob("*-*.npz"))
+        ranges = sorted((int(first), int(stop)) for first, _, stop in names if first.isdigit() and stop.isdigit())
+        found: list[tuple[int, int]] = []
+        for first, stop in ranges:
+            # Two clients with chunks of another length may have written some runs twice; each counts once.
+            if not found or first >= found[-1][1]:
+                found.append((first, stop))
+        return found
 
     def write(self, result: ChunkResult) -> None:
         """Write a finished chunk; it is on the disk when this returns. Raises CallerError if that fails."""
@@ -124,8 +128,10 @@ class StudyFolder:
 
     def remove_chunks(self) -> None:
         """Delete the files of the chunks, whose content the data set has."""
-        for first, stop in self.finished():
-            self._file(first, stop).unlink(missing_ok=True)
+        chunks = self.path / CHUNKS
+        # With those that a killed client has left half written.
+        for file in [*chunks.glob("*-*.npz"), *chunks.glob(".*.part")]:
+            file.unlink(missing_ok=True)
 
     def _file(self, first: int, stop: int) -> Path:
         return self.path / CHUNKS / f"{first}-{stop}.npz"
@@ -152,7 +158,38 @@ def read_chunk(file: Path, first: int) -> ChunkResult:
         raise CallerError(f"{file} cannot be read ({problem}): delete it, and its runs are repeated") from None
 
 
-def unfinished(plan: Plan, finished: Iterable[tuple[int, int]], runs_per_chunk: int) -> list[Chunk]:
+class Chunks(Sequence[Chunk]):
+    """Chunks of a study, each made when it is asked for: the values of ten million runs need not be there together.
+
+    Parameters
+    ----------
+    design
+        All runs.
+    ranges
+        The runs of each chunk: the first, and the one after the last.
+    """
+
+    def __init__(self, design: Design, ranges: Sequence[tuple[int, int]]) -> None:
+        """Take the ranges."""
+        self._design, self._ranges = design, ranges
+
+    def __len__(self) -> int:
+        """Return the number of chunks."""
+        return len(self._ranges)
+
+    @overload
+    def __getitem__(self, place: int) -> Chunk: ...
+    @overload
+    def __getitem__(self, place: slice) -> Chunks: ...
+    def __getitem__(self, place: int | slice) -> Chunk | Chunks:
+        """Return a chunk with the values of its runs, or some of the chunks."""
+        if isinstance(place, slice):
+            return Chunks(self._design, self._ranges[place])
+        first, stop = self._ranges[place]
+        return Chunk(first, self._design.rows(first, stop))
+
+
+def unfinished(plan: Plan, finished: Iterable[tuple[int, int]], runs_per_chunk: int) -> Chunks:
     """Return the runs that are still to do, in chunks.
 
     Parameters
@@ -168,9 +205,8 @@ def unfinished(plan: Plan, finished: Iterable[tuple[int, int]], runs_per_chunk: 
     -------
     The chunks, ascending.
     """
-    chunks, done = [], 0
+    ranges, done = [], 0
     for first, stop in [*finished, (len(plan.design), len(plan.design))]:
-        for begin in range(done, first, runs_per_chunk):
-            chunks.append(Chunk(begin, plan.design.rows(begin, min(begin + runs_per_chunk, first))))
+        ranges += [(begin, min(begin + runs_per_chunk, first)) for begin in range(done, first, runs_per_chunk)]
         done = max(done, stop)
-    return chunks
+    return Chunks(plan.design, ranges)

@@ -123,12 +123,13 @@ class Pool:
     def __init__(self, task: bytes, chunks: Sequence[Chunk], retries: int) -> None:
         """Queue the chunks."""
         self._task, self._retries = task, retries
-        self._todo: queue.SimpleQueue[tuple[Chunk, int]] = queue.SimpleQueue()
+        self._chunks = chunks
+        self._todo: queue.SimpleQueue[tuple[int, int]] = queue.SimpleQueue()  # place of a chunk, and its failures
         self._done: queue.SimpleQueue[ChunkResult | BaseException] = queue.SimpleQueue()
         self._processes: set[subprocess.Popen[bytes]] = set()
         self._stopping = threading.Event()
-        for chunk in chunks:
-            self._todo.put((chunk, 0))
+        for place in range(len(chunks)):
+            self._todo.put((place, 0))
 
     def next_result(self, look: Callable[[], None]) -> ChunkResult:
         """Return the next finished chunk; raise what has ended a worker for good."""
@@ -159,10 +160,10 @@ class Pool:
         try:
             while not self._stopping.is_set():
                 try:
-                    chunk, failures = self._todo.get_nowait()
+                    place, failures = self._todo.get_nowait()
                 except queue.Empty:
                     return  # a chunk whose process dies is begun again by the thread that had it
-                process = self._evaluated(process, chunk, failures)
+                process = self._evaluated(process, place, failures)
         except BaseException as problem:
             self._done.put(problem)
         finally:
@@ -170,10 +171,11 @@ class Pool:
                 self._end(process)
 
     def _evaluated(
-        self, process: subprocess.Popen[bytes] | None, chunk: Chunk, failures: int
+        self, process: subprocess.Popen[bytes] | None, place: int, failures: int
     ) -> subprocess.Popen[bytes] | None:
         """Let a process evaluate a chunk and return the process; None if it has died, the chunk then waits again."""
         running = process if process is not None else self._start()
+        chunk = self._chunks[place]
         try:
             answer: Any = asked(running, chunk)
         except (OSError, EOFError, pickle.UnpicklingError):
@@ -185,7 +187,7 @@ class Pool:
                     f"the process that evaluates the runs {chunk.first} to {chunk.stop - 1} has died {failures + 1} "
                     "times: is there enough memory? finished runs are kept"
                 ) from None
-            self._todo.put((chunk, failures + 1))
+            self._todo.put((place, failures + 1))
             return None
         if isinstance(answer, BaseException):
             raise answer

@@ -18,11 +18,11 @@ from pydantic.fields import FieldInfo
 
 from musclewire.compiled import kernel_source_hash
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters.validation import unit_of, validated
+from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import is_wire_file
 from musclewire.rigs.configuration import simulated_configuration
 from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.varied_rig import VariedKey, VariedRig
+from musclewire.rigs.varied_rig import VariedKey, VariedRig, key_unit
 from musclewire.studies.design import Design, design_of
 from musclewire.studies.run_kind import RUN_KINDS, KindOptions, Quantity, RunKind
 from musclewire.studies.study_file import StudyFile
@@ -172,12 +172,8 @@ def require_key(where: str, name: str, key: str, options: type[BaseModel]) -> No
 
 
 def run_key(field: FieldInfo, key: str) -> VariedKey:
-    """Return a key of ``[run]`` as something that varies; one without a unit that is a number counts as a fraction."""
-    unit = unit_of(field)
-    for item in getattr(field.annotation, "__args__", ()):  # Annotated[...] | None keeps its unit one level down
-        unit = unit or next((str(found) for meta in getattr(item, "__metadata__", ())
-                             if (found := getattr(getattr(meta, "func", None), "unit", ""))), "")  # fmt: skip
-    return VariedKey(unit, "", ("run", key))
+    """Return a key of ``[run]`` as something that varies."""
+    return VariedKey(key_unit(field), "", ("run", key))
 
 
 def require_distinct(keys: Mapping[str, VariedKey], where: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters.toml_file import read_toml
-from musclewire.studies.evaluation import ChunkResult, task_of
+from musclewire.studies.evaluation import Chunk, ChunkResult, task_of
 from musclewire.studies.folder import StudyFolder, unfinished
 from musclewire.studies.local_workers import cores, evaluate_here, evaluate_locally
 from musclewire.studies.plan import Plan, plan_of
@@ -210,7 +210,11 @@ def sweep(
 
 
 def evaluate(
-    plan: Plan, chunks: list[Any], on_result: Callable[[ChunkResult], None], workers: Workers, look: Callable[[], None]
+    plan: Plan,
+    chunks: Sequence[Chunk],
+    on_result: Callable[[ChunkResult], None],
+    workers: Workers,
+    look: Callable[[], None],
 ) -> None:
     """Evaluate chunks where the user wants them."""
     task = task_of(plan)
@@ -270,7 +274,8 @@ def joined(parts: list[FloatArray]) -> FloatArray:
     """Return columns one after the other; series of different lengths end with NaN."""
     if not parts or parts[0].ndim == 1:
         return np.concatenate(parts) if parts else np.empty(0)
-    found = np.full((sum(len(part) for part in parts), max(part.shape[1] for part in parts)), np.nan)
+    # At least one sample wide: if every run failed there is none, and a list of no length is none in a file.
+    found = np.full((sum(len(part) for part in parts), max(1, *(part.shape[1] for part in parts))), np.nan)
     row = 0
     for part in parts:
         found[row : row + len(part), : part.shape[1]] = part

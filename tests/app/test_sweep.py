@@ -1,0 +1,156 @@
+"""The command that runs a study: what it writes, what it refuses, and how it ends when it is stopped."""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+STUDY = """
+format = "musclewire-study"
+version = 1
+name = "two & three"
+run = { kind = "simulate", supply = "3.2 V", duration = "3 s", keep = ["stroke", "energy_j", "strain"] }
+sampling = { method = "sobol", samples = 64 }
+parameters.pretension.values = ["1.5 N", "1.9 N"]
+parameters.convection_factor = { low = 0.85, high = 0.95 }
+"""
+
+BLOCKED = """
+import sys
+for package in ("dask", "distributed", "xarray", "pyarrow", "SALib"):
+    sys.modules[package] = None  # importing it raises ImportError
+"""
+# A machine under load compiles and starts slowly; only a command that hangs meets it.
+PATIENCE_S = 300.0
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY, "utf-8")
+    return path
+
+
+def test_it_writes_a_data_set_a_table_and_a_page_that_needs_no_other_file(
+    study: Path, musclewire: Callable[..., Any]
+) -> None:
+    folder = study.parent / "out"
+    answer = musclewire("sweep", study, "-o", folder, "--workers", 1, "--json")
+    assert answer.code == 0, answer.err
+    assert (answer.json["runs"], answer.json["evaluated"], answer.json["failed"]) == (128, 128, 0)
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "chunks", "data.parquet", "report.html", "sensitivity.csv", "study.json",
+    ]  # fmt: skip
+    assert list((folder / "chunks").iterdir()) == []
+    rows = list(csv.DictReader((folder / "sensitivity.csv").read_text("utf-8").splitlines()))
+    assert {(row["quantity"], row["parameter"]) for row in rows} == {
+        (quantity, name) for quantity in ("stroke", "energy_j") for name in ("pretension", "convection_factor")
+    }
+    page = (folder / "report.html").read_text("utf-8")
+    assert "two &amp; three" in page
+    assert not re.search(r'(?:src|href)="(?!data:|#|https://doi\.org)[^"]', page)
+    assert page.count("<svg") >= 5
+    again = musclewire("sweep", study, "-o", folder, "--json")
+    assert again.json["evaluated"] == 0
+    assert again.json["quantities"] == answer.json["quantities"]
+
+
+@pytest.mark.slow
+def test_the_same_study_leaves_the_same_bytes(study: Path, musclewire: Callable[..., Any]) -> None:
+    for name, workers in (("a", ("--workers", 1)), ("b", ("--workers", 2, "--runs-per-chunk", 17))):
+        assert musclewire("sweep", study, "-o", study.parent / name, *workers).code == 0
+    for file in ("data.parquet", "sensitivity.csv", "report.html"):
+        assert (study.parent / "a" / file).read_bytes() == (study.parent / "b" / file).read_bytes(), file
+
+
+def test_a_plan_runs_nothing(study: Path, musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("sweep", study, "--plan", "--json")
+    assert answer.json["runs"] == 128
+    assert answer.json["parameters"]["pretension"] == {"unit": "N", "from": 1.5, "to": 1.9}
+    assert [path.name for path in study.parent.iterdir()] == ["study.toml"]
+
+
+def test_the_list_has_every_kind_and_what_may_vary(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("sweep", "--list", "--json")
+    assert {"characterize", "simulate", "control"} <= set(answer.json["kinds"])
+    assert answer.json["parameters"]["pretension_n"] == "N"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["sweep"], "give a study file"),
+        (["sweep", "no-such.toml"], "there is no study file"),
+        (["sweep", "STUDY", "--scheduler", "tcp://x:1", "--workers", "2"], "leave one out"),
+        (["sweep", "STUDY", "-o", "FULL"], "not empty"),
+    ],
+)
+def test_wrong_usage_is_one_line(arguments: list[str], words: str, study: Path, musclewire: Callable[..., Any]) -> None:
+    full = study.parent / "full"
+    full.mkdir()
+    (full / "thesis.tex").write_text("years of work", "utf-8")
+    places = {"STUDY": str(study), "FULL": str(full)}
+    answer = musclewire(*[places.get(item, item) for item in arguments])
+    assert answer.code == 2
+    assert words in answer.err
+    assert len(answer.err.strip().splitlines()) == 1
+
+
+def test_a_study_in_which_every_run_fails_ends_with_1(study: Path, musclewire: Callable[..., Any]) -> None:
+    study.write_text(STUDY.replace("3.2 V", "9 V"), "utf-8")
+    answer = musclewire("sweep", study, "-o", study.parent / "out", "--workers", 1)
+    assert answer.code == 1
+    assert "128 of 128 runs failed; the first: CallerError: the drive of 9 V" in answer.err
+
+
+def without_extra(folder: Path, code: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", BLOCKED + code], cwd=folder, capture_output=True, text=True, check=False
+    )
+
+
+def test_without_the_extra_the_command_says_so_before_it_computes_anything(study: Path) -> None:
+    code = "from musclewire.app.main import run; sys.exit(run(['sweep', 'study.toml']))"
+    done = without_extra(study.parent, code)
+    assert done.returncode == 2
+    assert "pip install 'musclewire[sweep]'" in done.stderr
+    assert [path.name for path in study.parent.iterdir()] == ["study.toml"]
+
+
+def test_without_the_extra_python_runs_studies_all_the_same(study: Path) -> None:
+    code = "import musclewire as mw; result = mw.sweep('study.toml', 'out'); print(len(result), result.failed)"
+    done = without_extra(study.parent, code)
+    assert done.stdout.split() == ["128", "0"], done.stderr
+
+
+def test_a_cluster_without_the_extra_is_said(study: Path) -> None:
+    code = "import musclewire as mw\nfrom musclewire.studies import Workers\n"
+    done = without_extra(study.parent, code + "mw.sweep('study.toml', workers=Workers(scheduler='tcp://x:1'))")
+    assert "a Dask cluster needs the extra 'sweep'" in done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_stopped_study_says_how_to_continue(number: signal.Signals, code: int, study: Path) -> None:
+    study.write_text(STUDY.replace("samples = 64", "samples = 8192").replace('"3 s"', '"60 s"'), "utf-8")
+    command = [sys.executable, "-m", "musclewire", "sweep", str(study), "-o", "out", "--runs-per-chunk", "32"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    process = subprocess.Popen(command, cwd=study.parent, env=environment, stderr=subprocess.PIPE, text=True)
+    chunks = study.parent / "out" / "chunks"
+    while process.poll() is None and not list(chunks.glob("*-*.npz")):
+        time.sleep(0.05)
+    process.send_signal(number)
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == code, err
+    assert "finished runs are kept in out, and the same command continues" in err
+    assert list(chunks.glob("*-*.npz"))

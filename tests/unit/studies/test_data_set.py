@@ -1,0 +1,73 @@
+"""A study as xarray: every number where its parameters say, units, series, and the axes of a grid as dimensions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from study_parts import study_of
+
+from musclewire.studies import StudyResult, on_grid, read_study
+from musclewire.studies.folder import Chunks
+from musclewire.studies.study import joined
+
+
+def result_of(series: bool = False) -> StudyResult:
+    """Return a study of a grid of 3 x 2 points with 4 samples each, whose quantities are the runs' numbers."""
+    run = {"kind": "characterize", "keep": ["stroke", "strain"] if series else ["stroke"]}
+    plan = read_study(
+        study_of(
+            run=run,
+            sampling={"method": "sobol", "samples": 4},
+            parameters={
+                "pretension": {"values": ["1 N", "2 N", "3 N"]},
+                "convection_factor": {"low": 0.8, "high": 1.0},
+                "wire": {"values": ["paper-100um", "paper-125um"]},
+            },
+        )
+    )
+    columns = {"stroke": np.arange(24.0)}
+    if series:
+        columns["strain"] = np.arange(24.0)[:, None] + np.array([0.0, 0.25, 0.5])
+    return StudyResult(plan, columns, ("",) * 23 + ("NumericsError: lost",))
+
+
+def test_each_run_has_its_parameters_and_units() -> None:
+    result = result_of()
+    data = result.dataset()
+    assert data.sizes == {"run": 24}
+    assert data["stroke"].values.tolist() == list(range(24))
+    assert data["pretension"].attrs["units"] == "N"
+    for name in ("pretension", "convection_factor", "wire"):
+        assert data[name].values.tolist() == result.parameter(name).tolist()
+    assert data["error"].values[-1] == "NumericsError: lost"
+
+
+def test_the_axes_of_a_grid_become_dimensions() -> None:
+    result = result_of(series=True)
+    grid = on_grid(result.dataset())
+    assert grid["strain"].sizes == {"pretension": 3, "wire": 2, "draw": 4, "sample": 3}
+    flat = result.dataset()
+    for run in range(24):
+        where = {"pretension": float(flat["pretension"][run]), "wire": str(flat["wire"].values[run])}
+        point = grid.sel(where)
+        draw = int(np.flatnonzero(point["convection_factor"].values == flat["convection_factor"].values[run])[0])
+        assert point["stroke"].values[draw] == run
+        assert point["strain"].values[draw].tolist() == [run, run + 0.25, run + 0.5]
+
+
+def test_series_of_different_lengths_end_with_nan() -> None:
+    found = joined([np.ones((2, 2)), np.zeros((1, 3))])
+    assert np.isnan(found).tolist() == [[False, False, True], [False, False, True], [False, False, False]]
+    assert joined([]).size == 0
+    assert joined([np.empty((2, 0))]).shape == (2, 1)
+
+
+def test_chunks_are_made_when_they_are_asked_for() -> None:
+    design = result_of().plan.design
+    chunks = Chunks(design, [(0, 5), (5, 24)])
+    assert len(chunks) == 2
+    assert [chunk.first for chunk in chunks] == [0, 5]
+    assert chunks[1].values == design.rows(5, 24)
+    assert chunks[1:][0].stop == 24
+    with pytest.raises(IndexError):
+        chunks[2]
