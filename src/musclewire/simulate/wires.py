@@ -223,6 +223,15 @@ def is_resolved(state: WireState) -> bool:
     return solved and abs(state.temperature_k) < math.inf
 
 
+@compiled
+def are_resolved(states: Rows) -> bool:
+    """Whether the steps of all wires, (n_wires,), were solved, and none too long for what happened in it."""
+    for wire in range(states.shape[0]):
+        if not is_resolved(states[wire]):
+            return False
+    return True
+
+
 def require_resolved(after: WireState, stepping: Stepping, sample_s: float, before: WireState | None = None) -> None:
     """Raise NumericsError if steps up to a state were not solved, or too long for what happened in them.
 
@@ -368,7 +377,7 @@ class OneWire:
     def _stand_at(self, constants: WireConstants, state: WireState) -> None:
         """Take constants, those of still air, and a state of one's own."""
         self._state, self._handed_out = state, False
-        self.constants = constants
+        self.constants, self._leg_length_m = constants, constants.leg_length_m
         derived, *tables = constants.step_arrays()
         self._derived, (self._cells, self._load) = derived.copy(), tables
 
@@ -387,7 +396,7 @@ class OneWire:
     def slack_m(self) -> float:
         """Length by which friction holds the connector ahead of the slack wire [m]."""
         numbers = self._state.numbers
-        return float(numbers[CONNECTOR] - numbers[CONTRACTION]) * self.constants.leg_length_m
+        return float(numbers[CONNECTOR] - numbers[CONTRACTION]) * self._leg_length_m
 
     @property
     def step_error_k(self) -> float:
@@ -405,7 +414,7 @@ class OneWire:
 
     def require_resolved(self) -> None:
         """Raise NumericsError if steps were unsolved or too long."""
-        if not is_resolved(self._state.row[0]):
+        if not are_resolved(self._state.row):
             require_resolved(self._state, *self._last)
 
     def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
