@@ -133,7 +133,17 @@ class WireBatch:
         return together
 
     def state(self, wire: int) -> WireState:
-        """Return the present state of one wire, a copy."""
+        """Return the present state of one wire.
+
+        Parameters
+        ----------
+        wire
+            Its place in the batch, from 0.
+
+        Returns
+        -------
+        A copy, which does not change any more.
+        """
         copied = WireState.zeros(self._layout["front_austenite"].shape[0])
         copied.row[0] = self.states[wire]
         return copied
@@ -165,12 +175,37 @@ class WireBatch:
         return BatchMeans(*kept[:, :, 0])
 
     def rest(self, wires: npt.NDArray[np.bool_]) -> None:
-        """Set some of the wires back to where they began, (n_wires,) True for each of these."""
+        """Set some of the wires back to where they began.
+
+        Parameters
+        ----------
+        wires
+            True for each of these, (n_wires,).
+        """
         for part in self._parts:
             begin_again(part, wires[part.places])
 
     def drive(self, drive_v: FloatArray, sample_s: float, keep: Sequence[str]) -> dict[str, FloatArray]:
-        """Advance all wires along a drive, and return the columns to keep; see :func:`drive_many`."""
+        """Advance all wires along a drive, and return the columns to keep.
+
+        Parameters
+        ----------
+        drive_v
+            Drive voltages [V], (n_samples,) for all or (n_wires, n_samples).
+        sample_s
+            Length of a sample [s].
+        keep
+            Names from ``COLUMNS``; memory is needed for these only.
+
+        Returns
+        -------
+        Each column by its name, (n_wires, n_samples).
+
+        Raises
+        ------
+        CallerError
+            For an unknown column, a shape that does not belong to the batch, or steps that do not divide a sample.
+        """
         unknown = [name for name in keep if name not in COLUMNS]
         if unknown:
             raise CallerError(f"there is no column '{unknown[0]}': choose from {', '.join(COLUMNS)}")
@@ -184,7 +219,18 @@ class WireBatch:
         return dict(zip(keep, kept, strict=True))
 
     def require_resolved(self, sample_s: float) -> None:
-        """Raise NumericsError, for the worst wire, if a step of any was unsolved or too long."""
+        """Raise NumericsError, for the worst wire, if a step of any was unsolved or too long.
+
+        Parameters
+        ----------
+        sample_s
+            Length of a sample [s], for the message.
+
+        Raises
+        ------
+        NumericsError
+            If there is such a wire.
+        """
         states = self.states
         lost = (states["unsolved_steps"] > 0.0) | ~np.isfinite(states["temperature_k"])
         worst = int(np.argmax(lost)) if lost.any() else int(np.argmax(states["step_error_k"]))

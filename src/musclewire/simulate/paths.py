@@ -88,13 +88,35 @@ def drive_path(
     state: WireState | None = None,
     regulated_current: bool = False,
 ) -> tuple[DrivenPath, WireState]:
-    """Return the response of a wire to ``drive``, (n_samples,) in volts, and the state at the end.
+    """Return the response of a wire to a drive, and the state at the end.
 
-    Each drive is held for ``sample_s``, divided into steps by ``stepping``. With ``regulated_current`` the drive is a
-    current in amperes. The wire starts at rest, cold, unless a ``state`` is given, which is not changed. The numbers
-    equal those of ``simulate.wires.advance`` sample by sample to the bit. Raises CallerError for a sample or steps that
-    are not positive, and NumericsError if a step was
-    not solved, or too long for what the wire did in it.
+    The numbers equal those of ``simulate.wires.advance`` sample by sample to the bit.
+
+    Parameters
+    ----------
+    constants
+        The wire on its load.
+    drive
+        Drive of each sample, (n_samples,): a voltage [V], or a current [A] with ``regulated_current``.
+    sample_s
+        Length of a sample [s], during which its drive is held.
+    stepping
+        How a sample is divided into steps; by default as the tolerances ask.
+    state
+        Where the wire begins, which is not changed; None for a wire at rest, cold.
+    regulated_current
+        Whether a source regulates the current.
+
+    Returns
+    -------
+    Means and states of all samples, and the state at the end.
+
+    Raises
+    ------
+    CallerError
+        For a sample that is not positive, or steps that do not divide it.
+    NumericsError
+        If a step was not solved, or too long for what the wire did in it.
     """
     plan = plan_of(stepping, sample_s)
     before = resting_state(constants) if state is None else state

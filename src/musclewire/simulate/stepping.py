@@ -77,7 +77,22 @@ class Stepping(NamedTuple):
 
 
 def fixed_steps(step_s: float) -> Stepping:
-    """Return steps of one length [s]. Raises CallerError if it is not positive and finite."""
+    """Return steps of one length.
+
+    Parameters
+    ----------
+    step_s
+        Length of every step [s].
+
+    Returns
+    -------
+    The stepping.
+
+    Raises
+    ------
+    CallerError
+        If the length is not positive and finite.
+    """
     if not 0.0 < step_s < math.inf:
         raise CallerError(f"a step of {step_s} s cannot be: give a positive number of seconds")
     return Stepping(fixed_s=step_s)

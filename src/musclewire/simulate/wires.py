@@ -226,7 +226,7 @@ def is_resolved(state: WireState) -> bool:
 @compiled
 def are_resolved(states: Rows) -> bool:
     """Whether the steps of all wires, (n_wires,), were solved, and none too long for what happened in it."""
-    for wire in range(states.shape[0]):
+    for wire in range(states.shape[0]):  # noqa: SIM110  # Numba compiles no generators
         if not is_resolved(states[wire]):
             return False
     return True

@@ -70,8 +70,27 @@ def constants_of(
 ) -> WireConstants:
     """Return the constants from plain numbers by name, as a search that tries thousands of sets needs them.
 
-    ``distribution`` replaces that of the alloy's ``grain_skew`` and ``grain_tail``; ``classes`` divide the grains by
-    their barrier. Raises CallerError if the numbers cannot describe a wire.
+    Parameters
+    ----------
+    material, spool, bench
+        Numbers of alloy, wire and bench by name, in SI: the ``values()`` of their parameter groups.
+    load
+        What the wire pulls; the bench's spring if None.
+    new_wire
+        Whether the shakedown of a new wire is still to come.
+    distribution
+        Distribution of the grains' offsets; that of the alloy's ``grain_skew`` and ``grain_tail`` if None.
+    classes
+        Grains by their barrier; one class by default.
+
+    Returns
+    -------
+    The constants.
+
+    Raises
+    ------
+    CallerError
+        If the numbers cannot describe a wire, or its spreads have no order that two fronts could hold.
     """
     attached = load or spring_load(bench["spring_stiffness_n_per_m"])
     require_a_wire(material, spool, bench)
