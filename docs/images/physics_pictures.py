@@ -305,9 +305,9 @@ def draw_lines(axes: Axes, constants: WireConstants) -> None:
     """Draw where the middle grain's phase changes are due, each in the colour of the phase that forms."""
     mpa = np.linspace(*DIAGRAM_MPA, 80)
     for name, colour, words in (
-        ("a_to_r", R_PHASE, "R-phase from austenite"),
-        ("a_to_m", MARTENSITE, "martensite from austenite"),
-        ("m_to_a", AUSTENITE, "austenite from martensite"),
+        ("austenite_r_phase", R_PHASE, "R-phase from austenite"),
+        ("austenite_martensite", MARTENSITE, "martensite from austenite"),
+        ("martensite_austenite", AUSTENITE, "austenite from martensite"),
     ):
         line = np.array([due_degc(constants, MPA * s, name) for s in mpa])
         axes.plot(line, mpa, "--", color=colour, linewidth=1.6, label=words)
@@ -316,7 +316,7 @@ def draw_lines(axes: Axes, constants: WireConstants) -> None:
 def due_degc(constants: WireConstants, stress_pa: float, change: str) -> float:
     """Return the temperature at which a change is due for the middle grain: its threshold is at an offset of 0."""
     low, high = 100.0, 700.0
-    cooling = change in ("a_to_m", "a_to_r", "r_to_m")
+    cooling = change in ("austenite_martensite", "austenite_r_phase", "r_phase_martensite")
     derived = constants.derived.record
     for _ in range(50):
         middle = 0.5 * (low + high)

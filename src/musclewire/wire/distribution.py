@@ -61,7 +61,17 @@ class Distribution(NamedTuple):
     core_step: float = 1.0
 
     def cumulative(self, offset: FloatArray) -> FloatArray:
-        """Return the fraction of the grains below offsets, of any shape."""
+        """Return the fraction of the grains below offsets.
+
+        Parameters
+        ----------
+        offset
+            Offsets in units of the spread, of any shape.
+
+        Returns
+        -------
+        The fractions, 0 to 1, of the same shape.
+        """
         offset = np.asarray(offset, dtype=np.float64)
         core = np.clip(offset, self.core_start, self.core_end)
         place = (self.core_start - self.start) / self.step + (core - self.core_start) / self.core_step

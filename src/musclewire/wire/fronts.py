@@ -61,27 +61,29 @@ class Thresholds(NamedTuple):
 
     Parameters
     ----------
-    a_to_m, a_to_r, r_to_m
+    austenite_martensite, austenite_r_phase, r_phase_martensite
         Thresholds of cooling.
-    m_to_a, r_to_a, m_to_r
+    martensite_austenite, r_phase_austenite, martensite_r_phase
         Thresholds of heating.
-    a_to_m_per_pa, a_to_r_per_pa, r_to_m_per_pa, m_to_a_per_pa, m_to_r_per_pa
-        Their slopes over stress [1/Pa]; that of R to A equals that of A to R.
+    austenite_martensite_per_pa, austenite_r_phase_per_pa, r_phase_martensite_per_pa, martensite_austenite_per_pa
+        Slopes over stress [1/Pa]; that of R to A equals that of A to R.
+    martensite_r_phase_per_pa
+        Slope over stress [1/Pa].
     m_per_k, r_per_k, p_per_k
         Slopes over temperature [1/K] of A-M, A-R and R-M.
     """
 
-    a_to_m: float
-    a_to_r: float
-    r_to_m: float
-    m_to_a: float
-    r_to_a: float
-    m_to_r: float
-    a_to_m_per_pa: float
-    a_to_r_per_pa: float
-    r_to_m_per_pa: float
-    m_to_a_per_pa: float
-    m_to_r_per_pa: float
+    austenite_martensite: float
+    austenite_r_phase: float
+    r_phase_martensite: float
+    martensite_austenite: float
+    r_phase_austenite: float
+    martensite_r_phase: float
+    austenite_martensite_per_pa: float
+    austenite_r_phase_per_pa: float
+    r_phase_martensite_per_pa: float
+    martensite_austenite_per_pa: float
+    martensite_r_phase_per_pa: float
     m_per_k: float
     r_per_k: float
     p_per_k: float
@@ -203,24 +205,24 @@ def thresholds_at(
     widening = k.martensite_spread_per_pa
     force_m_per_pa = k.martensite_k_per_pa
     preference_per_pa = k.martensite_k_per_pa - ratio * k.r_phase_k_per_pa
-    a_to_m = (barrier - force_m) * per_m
-    a_to_r = (k.r_phase_barrier_k - force_r) * per_r
-    r_to_m = (preference_barrier - preference) * per_p
-    m_to_a = (-force_m - barrier) * per_m
-    r_to_a = (-force_r - k.r_phase_barrier_k) * per_r
-    m_to_r = (-preference - preference_barrier) * per_p
+    austenite_martensite = (barrier - force_m) * per_m
+    austenite_r_phase = (k.r_phase_barrier_k - force_r) * per_r
+    r_phase_martensite = (preference_barrier - preference) * per_p
+    martensite_austenite = (-force_m - barrier) * per_m
+    r_phase_austenite = (-force_r - k.r_phase_barrier_k) * per_r
+    martensite_r_phase = (-preference - preference_barrier) * per_p
     return Thresholds(
-        a_to_m,
-        a_to_r,
-        r_to_m,
-        m_to_a,
-        r_to_a,
-        m_to_r,
-        (barrier_per_pa - force_m_per_pa - a_to_m * widening) * per_m,
+        austenite_martensite,
+        austenite_r_phase,
+        r_phase_martensite,
+        martensite_austenite,
+        r_phase_austenite,
+        martensite_r_phase,
+        (barrier_per_pa - force_m_per_pa - austenite_martensite * widening) * per_m,
         -ratio * k.r_phase_k_per_pa * per_r,
-        (preference_barrier_per_pa - preference_per_pa - r_to_m * widening) * per_p,
-        (-barrier_per_pa - force_m_per_pa - m_to_a * widening) * per_m,
-        (-preference_barrier_per_pa - preference_per_pa - m_to_r * widening) * per_p,
+        (preference_barrier_per_pa - preference_per_pa - r_phase_martensite * widening) * per_p,
+        (-barrier_per_pa - force_m_per_pa - martensite_austenite * widening) * per_m,
+        (-preference_barrier_per_pa - preference_per_pa - martensite_r_phase * widening) * per_p,
         per_m,
         ratio * per_r,
         (1.0 - ratio) * per_p,
@@ -247,33 +249,33 @@ def moved_fronts(at: Thresholds, front_austenite: float, front_martensite: float
     Cooling: q_F = min(q_F, z_AM, z_AR), then q_M = min(q_M, max(q_F, z_RM)). Heating: q_M = max(q_M, z_MA, z_MR), then
     q_F = max(q_F, min(q_M, z_RA)).
     """
-    direct = at.a_to_m < at.a_to_r
-    low = at.a_to_m if direct else at.a_to_r
+    direct = at.austenite_martensite < at.austenite_r_phase
+    low = at.austenite_martensite if direct else at.austenite_r_phase
     moves = low < front_austenite
     f = low if moves else front_austenite
     f_k = (at.m_per_k if direct else at.r_per_k) if moves else 0.0
-    f_pa = (at.a_to_m_per_pa if direct else at.a_to_r_per_pa) if moves else 0.0
+    f_pa = (at.austenite_martensite_per_pa if direct else at.austenite_r_phase_per_pa) if moves else 0.0
 
-    follows = f > at.r_to_m
-    low = f if follows else at.r_to_m
+    follows = f > at.r_phase_martensite
+    low = f if follows else at.r_phase_martensite
     moves = low < front_martensite
     m = low if moves else front_martensite
     m_k = (f_k if follows else at.p_per_k) if moves else 0.0
-    m_pa = (f_pa if follows else at.r_to_m_per_pa) if moves else 0.0
+    m_pa = (f_pa if follows else at.r_phase_martensite_per_pa) if moves else 0.0
 
-    direct = at.m_to_a > at.m_to_r
-    high = at.m_to_a if direct else at.m_to_r
+    direct = at.martensite_austenite > at.martensite_r_phase
+    high = at.martensite_austenite if direct else at.martensite_r_phase
     moves = high > m
     m = high if moves else m
     m_k = (at.m_per_k if direct else at.p_per_k) if moves else m_k
-    m_pa = (at.m_to_a_per_pa if direct else at.m_to_r_per_pa) if moves else m_pa
+    m_pa = (at.martensite_austenite_per_pa if direct else at.martensite_r_phase_per_pa) if moves else m_pa
 
-    follows = m < at.r_to_a
-    high = m if follows else at.r_to_a
+    follows = m < at.r_phase_austenite
+    high = m if follows else at.r_phase_austenite
     moves = high > f
     f = high if moves else f
     f_k = (m_k if follows else at.r_per_k) if moves else f_k
-    f_pa = (m_pa if follows else at.a_to_r_per_pa) if moves else f_pa
+    f_pa = (m_pa if follows else at.austenite_r_phase_per_pa) if moves else f_pa
     return Fronts(f, m, f_k, f_pa, m_k, m_pa)
 
 

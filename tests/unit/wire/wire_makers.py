@@ -196,12 +196,12 @@ def forces_at(
     ratio = wire.r_phase_entropy_ratio
     spread_m, spread_r, spread_p = 1.0 / at.m_per_k, ratio / at.r_per_k, (1.0 - ratio) / at.p_per_k
     return Forces(
-        spread_m * (offset - at.a_to_m),
-        spread_r * (offset - at.a_to_r),
-        spread_p * (offset - at.r_to_m),
-        spread_m * (at.m_to_a - offset),
-        spread_r * (at.r_to_a - offset),
-        spread_p * (at.m_to_r - offset),
+        spread_m * (offset - at.austenite_martensite),
+        spread_r * (offset - at.austenite_r_phase),
+        spread_p * (offset - at.r_phase_martensite),
+        spread_m * (at.martensite_austenite - offset),
+        spread_r * (at.r_phase_austenite - offset),
+        spread_p * (at.martensite_r_phase - offset),
     )
 
 
