@@ -23,8 +23,8 @@ from musclewire.errors import CallerError
 from musclewire.simulate.lane_layout import LANES, blocks_of, state_fields
 from musclewire.simulate.lanes import advance_block
 from musclewire.simulate.paths import DrivenPath
-from musclewire.simulate.stepping import Stepping
-from musclewire.simulate.wires import CHOSEN, Drive, advance_wire, plan_of, require_resolved
+from musclewire.simulate.stepping import Stepping, require_resolved
+from musclewire.simulate.wires import CHOSEN, Drive, advance_wire, plan_of
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants, as_record
 from musclewire.wire.row import Rows

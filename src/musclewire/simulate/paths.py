@@ -12,8 +12,8 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.errors import CallerError
-from musclewire.simulate.stepping import Stepping
-from musclewire.simulate.wires import CHOSEN, Drive, advance_wire, plan_of, require_resolved
+from musclewire.simulate.stepping import Stepping, require_resolved
+from musclewire.simulate.wires import CHOSEN, Drive, advance_wire, plan_of
 from musclewire.wire.building import cooled_wire, resting_state
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.fronts import shakedown_of

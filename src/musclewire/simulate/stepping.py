@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled_inline
-from musclewire.errors import CallerError
+from musclewire.compiled import compiled, compiled_inline
+from musclewire.errors import CallerError, NumericsError
 from musclewire.wire.balance import convection_w_per_m2_k, loss_w
 from musclewire.wire.constants import StepConstants
+from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 from musclewire.wire.step import Equilibrium
 
@@ -29,7 +30,10 @@ __all__ = [
     "Instant",
     "Stepping",
     "circuit_at",
+    "are_resolved",
     "error_ratio",
+    "is_resolved",
+    "require_resolved",
     "fixed_steps",
     "instant_of",
     "longest_step_s",
@@ -50,6 +54,8 @@ DURATION, STEPS, TEMPERATURE, RESISTANCE, STRAIN = range(5)
 SAFETY, MAX_SHRINK, MAX_GROWTH = 0.9, 0.2, 3.0
 # Steps this short are taken whatever their error: only a jump of a load or a drive asks for shorter ones.
 MIN_STEP_S = 1e-5
+# A step with a larger estimated error in temperature shows the step, not the wire.
+MAX_STEP_ERROR_K = 2.0
 
 
 class Stepping(NamedTuple):
@@ -247,3 +253,51 @@ def plan_of(stepping: Stepping, duration_s: float) -> FloatArray:
     """
     steps = steps_within(stepping, duration_s)
     return np.array([duration_s, steps, stepping.temperature_k, stepping.resistance, stepping.strain])
+
+
+@compiled
+def is_resolved(state: WireState) -> bool:
+    """Whether all steps of a wire were solved, and none too long for what happened in it."""
+    # Not a number is not less than anything: written so that it is not resolved.
+    solved = state.unsolved_steps == 0.0 and state.step_error_k <= MAX_STEP_ERROR_K
+    return solved and abs(state.temperature_k) < math.inf
+
+
+@compiled
+def are_resolved(states: Rows) -> bool:
+    """Whether the steps of all wires, (n_wires,), were solved, and none too long for what happened in it."""
+    for wire in range(states.shape[0]):  # noqa: SIM110  # Numba compiles no generators
+        if not is_resolved(states[wire]):
+            return False
+    return True
+
+
+def require_resolved(after: WireState, stepping: Stepping, sample_s: float, before: WireState | None = None) -> None:
+    """Raise NumericsError if steps up to a state were not solved, or too long for what happened in them.
+
+    Parameters
+    ----------
+    after
+        The wire after these steps.
+    stepping
+        How they were chosen, for the message.
+    sample_s
+        Length of a sample [s], the longest step.
+    before
+        The wire before them; None to judge all steps since the wire was first at rest.
+    """
+    numbers = after.record
+    missed = numbers.unsolved_steps - (before.unsolved_steps if before is not None else 0.0)
+    if missed == 0.0 and numbers.step_error_k <= MAX_STEP_ERROR_K and abs(numbers.temperature_k) < math.inf:
+        return
+    length_s = stepping.fixed_s or sample_s
+    steps = f"steps of {1e3 * length_s:g} ms" if stepping.fixed_s else f"chosen steps of {1e3 * length_s:g} ms at most"
+    raise NumericsError(
+        f"the simulation does not resolve what the wire does up to {numbers.time_s:.3f} s: {steps} leave an error of "
+        f"{numbers.step_error_k:.3g} K in temperature and {missed:.0f} balances unsolved; "
+        + (
+            "set time_step_s to 0 for steps chosen by tolerance, or to a fraction of this"
+            if stepping.fixed_s
+            else "look for a load or a drive that no wire could follow, or lower the tolerances"
+        )
+    )

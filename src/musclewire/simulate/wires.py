@@ -10,7 +10,6 @@ from typing import NamedTuple, Protocol
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
-from musclewire.errors import NumericsError
 from musclewire.simulate.pairs import APART, Grip, Pair, advance_pair
 from musclewire.simulate.stepping import (
     CHOSEN,
@@ -21,6 +20,7 @@ from musclewire.simulate.stepping import (
     Drive,
     Instant,
     Stepping,
+    are_resolved,
     circuit_at,
     error_ratio,
     instant_of,
@@ -28,6 +28,7 @@ from musclewire.simulate.stepping import (
     next_step_s,
     owed_j,
     plan_of,
+    require_resolved,
     shorter_step_s,
 )
 from musclewire.wire.building import resting_state
@@ -50,16 +51,11 @@ __all__ = [
     "advance_rows",
     "advance_wire",
     "plan_of",
-    "is_resolved",
-    "require_resolved",
     "SampleMeans",
     "OneWire",
     "SimulatedWires",
     "TwoWires",
 ]
-
-# A step with a larger estimated error in temperature shows the step, not the wire.
-MAX_STEP_ERROR_K = 2.0
 
 
 class WireMeans(NamedTuple):
@@ -215,60 +211,6 @@ def advance_rows(
     return advance_wire(RunningWire(states[0], constants[0], cells[0], load[0]), Drive(drive_voltage_v, False), plan)
 
 
-@compiled
-def is_resolved(state: WireState) -> bool:
-    """Whether all steps of a wire were solved, and none too long for what happened in it."""
-    # Not a number is not less than anything: written so that it is not resolved.
-    solved = state.unsolved_steps == 0.0 and state.step_error_k <= MAX_STEP_ERROR_K
-    return solved and abs(state.temperature_k) < math.inf
-
-
-@compiled
-def are_resolved(states: Rows) -> bool:
-    """Whether the steps of all wires, (n_wires,), were solved, and none too long for what happened in it."""
-    for wire in range(states.shape[0]):  # noqa: SIM110  # Numba compiles no generators
-        if not is_resolved(states[wire]):
-            return False
-    return True
-
-
-def require_resolved(after: WireState, stepping: Stepping, sample_s: float, before: WireState | None = None) -> None:
-    """Raise NumericsError if steps up to a state were not solved, or too long for what happened in them.
-
-    Parameters
-    ----------
-    after
-        The wire after these steps.
-    stepping
-        How they were chosen, for the message.
-    sample_s
-        Length of a sample [s], the longest step.
-    before
-        The wire before them; None to judge all steps since the wire was first at rest.
-    """
-    numbers = after.record
-    missed = numbers.unsolved_steps - (before.unsolved_steps if before is not None else 0.0)
-    if missed == 0.0 and numbers.step_error_k <= MAX_STEP_ERROR_K and abs(numbers.temperature_k) < math.inf:
-        return
-    length_s = stepping.fixed_s or sample_s
-    steps = f"steps of {1e3 * length_s:g} ms" if stepping.fixed_s else f"chosen steps of {1e3 * length_s:g} ms at most"
-    raise NumericsError(
-        f"the simulation does not resolve what the wire does up to {numbers.time_s:.3f} s: {steps} leave an error of "
-        f"{numbers.step_error_k:.3g} K in temperature and {missed:.0f} balances unsolved; "
-        + (
-            "set time_step_s to 0 for steps chosen by tolerance, or to a fraction of this"
-            if stepping.fixed_s
-            else "look for a load or a drive that no wire could follow, or lower the tolerances"
-        )
-    )
-
-
-# Places of both contractions among the plain numbers of a state, before its arrays: a field takes ten times as long.
-CONTRACTION, CONNECTOR = (
-    [item.name for item in WireState.fields].index(name) for name in ("contraction", "connector_contraction")
-)
-
-
 class SampleMeans(NamedTuple):
     """Means over a sample: what averaging instruments measure; ``grip_n`` is None with one wire.
 
@@ -362,6 +304,12 @@ def aged(constants: WireConstants, before: WireState) -> tuple[WireConstants, Wi
     gained = constants.shakedown_strain * (1.0 - remaining)
     zeroed = constants.replace(cold_strain=constants.cold_strain + gained)
     return zeroed, resting_state(zeroed).replace(time_s=before.time_s, cycles=before.cycles)
+
+
+# Places of both contractions among the plain numbers of a state, before its arrays: a field takes ten times as long.
+CONTRACTION, CONNECTOR = (
+    [item.name for item in WireState.fields].index(name) for name in ("contraction", "connector_contraction")
+)
 
 
 class OneWire:

@@ -10,7 +10,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.export.c.numbers import literal, rows
 from musclewire.physics.resistance import ELASTIC_POISSON_RATIO, REFERENCE_TEMPERATURE_K
-from musclewire.simulate.wires import MAX_STEP_ERROR_K
+from musclewire.simulate.stepping import MAX_STEP_ERROR_K
 from musclewire.wire.constants import StepConstants, WireConstants
 from musclewire.wire.row import CLASSES, Field, Row
 from musclewire.wire.state import WireState

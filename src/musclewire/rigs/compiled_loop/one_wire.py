@@ -9,8 +9,8 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.simulate.stepping import Stepping, plan_of
+from musclewire.simulate.stepping import is_resolved as state_is_resolved
 from musclewire.simulate.wires import OneWire, advance_rows
-from musclewire.simulate.wires import is_resolved as state_is_resolved
 from musclewire.wire.row import Rows
 
 __all__ = ["WireArrays", "advance_sample", "is_resolved", "sample_times_s", "slack_m", "surround", "wire_arrays"]
