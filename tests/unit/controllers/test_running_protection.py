@@ -25,6 +25,7 @@ from musclewire.controllers.protection import (
     tripped_by,
 )
 from musclewire.controllers.protection.running import RunningProtection
+from musclewire.controllers.protection.sound import fills_block, sound_sample
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.3,
@@ -125,12 +126,16 @@ def test_every_state_on_the_way_is_that_of_the_functions(period_s: float, acts: 
         assert running.tripped == (by_functions.state.state is State.TRIPPED)
 
 
-def test_a_sample_of_whole_numbers_is_judged_as_floats() -> None:
+def test_a_sample_of_whole_numbers_is_judged_as_floats_and_compiles_nothing() -> None:
     running, by_functions = RunningProtection(LIMITS, 0.05), ByFunctions(0.05)
+    known = set(sound_sample.signatures), set(fills_block.signatures)
+    assert all(known)
     for protection in (running, by_functions):
         protection.command(2)
         protection.sample(2, 1, 1)
+        protection.sample(2, 1, 1)
     assert numbers_of(running.state) == numbers_of(by_functions.state)
+    assert (set(sound_sample.signatures), set(fills_block.signatures)) == known
 
 
 def test_a_reading_that_trips_is_kept_for_the_message() -> None:
