@@ -1,29 +1,17 @@
-"""Constitutive law of NiTi wire: which phase is favoured, when a grain switches, and the strain that follows.
+"""Constitutive law of NiTi wire: which phase is favoured, the strain that follows, and the friction of a guide.
 
-Symbols: A austenite, R R-phase, M martensite; T temperature, sigma stress; f advantage over austenite in
-kelvin; h barrier in kelvin; C stress rate (Clausius-Clapeyron slope) in Pa/K.
-
-A phase change happens once its advantage exceeds its barrier. That excess, positive once the change is due, is
-the thermodynamic driving force of the change; there are three on cooling (A to M, A to R, R to M) and three on heating.
-
-A grain is one class of transformation temperatures. It is not a single switch but a short interval of them,
-so its phase fractions move continuously while a driving force sweeps through the interval: the limit of very many
-switches, in which the ensemble loses its steps. Within a grain the fractions are ordered as they form on
-cooling: martensite first, then R-phase, then austenite. Both functions are idempotent: applied again at the same
-driving forces they change nothing, so that a grain must be evaluated again only when a driving force has risen.
+Symbols: M martensite; T temperature, sigma stress; f advantage over austenite in kelvin; C stress rate
+(Clausius-Clapeyron slope) in Pa/K. When phases change is in ``wire/fronts.py``.
 """
 
 from __future__ import annotations
 
 import math
 
-from musclewire.compiled import compiled, compiled_inline
+from musclewire.compiled import compiled
 
 __all__ = [
     "advantage_k",
-    "cooled_grain",
-    "heated_grain",
-    "fraction_beyond",
     "maximum_transformation_strain",
     "maximum_transformation_strain_slope_per_pa",
     "reuss_modulus_pa",
@@ -63,148 +51,6 @@ def advantage_k(
     0.0
     """
     return transformation_temperature_k + stress_pa / stress_rate_pa_per_k - temperature_k
-
-
-@compiled_inline
-def fraction_beyond(force_k: float, inverse_width_per_k: float) -> float:
-    """Return the fraction of a grain for which a change is due, 0 to 1.
-
-    Parameters
-    ----------
-    force_k
-        Thermodynamic driving force of the change at the grain's middle [K], less its barrier.
-    inverse_width_per_k
-        1 / width of the grain's interval of transformation temperatures [1/K].
-
-    Returns
-    -------
-    The fraction: 0.5 at a driving force of 0, and linear over the interval.
-
-    References
-    ----------
-    Source: our own limit of very many switches, decision 3 (grains as intervals).
-
-    Examples
-    --------
-    >>> fraction_beyond(0.25, 1.0)
-    0.75
-    """
-    return min(max(force_k * inverse_width_per_k + 0.5, 0.0), 1.0)
-
-
-@compiled_inline
-def cooled_grain(
-    martensite: float,
-    r_phase: float,
-    a_to_m_force_k: float,
-    a_to_r_force_k: float,
-    r_to_m_force_k: float,
-    martensite_inverse_width_per_k: float,
-    r_phase_inverse_width_per_k: float,
-    preference_inverse_width_per_k: float,
-) -> tuple[float, float]:
-    """Return a grain's fractions of martensite and R-phase after cooling or loading.
-
-    Parameters
-    ----------
-    martensite
-        Fraction before, 0 to 1.
-    r_phase
-        Fraction before, 0 to 1 - ``martensite``.
-    a_to_m_force_k
-        Thermodynamic driving force of austenite to martensite at the grain's middle, less its barrier [K].
-    a_to_r_force_k
-        That of austenite to R-phase [K].
-    r_to_m_force_k
-        That of R-phase to martensite [K].
-    martensite_inverse_width_per_k
-        1 / width of the grain's interval for martensite [1/K].
-    r_phase_inverse_width_per_k
-        The same for R-phase [1/K].
-    preference_inverse_width_per_k
-        The same for the change between R-phase and martensite [1/K].
-
-    Returns
-    -------
-    The fractions of martensite and of R-phase.
-
-    Notes
-    -----
-    A grain that leaves austenite becomes R-phase if that is stable, and martensite if it is not. Both fractions only
-    rise to a bound, whatever the state: the order between states is preserved, and with it return-point memory.
-
-    References
-    ----------
-    Sethna et al. 1993, doi 10.1103/PhysRevLett.70.3347, for the memory that order between states implies.
-
-    Examples
-    --------
-    >>> cooled_grain(0.0, 0.0, 0.0, -9.0, 9.0, 1.0, 1.0, 1.0)  # at its middle, and R-phase is not stable
-    (0.5, 0.0)
-    """
-    has_left_a = max(
-        fraction_beyond(a_to_m_force_k, martensite_inverse_width_per_k),
-        fraction_beyond(a_to_r_force_k, r_phase_inverse_width_per_k),
-    )
-    formed = max(martensite + r_phase, has_left_a)
-    no_longer_r = fraction_beyond(r_to_m_force_k, preference_inverse_width_per_k)
-    new_martensite = max(martensite, min(no_longer_r, formed))
-    return new_martensite, formed - new_martensite
-
-
-@compiled_inline
-def heated_grain(
-    martensite: float,
-    r_phase: float,
-    m_to_a_force_k: float,
-    r_to_a_force_k: float,
-    m_to_r_force_k: float,
-    martensite_inverse_width_per_k: float,
-    r_phase_inverse_width_per_k: float,
-    preference_inverse_width_per_k: float,
-) -> tuple[float, float]:
-    """Return a grain's fractions of martensite and R-phase after heating or unloading: the mirror of cooling.
-
-    Parameters
-    ----------
-    martensite
-        Fraction before, 0 to 1.
-    r_phase
-        Fraction before, 0 to 1 - ``martensite``.
-    m_to_a_force_k
-        Thermodynamic driving force of martensite to austenite at the grain's middle, less its barrier [K].
-    r_to_a_force_k
-        That of R-phase to austenite [K].
-    m_to_r_force_k
-        That of martensite to R-phase [K].
-    martensite_inverse_width_per_k
-        1 / width of the grain's interval for martensite [1/K].
-    r_phase_inverse_width_per_k
-        The same for R-phase [1/K].
-    preference_inverse_width_per_k
-        The same for the change between R-phase and martensite [1/K].
-
-    Returns
-    -------
-    The fractions of martensite and of R-phase.
-
-    References
-    ----------
-    As :func:`cooled_grain`: Sethna et al. 1993, doi 10.1103/PhysRevLett.70.3347.
-
-    Examples
-    --------
-    >>> heated_grain(1.0, 0.0, 0.0, 9.0, -9.0, 1.0, 1.0, 1.0)  # at its middle, and R-phase is not stable
-    (0.5, 0.0)
-    """
-    has_left_m = max(
-        fraction_beyond(m_to_a_force_k, martensite_inverse_width_per_k),
-        fraction_beyond(m_to_r_force_k, preference_inverse_width_per_k),
-    )
-    new_martensite = min(martensite, 1.0 - has_left_m)
-    must_be_austenite = fraction_beyond(r_to_a_force_k, r_phase_inverse_width_per_k)
-    formed = min(martensite + r_phase, max(new_martensite, 1.0 - must_be_austenite))
-    return new_martensite, formed - new_martensite
 
 
 @compiled
