@@ -48,7 +48,7 @@ def reproduce(
     for old in (page, data):
         old.unlink(missing_ok=True)  # an interrupted run must not leave an old answer
     with stops_between_samples(), rows_shown(quiet=json) as on_row:
-        result = run_reproduce(only, seed=seed, on_row=on_row, on_sample=stop_if_asked)
+        result = run_reproduce(only, seed=seed, on_row=on_row, on_run=stop_if_asked)
 
         def on_figure(subject: str) -> None:
             stop_if_asked()

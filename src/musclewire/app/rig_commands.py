@@ -35,6 +35,8 @@ from musclewire.errors import RecordingError
 if TYPE_CHECKING:
     from musclewire.experiment.demo import DemoResult
     from musclewire.experiment.pretension import PretensionSweep
+    from musclewire.experiment.run import OnSample
+    from musclewire.rigs.protocol import Rig
     from musclewire.signals.recording import Recording
 
 __all__ = ["add_rig_commands"]
@@ -192,6 +194,12 @@ def pretension(
     require_figure_file(plot)
     period_s, amplitude_v = sine.period_s, sine.amplitude_v
     forces = [in_si("--at", text) for text in at or ()] or None
+
+    def say_setting(force_n: float) -> None:
+        stop_if_asked()
+        if not json:
+            say(f"pretension {force_n:.2f} N")
+
     with stops_between_samples(), open_rig(rig, seed=seed) as opened:
         sweep = pretension_sweep(
             opened,
@@ -201,8 +209,8 @@ def pretension(
             period_s=period_s,
             cycles=sine.cycles,
             folder=output,
-            on_setting=None if json else lambda force: say(f"pretension {force:.2f} N"),
-            on_sample=stop_if_asked,
+            on_setting=say_setting,
+            on_sample=stop_within_run(opened),
         )
     for failure in sweep.failures:
         say(f"not usable: {failure}")
@@ -213,6 +221,11 @@ def pretension(
         emit_json({**sweep_json(sweep), "warnings": warnings})
     else:
         show(sweep_text(sweep, quantity))
+
+
+def stop_within_run(rig: Rig) -> OnSample | None:
+    """Return what stops a run after a sample; without a clock a run is short, and whole ones can be compiled."""
+    return stop_if_asked if rig.paced else None
 
 
 SWEEP_KEYS = ("pretension_n", "strain_gap_pct", "force_gap_pct", "displacement_gap_pct", "stroke_pct")
@@ -256,6 +269,9 @@ def train(
     from musclewire.rigs.configuration import open_rig
 
     def say_cycle(cycle: TrainingCycle) -> None:
+        stop_if_asked()
+        if json:
+            return
         change = "" if cycle.change is None else f", moved by {100 * cycle.change:.2f} % over five cycles"
         say(f"cycle {cycle.number}: R {cycle.resistance_min_ohm:.3f} to {cycle.resistance_max_ohm:.3f} ohm, "
             f"stroke {100 * cycle.stroke:.3f} %{change}")  # fmt: skip
@@ -268,8 +284,8 @@ def train(
             period_s=period_s,
             max_cycles=max_cycles,
             folder=output,
-            on_cycle=None if json else say_cycle,
-            on_sample=stop_if_asked,
+            on_cycle=say_cycle,
+            on_sample=stop_within_run(opened),
         )
     warnings = warn(training.warnings)
     if json:

@@ -5,19 +5,23 @@ Both policies would run on a real rig: the held current is regulated by the curr
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
 from musclewire.errors import CallerError, RigError
+from musclewire.experiment.known_drive import KnownDrive, KnownDrivePolicy
 from musclewire.experiment.run import Decision, OnSample, Policy, run_on_rig
 from musclewire.physics.resistance import wire_resistance
 from musclewire.rigs.abilities import true_state_of
+from musclewire.rigs.device import HasTrueState
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.estimator import dropout_failure
 from musclewire.signals.exchange import Command, Drive, RawSample
 from musclewire.signals.recording import MetadataValue, Recording
 
-__all__ = ["HeldCurrent", "HeldVoltage", "WithThermometer", "drive_wire"]
+__all__ = ["HeldCurrent", "HeldVoltage", "WithTruth", "drive_wire"]
 
 # Samples without current after which a wire counts as broken.
 MAX_DROPOUTS = 5
@@ -40,8 +44,15 @@ class HeldVoltage:
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:  # noqa: ARG002
         """Return the supply's voltage until it is time to switch off."""
-        on = elapsed_s < self._off_at_s - 1e-9
-        return Decision(Drive(self._drive_voltage_v if on else self._sense_voltage_v))
+        return Decision(Drive(self._drive_at_v(elapsed_s)))
+
+    def known_drive(self, elapsed_s: tuple[float, ...]) -> KnownDrive:
+        """Return the drive of each sample."""
+        drives_v = [self._sense_voltage_v, *map(self._drive_at_v, elapsed_s[:-1])]
+        return KnownDrive(np.array(drives_v), np.empty((len(elapsed_s), 0)))
+
+    def _drive_at_v(self, elapsed_s: float) -> float:
+        return self._drive_voltage_v if elapsed_s < self._off_at_s - 1e-9 else self._sense_voltage_v
 
 
 class HeldCurrent:
@@ -94,23 +105,28 @@ class HeldCurrent:
         return sample.drive_voltage_v
 
 
-class WithThermometer:
-    """Another policy, with the wire's temperature recorded as well, which only a simulation knows."""
+class WithTruth:
+    """Another policy, with numbers of the wire's state recorded as well, which only a simulation knows."""
 
-    def __init__(self, policy: Policy, temperature_k: Callable[[], float]) -> None:
-        """Ask ``temperature_k`` after each sample; the policy does not see it."""
-        self._policy = policy
-        self._temperature_k = temperature_k
-        self.columns = (*policy.columns, "wire_temperature_k")
+    def __init__(self, policy: Policy, truth: HasTrueState, names: Mapping[str, str]) -> None:
+        """Record fields of the state after each sample, by the names of their columns; the policy does not see them."""
+        self._policy, self._truth, self._names = policy, truth, names
+        self.columns = (*policy.columns, *names)
 
     def first_command(self) -> Command:
         """Return the policy's own."""
         return self._policy.first_command()
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
-        """Return the policy's decision with the temperature added."""
-        decision = self._policy.after(sample, elapsed_s)
-        return Decision(decision.command, (*decision.values, self._temperature_k()))
+        """Return the policy's decision with the true numbers added."""
+        decision, state = self._policy.after(sample, elapsed_s), self._truth.wire_state
+        true = (float(getattr(state, name)) for name in self._names.values())
+        return Decision(decision.command, (*decision.values, *true))
+
+    def known_drive(self, elapsed_s: tuple[float, ...]) -> KnownDrive | None:
+        """Return the policy's own with the true numbers added, if it knows its drive."""
+        known = self._policy.known_drive(elapsed_s) if isinstance(self._policy, KnownDrivePolicy) else None
+        return known and known._replace(true_names=tuple(self._names.values()))
 
 
 def drive_wire(
@@ -146,7 +162,7 @@ def policy_for(rig: Rig, on_s: float, limit_v: float, current_a: float | None) -
             current_a, rig.sense_voltage_v, limit_v, rig.shunt_resistance_ohm, rig.sample_period_s, on_s
         )
     truth = true_state_of(rig)
-    return policy if truth is None else WithThermometer(policy, lambda: float(truth.wire_state.temperature_k))
+    return policy if truth is None else WithTruth(policy, truth, {"wire_temperature_k": "temperature_k"})
 
 
 def refuse_impossible(

@@ -11,8 +11,6 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
-from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple, TypedDict, Unpack
 
@@ -23,9 +21,10 @@ from musclewire.controllers.controller import ControllerFactory
 from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.experiment.closed_loop import APPROACH_S, LoopChoice, PreparedLoop, control, name_of, prepared_loop
+from musclewire.experiment.endings import cause_of, software_version
 from musclewire.experiment.loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment.metrics import ControlRun, control_metrics
-from musclewire.experiment.run import NO_CLOCK, cause_of, what_protects
+from musclewire.experiment.run import NO_CLOCK, what_protects
 from musclewire.experiment.run_warnings import run_warnings
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.compiled_loop.kernel import Ended
@@ -337,12 +336,6 @@ def control_run(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Contro
     recording = recording_of(rig, loop, run)
     metrics = control_metrics(recording, loop.prepared.model.quantity, loop.prepared.reference)
     return ControlRun(recording.columns, recording.metadata, metrics)
-
-
-@cache
-def software_version() -> str:
-    """Return the version that recordings state; asking for it takes longer than a loop's Python part."""
-    return version("musclewire")
 
 
 def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recording:

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
-from typing import TypedDict
+from typing import NamedTuple, TypedDict
 
+import numpy as np
+
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
+from musclewire.experiment.known_drive import KnownDrive
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
 from musclewire.rigs.protocol import Rig
 from musclewire.signals.exchange import Command, Drive, RawSample
-from musclewire.signals.recording import Recording
+from musclewire.signals.recording import MetadataValue, Recording
 
-__all__ = ["SlowSine", "Waveform", "WaveformPolicy", "characterize", "slow_sine"]
+__all__ = ["SlowSine", "Waveform", "WaveformPolicy", "characterize", "slow_sine", "slow_sine_run"]
 
 Waveform = Callable[[float], float]
 PAPER_PERIOD_S = 90.0
@@ -63,11 +68,30 @@ def slow_sine(amplitude_v: float, sense_voltage_v: float, period_s: float = PAPE
             f"{amplitude_v} V, sense voltage {sense_voltage_v} V, period {period_s} s"
         )
 
+    return raised_cosine(amplitude_v, sense_voltage_v, period_s)
+
+
+@lru_cache(maxsize=64)
+def raised_cosine(amplitude_v: float, sense_voltage_v: float, period_s: float) -> Waveform:
+    """Return the slow sine as a function, the same one for the same numbers: what it plays is kept."""
+
     def drive_voltage_v(time_s: float) -> float:
         swing = 0.5 * (1.0 - math.cos(2.0 * math.pi * time_s / period_s))
         return sense_voltage_v + (amplitude_v - sense_voltage_v) * swing
 
     return drive_voltage_v
+
+
+@lru_cache(maxsize=16)
+def played(waveform: Waveform, period_s: float, elapsed_s: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
+    """Return the drive of each sample [V], (n_samples,), and the numbers of the cycles, (n_samples, 1)."""
+    drives_v = [waveform(0.0), *(waveform(time_s) for time_s in elapsed_s[:-1])]
+    return np.array(drives_v), np.array([[cycle_at(time_s, period_s)] for time_s in elapsed_s])
+
+
+def cycle_at(elapsed_s: float, period_s: float) -> float:
+    """Return the number of the cycle of a sample; one that ends a cycle belongs to that cycle."""
+    return float(max(math.ceil(elapsed_s / period_s - 1e-9), 1))
 
 
 class WaveformPolicy:
@@ -86,8 +110,12 @@ class WaveformPolicy:
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:  # noqa: ARG002
         """Return the waveform's next value; a sample that ends a cycle belongs to that cycle."""
-        cycle = math.ceil(elapsed_s / self._period_s - 1e-9)
-        return Decision(Drive(self._waveform(elapsed_s)), (float(max(cycle, 1)),))
+        return Decision(Drive(self._waveform(elapsed_s)), (cycle_at(elapsed_s, self._period_s),))
+
+    def known_drive(self, elapsed_s: tuple[float, ...]) -> KnownDrive:
+        """Return the waveform at the beginning of each sample, with the number of its cycle."""
+        drives_v, cycles = played(self._waveform, self._period_s, elapsed_s)
+        return KnownDrive(drives_v.copy(), cycles)
 
 
 def allowed_amplitude_v(rig: Rig, amplitude_v: float | None) -> float:
@@ -100,6 +128,26 @@ def allowed_amplitude_v(rig: Rig, amplitude_v: float | None) -> float:
             "maximum_voltage_v"
         )
     return amplitude
+
+
+class SlowSineRun(NamedTuple):
+    """What a slow sine runs: its policy, how long, and what its recording states."""
+
+    policy: WaveformPolicy
+    duration_s: float
+    metadata: dict[str, MetadataValue]
+
+
+def slow_sine_run(
+    rig: Rig, amplitude_v: float | None = None, period_s: float = PAPER_PERIOD_S, cycles: int = 2
+) -> SlowSineRun:
+    """Return the run of a slow sine on a rig. Raises CallerError as :func:`characterize` does."""
+    amplitude = allowed_amplitude_v(rig, amplitude_v)
+    if cycles < 1:
+        raise CallerError(f"cycles is {cycles}: give at least 1")
+    waveform = slow_sine(amplitude, rig.sense_voltage_v, period_s)
+    metadata: dict[str, MetadataValue] = {"experiment": "slow sine", "amplitude_v": amplitude, "period_s": period_s}
+    return SlowSineRun(WaveformPolicy(waveform, period_s), cycles * period_s, metadata)
 
 
 def characterize(
@@ -157,20 +205,12 @@ def characterize(
     >>> loop.names
     ('time_s', 'drive_voltage_v', 'wire_voltage_v', 'shunt_voltage_v', 'displacement_m', 'force_n', 'cycle')
     """
-    amplitude = allowed_amplitude_v(rig, amplitude_v)
-    if cycles < 1:
-        raise CallerError(f"cycles is {cycles}: give at least 1")
-    waveform = slow_sine(amplitude, rig.sense_voltage_v, period_s)
-    metadata: Mapping[str, str | float] = {
-        "experiment": "slow sine",
-        "amplitude_v": amplitude,
-        "period_s": period_s,
-    }
+    sine = slow_sine_run(rig, amplitude_v, period_s, cycles)
     return run_on_rig(
         rig,
-        WaveformPolicy(waveform, period_s),
-        cycles * period_s,
-        metadata=metadata,
+        sine.policy,
+        sine.duration_s,
+        metadata=sine.metadata,
         path=path,
         overwrite=overwrite,
         on_sample=on_sample,

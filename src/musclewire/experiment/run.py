@@ -7,12 +7,10 @@ user's Ctrl-C raises: this happens first, before anything is written.
 from __future__ import annotations
 
 import gc
-import tempfile
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
-from importlib.metadata import version
 from math import nan
 from operator import itemgetter
 from pathlib import Path
@@ -22,7 +20,10 @@ from typing import NamedTuple, Protocol, Self, TypedDict
 
 import numpy as np
 
-from musclewire.errors import CallerError, MusclewireError, RecordingNotWrittenError
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError, RecordingNotWrittenError
+from musclewire.experiment.endings import cause_of, first_line, rescued, software_version
+from musclewire.experiment.known_drive import TakenRun, run_compiled_drive
 from musclewire.experiment.timing_facts import percentiles
 from musclewire.rigs.abilities import exchange_times_of, protection_limits_of
 from musclewire.rigs.protocol import Rig
@@ -41,7 +42,6 @@ __all__ = [
     "refuse_unusable",
     "run_on_rig",
     "Recorder",
-    "cause_of",
     "LoopTiming",
 ]
 
@@ -147,7 +147,8 @@ def run_on_rig(
     """Drive a rig by a policy for a time and return the recording.
 
     Any exception leaves the rig at its sense voltage and carries the partial recording as ``.recording``. The metadata
-    have the run's timing.
+    have the run's timing. A drive that is known beforehand is run in compiled code on a simulated rig without a clock,
+    unless ``on_sample`` is given: the recording is the same, its metadata ``compiled_loop`` or ``not_compiled`` say so.
 
     Parameters
     ----------
@@ -181,9 +182,9 @@ def run_on_rig(
     if samples < 1:
         raise CallerError(f"a run of {duration_s} s is shorter than one sample of {rig.sample_period_s} s")
     refuse_unusable(path, overwrite)
+    described = {**what_protects(rig), **rig.metadata(), **(metadata or {})}
     timing = LoopTiming(rig.sample_period_s, rig.paced)
     exchange = timed_exchange(rig, timing)
-    described = {**what_protects(rig), **rig.metadata(), **(metadata or {})}
     first: RawSample | None = None
     try:
         command = policy.first_command()
@@ -194,14 +195,20 @@ def run_on_rig(
         measured = (*ELECTRICAL_COLUMNS, *instruments)
         columns = (*measured, *policy.columns)
         with recorder_for(rig, columns, described, path, overwrite) as recorder, few_collections():
+            taken: TakenRun | str = ""
             try:
-                first = exchange(command) if first is None else first
-                loop = Loop(policy, exchange, recorder, measured)
-                follow(loop, first, samples, rig.sample_period_s, timing, on_sample)
+                # A callback may look at the rig after each sample: then samples are taken one by one.
+                taken = run_compiled_drive(rig, policy, samples) if on_sample is None else ""
+                if isinstance(taken, TakenRun):
+                    recorder.append_all(taken.rows(measured))
+                else:
+                    first = exchange(command) if first is None else first
+                    loop = Loop(policy, exchange, recorder, measured)
+                    follow(loop, first, samples, rig.sample_period_s, timing, on_sample)
             finally:
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
                 # Once more: what a rig counts, lost frames for one, is known only now.
-                recorder.describe({**rig.metadata(), **(metadata or {}), **timing.metadata()})
+                recorder.describe({**rig.metadata(), **(metadata or {}), **how_taken(taken, timing)})
     finally:
         rig.make_safe()
     return recorder.recording()
@@ -241,6 +248,13 @@ def follow(
             timing.called_back(perf_counter_ns() - called_ns)
         if left > 1:
             sample = exchange(decision.command)
+
+
+def how_taken(taken: TakenRun | str, timing: LoopTiming) -> dict[str, MetadataValue]:
+    """Return the metadata on how samples were taken: in compiled code, or one by one with their times."""
+    if isinstance(taken, TakenRun):
+        return {"pace": NO_CLOCK, "deadline_misses": 0, "compiled_loop": True}
+    return {**timing.metadata(), **({"not_compiled": taken} if taken else {})}
 
 
 def row_of(
@@ -300,30 +314,6 @@ def few_collections() -> Iterator[None]:
         gc.unfreeze()
 
 
-def cause_of(error: BaseException | None) -> str:
-    """Return how a run ended, in one line for its recording."""
-    if error is None:
-        return "done"
-    if isinstance(error, (KeyboardInterrupt, SystemExit)):
-        return "interrupted"
-    return f"{type(error).__name__}: {error}".splitlines()[0]
-
-
-def first_line(problem: BaseException) -> str:
-    """Return the first line of an error's message."""
-    return (str(problem).splitlines() or [type(problem).__name__])[0]
-
-
-def rescued(recording: Recording, name: str) -> Path | None:
-    """Save a recording whose own file failed into the temporary folder; None if that fails too."""
-    place = Path(tempfile.gettempdir()) / f"{name}-rescued-{datetime.now(UTC):%Y%m%dT%H%M%S}.csv"
-    try:
-        recording.save(place)
-    except (OSError, RuntimeError, MusclewireError):
-        return None
-    return place
-
-
 class Recorder:
     """Collects rows; with a path every block also goes to disk, where it survives a crash."""
 
@@ -344,7 +334,7 @@ class Recorder:
         """
         self._columns = tuple(columns)
         start_time = datetime.now(UTC).isoformat(timespec="seconds")
-        self._metadata = {**metadata, "software_version": version("musclewire"), "start_time": start_time}
+        self._metadata = {**metadata, "software_version": software_version(), "start_time": start_time}
         # Plain numbers in one block: a million rows make no objects for the garbage collector to walk through.
         self._values = array("d")
         self._writer: RecordingWriter | WriterProcess | None = None
@@ -374,6 +364,14 @@ class Recorder:
             self._writer.append_values(kept)
         except (OSError, RuntimeError) as problem:
             raise self._lose_file(problem) from None
+
+    def append_all(self, rows: FloatArray) -> None:
+        """Keep rows of a finished run, (n_samples, n_columns)."""
+        if self._writer is not None:
+            for row in rows.tolist():
+                self.append(row)
+        else:
+            self._values.frombytes(np.ascontiguousarray(rows, dtype=np.float64).tobytes())
 
     def describe(self, metadata: Mapping[str, MetadataValue]) -> None:
         """Add metadata that is known only at the end; the file has it once it is closed."""

@@ -9,6 +9,7 @@ from typing import NoReturn, Self, final
 
 from musclewire.controllers.protection import Event, ProtectionLimits, ProtectionState, protection_table
 from musclewire.controllers.protection.running import RunningProtection
+from musclewire.controllers.protection.sound import Rows
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.rigs.device import Device, HasOnBoardLoop, Missing
 from musclewire.rigs.protocol import Metadata
@@ -183,6 +184,29 @@ class GuardedRig:
                 self._protection.command(min(sample.drive_voltage_v, self.maximum_voltage_v))
             self._judge(sample)
         return sample
+
+    def take(self, drive_voltage_v: float, memory: Rows, time_s: float) -> None:
+        """Take over what sound samples of a simulated device in compiled code have made of the protection.
+
+        Parameters
+        ----------
+        drive_voltage_v
+            Drive voltage that was commanded last [V].
+        memory
+            What the protection remembers of readings after them, one record.
+        time_s
+            End of the last sample on the rig's clock [s].
+
+        Raises
+        ------
+        RigError
+            If another thread has closed the rig meanwhile.
+        """
+        with self._deciding:
+            if self._off_for_good:
+                self._end_as_switched_off()
+            self._protection.take(drive_voltage_v, memory)
+            self._last_time_s = time_s
 
     def _allowed(self, command: Command | float) -> Command:
         """Return the command that is allowed now. Raises as ``exchange`` does for one that never is."""

@@ -13,7 +13,6 @@ from musclewire.compiled import compiled
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, RigError
 from musclewire.parameters.parameter_groups import Bench
-from musclewire.physics.heat import convection_range_note
 from musclewire.physics.resistance import series_resistance_ohm
 from musclewire.rigs.air import AirModel, Surroundings
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
@@ -21,7 +20,15 @@ from musclewire.rigs.load_part import LoadPart, Pull
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
 from musclewire.rigs.pacing import Pacer
 from musclewire.rigs.protocol import Metadata
-from musclewire.rigs.simulated_building import Spool, force_limit_n, simulated_limits, stepping_of, wires_of
+from musclewire.rigs.simulated_building import (
+    Spool,
+    convection_metadata,
+    force_limit_n,
+    load_metadata,
+    simulated_limits,
+    stepping_of,
+    wires_of,
+)
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 from musclewire.simulate.stepping import Stepping
@@ -29,7 +36,7 @@ from musclewire.simulate.wires import SampleMeans, SimulatedWires
 from musclewire.wire.loads import spring_load
 from musclewire.wire.state import WireState
 
-__all__ = ["Instruments", "SimulatedDevice", "SimulatedInside"]
+__all__ = ["Instruments", "SimulatedDevice", "SimulatedInside", "read_sample"]
 
 
 class SimulatedInside(NamedTuple):
@@ -140,9 +147,14 @@ class Instruments:
             force_n + force_noise_n * self._noise.item(-1),
         )
 
-    def noise_ahead(self, samples: int) -> FloatArray:
-        """Return the noise that the next samples will draw, a row each; nothing is drawn by that."""
-        return deepcopy(self._generator).standard_normal((samples, self._noise.size))
+    def noise_ahead(self, samples: int) -> tuple[FloatArray, np.random.Generator]:
+        """Return the noise that the next samples will draw, a row each, and the generator after it; none is drawn."""
+        ahead = deepcopy(self._generator)
+        return ahead.standard_normal((samples, self._noise.size)), ahead
+
+    def take_generator(self, generator: np.random.Generator) -> None:
+        """Draw all further noise from this generator, as after samples that were taken in compiled code."""
+        self._generator, self._draw = generator, generator.standard_normal
 
     @property
     def readings(self) -> int:
@@ -297,6 +309,23 @@ class SimulatedDevice:
             paced=self._pacer is not None,
         )
 
+    def take(self, drive_voltage_v: float, generator: np.random.Generator, air: AirModel | None, held_m: float) -> None:
+        """Take over what samples in compiled code have left behind, except for the wires' own state.
+
+        Parameters
+        ----------
+        drive_voltage_v
+            Drive voltage at the output [V].
+        generator
+            Generator of the instruments' noise.
+        air
+            The air, None if it is still.
+        held_m
+            Length by which friction has held the connector ahead of a slack wire at most [m].
+        """
+        self._drive_voltage_v, self._air, self._held_m = drive_voltage_v, air, max(self._held_m, held_m)
+        self._instruments.take_generator(generator)
+
     def __repr__(self) -> str:
         """Name the wire, its pretension and its drive."""
         return (
@@ -310,14 +339,14 @@ class SimulatedDevice:
             "rig": "simulated",
             "wire": self._wire.name,
             "wire_diameter_m": self._wire.diameter_m.value,
-            **self._convection_metadata(),
+            **convection_metadata(self._wire.diameter_m.value, self._bench["ambient_temperature_k"]),
             "wire_length_m": self._bench["wire_length_m"],
             "leg_length_m": self._leg_length_m,
             "shunt_resistance_ohm": self._facts.limits.shunt_resistance_ohm,
             "maximum_force_n": self._wire.maximum_force_n.value,
             "force_limit_n": force_limit_n(self._wire, self._parts),
             "pretension_n": self._pretension_n,
-            **self._load_metadata(),
+            **load_metadata(self._parts, self._mechanism, self.partner_state is not None),
             "sample_period_s": self._facts.sample_period_s,
             "time_step_s": self._bench["time_step_s"],
             "new_wire": self._new_wire,
@@ -326,28 +355,10 @@ class SimulatedDevice:
             "step_error_k": self._wires.step_error_k,
         }
 
-    def _convection_metadata(self) -> Metadata:
-        """Return a note for wires so thin that the convection correlation leaves its published range near the air."""
-        note = convection_range_note(self._wire.diameter_m.value, self._bench["ambient_temperature_k"])
-        return {"convection_note": note} if note else {}
-
     @property
     def _pretension_n(self) -> float:
         """Force of the cold wire: that of the stage and of hanging weights."""
         return (self._bench["pretension_n"] if self._mechanism.stage else 0.0) + self._mechanism.added_n
-
-    def _load_metadata(self) -> Metadata:
-        """Return the metadata of a recording that describe the wire's load."""
-        stiffness = self._mechanism.load.stiffness_n_per_m
-        if not self._parts:
-            return {"spring_stiffness_n_per_m": stiffness}
-        plain = all(part.is_straight for part in self._parts)
-        named: Metadata = {"load": ", ".join(part.part for part in self._parts)}
-        for part in self._parts:
-            named |= part.facts()
-        if self.partner_state is not None:
-            named["wires"] = 2
-        return {**named, "spring_stiffness_n_per_m": stiffness} if plain else named
 
     def set_pretension(self, pretension_n: float) -> None:
         """Let the wire cool, then move the stage; the instruments are zeroed there.

@@ -11,8 +11,10 @@ from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
+from musclewire.physics.heat import convection_range_note
 from musclewire.rigs.load_part import LoadPart, Pull, SecondWire, Supply
 from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, Mechanism, Tendon
+from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.wire_limits import WireCircuit, limits_of
 from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
 from musclewire.simulate.stepping import Stepping, steps_within
@@ -21,7 +23,16 @@ from musclewire.wire.building import constants_from
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import ConnectorLoad, ElasticObject, spring_load
 
-__all__ = ["Spool", "force_limit_n", "require_allowed_pull", "simulated_limits", "stepping_of", "wires_of"]
+__all__ = [
+    "Spool",
+    "convection_metadata",
+    "force_limit_n",
+    "load_metadata",
+    "require_allowed_pull",
+    "simulated_limits",
+    "stepping_of",
+    "wires_of",
+]
 
 # Noise in steps of the converter times the root of the readings in a mean: from this value on, two means in a row are
 # equal in less than a tenth of all cases, and eight in a row once in a hundred million.
@@ -182,3 +193,23 @@ def grip_between(parts: Sequence[LoadPart], tendon: Tendon | None, constants: Wi
         np.ascontiguousarray(tendon.column("endpoint_compliance_m_per_n", displacement)),
         np.ascontiguousarray(tendon.column("tendon_force_per_endpoint_force", displacement)),
     )
+
+
+def convection_metadata(diameter_m: float, ambient_temperature_k: float) -> Metadata:
+    """Return a note for wires so thin that the convection correlation leaves its published range near the air."""
+    note = convection_range_note(diameter_m, ambient_temperature_k)
+    return {"convection_note": note} if note else {}
+
+
+def load_metadata(parts: Sequence[LoadPart], mechanism: Mechanism, two_wires: bool) -> Metadata:
+    """Return the metadata of a recording that describe a wire's load."""
+    stiffness = mechanism.load.stiffness_n_per_m
+    if not parts:
+        return {"spring_stiffness_n_per_m": stiffness}
+    plain = all(part.is_straight for part in parts)
+    named: Metadata = {"load": ", ".join(part.part for part in parts)}
+    for part in parts:
+        named |= part.facts()
+    if two_wires:
+        named["wires"] = 2
+    return {**named, "spring_stiffness_n_per_m": stiffness} if plain else named

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, Protocol
 
+import numpy as np
+
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.simulate.pairs import APART, Grip, Pair, advance_pair
@@ -359,6 +361,11 @@ class OneWire:
         plan = plan_of(stepping, duration_s)
         means = advance_rows(self._state.row, self._derived, self._cells, self._load, drive_voltage_v, plan)
         return SampleMeans(*means)
+
+    def take(self, states: Rows, constants: Rows) -> None:
+        """Take the state that samples in compiled code have left behind, (1,), and the constants in the air then."""
+        numbers: FloatArray = states.view(np.float64)
+        self._state, self._handed_out, self._derived = WireState(numbers, states.dtype), False, constants
 
     def require_resolved(self) -> None:
         """Raise NumericsError if steps were unsolved or too long."""

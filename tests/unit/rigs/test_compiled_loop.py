@@ -15,7 +15,7 @@ def test_noise_is_drawn_beforehand_as_it_is_from_sample_to_sample(at_endpoint: b
     bench = load_bench("paper").values()
     python, ahead = (Instruments(bench, 3, at_endpoint) for _ in range(2))
     true = (1.2345, 0.0789, 1e-3, 2.0)
-    for noise in ahead.noise_ahead(5):
+    for noise in ahead.noise_ahead(5)[0]:
         assert read_sample(noise, ahead.readings, true, ahead.scales) == python.sample(*true)
         if at_endpoint:
             wide = zip((1e-3, 2.0), ahead.endpoint_noise, noise[-2:], strict=True)

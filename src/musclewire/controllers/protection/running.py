@@ -19,6 +19,7 @@ from musclewire.controllers.protection.protect import (
 )
 from musclewire.controllers.protection.sound import (
     REMEMBERED,
+    Rows,
     fills_block,
     packed_limits,
     packed_memory,
@@ -109,6 +110,12 @@ class RunningProtection:
         block[:] = 0.0
         self.last_reading_v = (drive_v, wire_v, shunt_v)
         self._become(protect_reading(self.state, self._limits, drive_v, wire_v, shunt_v, covered_s, self._table))
+
+    def take(self, drive_voltage_v: float, memory: Rows) -> None:
+        """Take over what sound samples in compiled code have made of the memory, and the last drive of theirs."""
+        self.command(drive_voltage_v)
+        remembered = dict(zip(REMEMBERED, memory[0].item(), strict=True))
+        self._become(self.state._replace(**remembered))
 
     def missing(self, event: Event, missing_s: float) -> None:
         """Take note that something has been missing for so long in total [s]: hold, then sense, then trip."""

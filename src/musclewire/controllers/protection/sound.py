@@ -34,6 +34,7 @@ __all__ = [
     "LIMITS",
     "MEMORY",
     "REMEMBERED",
+    "Rows",
     "fills_block",
     "packed_limits",
     "packed_memory",

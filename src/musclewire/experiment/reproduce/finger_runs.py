@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import Final
 
 from musclewire.controllers.references import Staircase, staircase
 from musclewire.errors import RigError
-from musclewire.experiment.closed_loop import control
+from musclewire.experiment.many_loops import control_compiled
 from musclewire.experiment.metrics import ControlRun
 from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.reproduce.loops import CYCLES, Loop, loop_on
-from musclewire.experiment.run import OnSample
 from musclewire.experiment.zero_tendon import TendonZero, zero_tendon
 from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_wire, read_published
@@ -46,10 +46,10 @@ def staircase_of_fig18() -> Staircase:
 class FingerRuns:
     """Makes recordings on the rig "finger" and keeps them; every rig is opened with the same seed."""
 
-    def __init__(self, seed: int, on_sample: OnSample) -> None:
-        """Make nothing yet; ``on_sample`` is called after every sample of every run."""
+    def __init__(self, seed: int, on_run: Callable[[], None]) -> None:
+        """Make nothing yet; ``on_run`` is called after every run."""
         self._seed = seed
-        self._on_sample = on_sample
+        self._on_run = on_run
         self._loops: dict[tuple[str, float], Loop] = {}
 
     def open(self, wire: str = FINGER_WIRE, force_n: float | None = None) -> GuardedRig:
@@ -69,15 +69,18 @@ class FingerRuns:
         key = (wire, round(force_n, 6))
         if key not in self._loops:
             with self.open(wire, force_n) as rig:
-                self._loops[key] = loop_on(rig, self._on_sample)
+                self._loops[key] = loop_on(rig)
+            self._on_run()
         return self._loops[key]
 
     @cached_property
     def control_run(self) -> ControlRun:
         """The staircase of Fig. 18, on a rig that has just run its slow sine."""
-        with self.open() as rig:
-            model = fit(characterize(rig, cycles=CYCLES, on_sample=self._on_sample), quantity="displacement")
-            return control(rig, model, staircase_of_fig18(), on_sample=self._on_sample)
+        rig = self.open()
+        model = fit(characterize(rig, cycles=CYCLES), quantity="displacement")
+        run = control_compiled(rig, model, staircase_of_fig18())
+        self._on_run()
+        return run
 
     @cached_property
     def model(self) -> SensingModel:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
 from musclewire.arrays import FloatArray
+from musclewire.experiment.drive import WithTruth
 from musclewire.experiment.metrics import determined
-from musclewire.experiment.open_loop import characterize
-from musclewire.experiment.run import OnSample
+from musclewire.experiment.open_loop import slow_sine_run
+from musclewire.experiment.run import run_on_rig
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
 from musclewire.identify.recordings import required_quantity, resistance_reading
 from musclewire.rigs.abilities import required_true_state
@@ -22,6 +20,8 @@ from musclewire.signals.recording import Recording
 __all__ = ["CYCLES", "Loop", "loop_on"]
 
 CYCLES = 2
+# Recorded with the voltages, and taken out of the recording: what is to be found must not be in it.
+TRUE_RESISTANCE = "wire_resistance_ohm"
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,13 +78,11 @@ class Loop:
         return up, down
 
 
-def loop_on(rig: Rig, on_sample: OnSample, amplitude_v: float | None = None) -> Loop:
+def loop_on(rig: Rig, amplitude_v: float | None = None) -> Loop:
     """Return the slow sine of an open rig, with the true resistance of the simulated wire."""
-    wire, truth = required_true_state(rig), list[float]()
-
-    def note(row: Mapping[str, float]) -> None:
-        truth.append(wire.wire_state.resistance_ohm)
-        on_sample(row)
-
-    recording = characterize(rig, amplitude_v=amplitude_v, cycles=CYCLES, on_sample=note)
-    return Loop(recording, loop_gaps(recording), np.array(truth))
+    sine = slow_sine_run(rig, amplitude_v, cycles=CYCLES)
+    policy = WithTruth(sine.policy, required_true_state(rig), {TRUE_RESISTANCE: "resistance_ohm"})
+    whole = run_on_rig(rig, policy, sine.duration_s, metadata=sine.metadata)
+    columns = {name: column for name, column in whole.columns.items() if name != TRUE_RESISTANCE}
+    recording = Recording(columns, whole.metadata)
+    return Loop(recording, loop_gaps(recording), whole[TRUE_RESISTANCE])

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from musclewire.experiment.reproduce import equations, isobars, section2, section3, section4, table1
 from musclewire.experiment.reproduce.paper_checks import PaperCheck, ReproductionRow, judged, selected
 from musclewire.experiment.reproduce.runs import Runs
-from musclewire.experiment.run import OnSample
 from musclewire.parameters.known_failures import known_failures
 from musclewire.parameters.seeds import require_seed
 
@@ -52,17 +51,18 @@ def reproduce(
     *,
     seed: int = 1,
     on_row: Callable[[str, int, int], None] | None = None,
-    on_sample: OnSample | None = None,
+    on_run: Callable[[], None] | None = None,
 ) -> Reproduction:
     """Compare what the paper prints with the shipped parameters on the simulated rig.
 
     ``only`` keeps the rows whose names begin so; only the recordings they need are made. ``on_row`` receives each name
-    with its number and the count before it is measured. Raises CallerError if no name begins with ``only``.
+    with its number and the count before it is measured, ``on_run`` is called after each run on a rig and may raise to
+    stop. Raises CallerError if no name begins with ``only``.
     """
     started = time.perf_counter()
     require_seed(seed)
     chosen = selected(all_checks(), only)
-    runs, known = Runs(seed, on_sample), known_failures()
+    runs, known = Runs(seed, on_run), known_failures()
     rows = []
     for number, check in enumerate(chosen):
         if on_row is not None:

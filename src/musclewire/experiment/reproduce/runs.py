@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
 
 from musclewire.controllers.references import Staircase, staircase
-from musclewire.experiment.closed_loop import control
+from musclewire.experiment.many_loops import control_compiled
 from musclewire.experiment.metrics import ControlRun
 from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.reproduce.finger_runs import FingerRuns
 from musclewire.experiment.reproduce.loops import CYCLES, Loop, loop_on
-from musclewire.experiment.run import OnSample
 from musclewire.identify.isobaric_loops import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
 from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_alloy, load_bench, load_wire, read_published
@@ -29,14 +29,14 @@ COLD_SAMPLES = 40
 class Runs:
     """Makes recordings on the simulated rig and keeps them; every rig is opened with the same seed."""
 
-    def __init__(self, seed: int = 1, on_sample: OnSample | None = None) -> None:
-        """Make nothing yet; ``on_sample`` is called after every sample of every run."""
+    def __init__(self, seed: int = 1, on_run: Callable[[], None] | None = None) -> None:
+        """Make nothing yet; ``on_run`` is called after every run."""
         self._seed = seed
-        self._on_sample = on_sample or (lambda _: None)
+        self._on_run = on_run or (lambda: None)
         self._loops: dict[tuple[str, float, float | None, float | None], Loop] = {}
         self._cold: dict[str, float] = {}
         self._isobars: dict[float, Isobar] = {}
-        self.finger = FingerRuns(seed, self._on_sample)
+        self.finger = FingerRuns(seed, self._on_run)
 
     def loop(
         self,
@@ -57,7 +57,8 @@ class Runs:
             if stiffness_n_per_m is not None:
                 settings["spring_stiffness_n_per_m"] = stiffness_n_per_m
             with open_rig(RigConfiguration(wire=wire, seed=self._seed, settings=settings)) as rig:
-                self._loops[key] = loop_on(rig, self._on_sample, amplitude_v)
+                self._loops[key] = loop_on(rig, amplitude_v)
+            self._on_run()
         return self._loops[key]
 
     def main_loop(self) -> Loop:
@@ -81,9 +82,10 @@ class Runs:
     def control_run(self) -> ControlRun:
         """The staircase of Fig. 11, on a rig that has just run the loop of Fig. 9."""
         pretension = read_published("lan_fan_2010")["loop_100um"]["pretension_n"]
-        with open_rig("simulated", wire=MAIN_WIRE, seed=self._seed, pretension_n=pretension) as rig:
-            model = fit(characterize(rig, cycles=CYCLES, on_sample=self._on_sample))
-            return control(rig, model, self.staircase, on_sample=self._on_sample)
+        rig = open_rig("simulated", wire=MAIN_WIRE, seed=self._seed, pretension_n=pretension)
+        run = control_compiled(rig, fit(characterize(rig, cycles=CYCLES)), self.staircase)
+        self._on_run()
+        return run
 
     def cold_resistance_per_metre(self, wire: str) -> float:
         """Return ohm per metre of a cold wire by Eq. 1 at the sense voltage, each leg under its nominal force."""

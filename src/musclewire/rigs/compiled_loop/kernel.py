@@ -1,4 +1,4 @@
-"""One closed loop, sample by sample, in compiled code: the same numbers as the loop in Python, to the bit.
+"""A closed loop, or a drive known beforehand, in compiled code: the numbers of the loop in Python, to the bit.
 
 The loop goes on as long as nothing unusual happens: commands within the range, sound readings, ticks that do not fail.
 It stops at the first sample at which something does; what follows then is decided in Python.
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
+from musclewire.arrays import FloatArray, IntArray
 from musclewire.compiled import compiled
 from musclewire.controllers.protection.sound import sound_command, sound_sample
 from musclewire.rigs.compiled_loop.one_wire import WireArrays, advance_sample, is_resolved, slack_m, surround
@@ -19,7 +19,7 @@ from musclewire.rigs.simulated import read_sample
 from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
 from musclewire.wire.row import Rows
 
-__all__ = ["BENCH", "Ended", "LoopArrays", "RIG_COLUMNS", "run_loop"]
+__all__ = ["BENCH", "Ended", "LoopArrays", "RIG_COLUMNS", "RigArrays", "run_drive", "run_loop"]
 
 # A row of a structured array; mypy knows no fields of it.
 Row = Any
@@ -49,16 +49,14 @@ READING_NOT_SOUND = int(Ended.READING_NOT_SOUND)
 ESTIMATOR_FAILED, CONTROLLER_FAILED = int(Ended.ESTIMATOR_FAILED), int(Ended.CONTROLLER_FAILED)
 
 
-class LoopArrays(NamedTuple):
-    """All arrays of one closed loop; those that change are its own.
+class RigArrays(NamedTuple):
+    """All arrays of one simulated rig in compiled code; those that change are its own.
 
     ``times_s`` are the ends of the samples on the rig's clock [s]. ``noise`` has a row of standard normal numbers for
     each sample, in the order in which the instruments draw them; ``air`` the temperature [K] and the convection factor
-    of each sample, no rows in still air. ``targets`` are those at each sample's end and those that hold after it.
-    ``shown`` has a row for each sample: ``RIG_COLUMNS``, the estimator's numbers, target, estimate, validity, the
-    controller's numbers; ``true_displacement_m`` the true mean of the connector's displacement, ``slack_m`` by how much
-    friction holds it ahead of the wire. ``readings`` and ``scales`` are those of the instruments, which overwrite the
-    noise.
+    of each sample, no rows in still air. ``shown`` has a row for each sample, which begins with ``RIG_COLUMNS``;
+    ``true_displacement_m`` the true mean of the connector's displacement, ``slack_m`` by how much friction holds it
+    ahead of the wire. ``readings`` and ``scales`` are those of the instruments, which overwrite the noise.
     """
 
     wire: WireArrays
@@ -68,13 +66,6 @@ class LoopArrays(NamedTuple):
     memory: Rows
     noise: FloatArray
     air: FloatArray
-    targets: FloatArray
-    estimator_constants: FloatArray
-    estimator_state: FloatArray
-    estimator_answer: FloatArray
-    controller_constants: FloatArray
-    controller_state: FloatArray
-    controller_answer: FloatArray
     readings: int
     scales: tuple[float, float, float, float, float]
     true_displacement_m: FloatArray
@@ -82,8 +73,25 @@ class LoopArrays(NamedTuple):
     shown: FloatArray
 
 
+class LoopArrays(NamedTuple):
+    """All arrays of one closed loop; those that change are its own.
+
+    ``targets`` are those at each sample's end and those that hold after it. In a row of ``rig.shown`` there are, after
+    ``RIG_COLUMNS``, the estimator's numbers, target, estimate, validity, the controller's numbers.
+    """
+
+    rig: RigArrays
+    targets: FloatArray
+    estimator_constants: FloatArray
+    estimator_state: FloatArray
+    estimator_answer: FloatArray
+    controller_constants: FloatArray
+    controller_state: FloatArray
+    controller_answer: FloatArray
+
+
 @compiled
-def exchange(arrays: LoopArrays, row: int, drive_voltage_v: float) -> bool:
+def exchange(arrays: RigArrays, row: int, drive_voltage_v: float) -> bool:
     """Hold a drive for one sample and write ``RIG_COLUMNS`` into its row; whether its steps are resolved."""
     resolution_v, shown = arrays.bench[0]["amplifier_resolution_v"], arrays.shown[row]
     output_v = resolution_v * np.rint(drive_voltage_v / resolution_v)
@@ -98,7 +106,7 @@ def exchange(arrays: LoopArrays, row: int, drive_voltage_v: float) -> bool:
 
 
 @compiled
-def is_sound(arrays: LoopArrays, row: int, block: FloatArray) -> bool:
+def is_sound(arrays: RigArrays, row: int, block: FloatArray) -> bool:
     """Whether the protection goes on after a sample."""
     bench, shown = arrays.bench[0], arrays.shown[row]
     periods_s = bench["sample_period_s"], bench["reading_period_s"]
@@ -108,22 +116,23 @@ def is_sound(arrays: LoopArrays, row: int, block: FloatArray) -> bool:
 @compiled
 def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: float) -> tuple[int, int]:
     """Run a loop on its arrays; return how it ended and how many samples are complete."""
-    shown, estimated, controlled = arrays.shown, arrays.estimator_answer, arrays.controller_answer
+    rig, estimated, controlled = arrays.rig, arrays.estimator_answer, arrays.controller_answer
+    shown = rig.shown
     sample, given, block = np.empty(4), np.empty(6), np.zeros(4)
     target_at = 6 + estimated.shape[0] - N_ESTIMATED
     drive_v = first_drive_v
     for row in range(shown.shape[0]):
-        if not sound_command(arrays.limits[0], drive_v):
+        if not sound_command(rig.limits[0], drive_v):
             return COMMAND_NOT_SOUND, row
-        if not exchange(arrays, row, drive_v):
+        if not exchange(rig, row, drive_v):
             return WIRE_NOT_RESOLVED, row
-        if not is_sound(arrays, row, block):
+        if not is_sound(rig, row, block):
             return READING_NOT_SOUND, row
         sample[:] = shown[row, :4]
         estimate(arrays.estimator_constants, arrays.estimator_state, sample, estimated)
         if estimated[4] != 0.0:
             return ESTIMATOR_FAILED, row
-        given[0], given[5] = arrays.targets[1, row], arrays.bench[0]["sample_period_s"]
+        given[0], given[5] = arrays.targets[1, row], rig.bench[0]["sample_period_s"]
         given[1:5] = estimated[:4]
         control(arrays.controller_constants, arrays.controller_state, given, controlled)
         if controlled[1] != 0.0:
@@ -135,3 +144,25 @@ def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: f
         shown[row, target_at + 2] = estimated[2]
         shown[row, target_at + 3 :] = controlled[N_CONTROLLED:]
     return DONE, shown.shape[0]
+
+
+@compiled
+def run_drive(
+    rig: RigArrays, drives_v: FloatArray, numbers: FloatArray, places: IntArray, true: FloatArray
+) -> tuple[int, int]:
+    """Hold each drive for a sample; return how the run ended and how many samples are complete.
+
+    ``numbers`` are those of the wire's state, which the run changes; after a sample those in ``places`` are written
+    into its row of ``true``.
+    """
+    block = np.zeros(4)
+    for row in range(drives_v.size):
+        if not sound_command(rig.limits[0], drives_v[row]):
+            return COMMAND_NOT_SOUND, row
+        if not exchange(rig, row, drives_v[row]):
+            return WIRE_NOT_RESOLVED, row
+        if not is_sound(rig, row, block):
+            return READING_NOT_SOUND, row
+        for column in range(places.size):
+            true[row, column] = numbers[places[column]]
+    return DONE, drives_v.size

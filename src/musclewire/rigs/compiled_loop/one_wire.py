@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
+from musclewire.arrays import FloatArray, IntArray
 from musclewire.compiled import compiled
 from musclewire.simulate.stepping import Stepping, plan_of
 from musclewire.simulate.stepping import is_resolved as state_is_resolved
 from musclewire.simulate.wires import OneWire, advance_rows
 from musclewire.wire.row import Rows
 
-__all__ = ["WireArrays", "advance_sample", "is_resolved", "sample_times_s", "slack_m", "surround", "wire_arrays"]
+__all__ = [
+    "WireArrays",
+    "advance_sample",
+    "is_resolved",
+    "places_of",
+    "sample_times_s",
+    "slack_m",
+    "surround",
+    "wire_arrays",
+]
 
 
 class WireArrays(NamedTuple):
@@ -30,6 +40,13 @@ def wire_arrays(wire: OneWire, stepping: Stepping, sample_period_s: float) -> Wi
     """Return the arrays of a wire; what changes in a loop is a copy."""
     derived, cells, load = wire.constants.step_arrays()
     return WireArrays(wire.state.copy().row, derived.copy(), cells, load, plan_of(stepping, sample_period_s))
+
+
+def places_of(wire: WireArrays, names: Sequence[str]) -> IntArray:
+    """Return the places of fields among the plain numbers of a wire's state."""
+    fields = wire.states.dtype.fields
+    assert fields is not None  # a row is a record
+    return np.array([fields[name][1] // wire.plan.itemsize for name in names], dtype=np.int64)
 
 
 def sample_times_s(wire: OneWire, sample_period_s: float, samples: int) -> FloatArray:

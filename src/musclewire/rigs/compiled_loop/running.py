@@ -13,7 +13,8 @@ from musclewire.compiled import callback
 from musclewire.controllers.protection import State, protection_table
 from musclewire.controllers.protection.sound import packed_limits, packed_memory
 from musclewire.errors import CallerError, NumericsError
-from musclewire.rigs.compiled_loop.kernel import BENCH, RIG_COLUMNS, Ended, LoopArrays, run_loop
+from musclewire.rigs.air import AirModel
+from musclewire.rigs.compiled_loop.kernel import BENCH, RIG_COLUMNS, Ended, LoopArrays, RigArrays, run_loop
 from musclewire.rigs.compiled_loop.one_wire import sample_times_s, wire_arrays
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.simulated import SimulatedDevice, SimulatedInside
@@ -21,7 +22,19 @@ from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, ESTIMATOR_ANSWE
 from musclewire.signals.exchange import ELECTRICAL_COLUMNS
 from musclewire.simulate.wires import OneWire
 
-__all__ = ["CompiledRun", "LoopTicks", "Targets", "run_compiled", "times_on_rig_s", "uncompiled"]
+__all__ = [
+    "CompiledRun",
+    "LoopTicks",
+    "Targets",
+    "columns_of",
+    "inside_of",
+    "require_same_clock",
+    "rig_arrays",
+    "run_compiled",
+    "times_on_rig_s",
+    "uncompiled",
+    "with_endpoint",
+]
 
 
 class LoopTicks(NamedTuple):
@@ -97,51 +110,58 @@ def run_compiled(rig: GuardedRig, ticks: LoopTicks, targets: Targets, first_driv
     The columns are those of the loop in Python, to the bit. The interpreter is free meanwhile: loops of several rigs
     run in threads. Raises CallerError for a rig whose loop has no compiled form.
     """
-    inside, wire = inside_of(rig)
-    noise = inside.instruments.noise_ahead(targets.times_s.size)
-    arrays = arrays_of(rig, inside, wire, ticks, targets, noise)
+    inside, _ = inside_of(rig)
+    noise, _ = inside.instruments.noise_ahead(targets.times_s.size)
+    n_ticks = len(ticks.estimator_columns) + 3 + len(ticks.controller_columns)
+    own = rig_arrays(rig, targets.times_s, noise, deepcopy(inside.air), n_ticks)
+    arrays = arrays_of(own, ticks, targets.values)
     functions = (callback(ticks.estimator.function, 4), callback(ticks.controller.function, 4))
     ended, complete = run_loop(*functions, arrays, first_drive_v)
-    if ended == Ended.DONE and arrays.wire.states[0]["time_s"] != targets.times_s[-1]:
-        raise NumericsError("the compiled loop's clock differs from the rig's: report it with the rig file")
-    held_m = float(arrays.slack_m[:complete].max(initial=0.0))
-    error_k = float(arrays.wire.states[0]["step_error_k"])
-    run = CompiledRun(Ended(ended), complete, columns_of(arrays.shown, ticks), held_m, error_k)
-    return with_endpoint(run, arrays.true_displacement_m, inside, noise)
+    require_same_clock(Ended(ended), own)
+    held_m = float(own.slack_m[:complete].max(initial=0.0))
+    error_k = float(own.wire.states[0]["step_error_k"])
+    run = CompiledRun(Ended(ended), complete, columns_of(own.shown, names_of(ticks)), held_m, error_k)
+    return with_endpoint(run, own.true_displacement_m, inside, noise)
 
 
-def arrays_of(
-    rig: GuardedRig,
-    inside: SimulatedInside,
-    wire: OneWire,
-    ticks: LoopTicks,
-    targets: Targets,
-    noise: FloatArray,
-) -> LoopArrays:
+def arrays_of(rig: RigArrays, ticks: LoopTicks, targets: FloatArray) -> LoopArrays:
     """Return the arrays of a loop; those that it changes are copies."""
-    samples = targets.times_s.size
     estimator, controller = ticks.estimator, ticks.controller
-    recorded = len(ticks.estimator_columns), len(ticks.controller_columns)
     return LoopArrays(
+        rig=rig,
+        targets=targets,
+        estimator_constants=estimator.constants,
+        estimator_state=estimator.state.copy(),
+        estimator_answer=np.zeros(len(ESTIMATOR_ANSWERS) + len(ticks.estimator_columns)),
+        controller_constants=controller.constants,
+        controller_state=controller.state.copy(),
+        controller_answer=np.zeros(len(CONTROLLER_ANSWERS) + len(ticks.controller_columns)),
+    )
+
+
+def rig_arrays(
+    rig: GuardedRig, times_s: FloatArray, noise: FloatArray, air: AirModel | None, n_ticks: int = 0
+) -> RigArrays:
+    """Return the arrays of a rig at its present state, for samples that end at these times.
+
+    ``air`` is a model of the air of the run's own, None for still air; ``n_ticks`` numbers of ticks are shown after the
+    rig's. What the run changes is a copy.
+    """
+    inside, wire = inside_of(rig)
+    samples = times_s.size
+    return RigArrays(
         wire=wire_arrays(wire, inside.stepping, inside.bench["sample_period_s"]),
-        times_s=targets.times_s,
+        times_s=times_s,
         bench=packed_bench(inside),
         limits=packed_limits(rig.protection_limits),
         memory=packed_memory(rig.protection),
         noise=noise,
-        air=air_of(inside, wire, targets.times_s),
-        targets=targets.values,
-        estimator_constants=estimator.constants,
-        estimator_state=estimator.state.copy(),
-        estimator_answer=np.zeros(len(ESTIMATOR_ANSWERS) + recorded[0]),
-        controller_constants=controller.constants,
-        controller_state=controller.state.copy(),
-        controller_answer=np.zeros(len(CONTROLLER_ANSWERS) + recorded[1]),
+        air=air_of(air, inside, wire, times_s),
         readings=inside.instruments.readings,
         scales=inside.instruments.scales,
         true_displacement_m=np.empty(samples),
         slack_m=np.empty(samples),
-        shown=np.empty((samples, len(RIG_COLUMNS) + recorded[0] + 3 + recorded[1])),
+        shown=np.empty((samples, len(RIG_COLUMNS) + n_ticks)),
     )
 
 
@@ -151,24 +171,33 @@ def packed_bench(inside: SimulatedInside) -> NDArray[np.void]:
     return np.array([tuple(known[name] for name in BENCH.names or ())], BENCH)
 
 
-def air_of(inside: SimulatedInside, wire: OneWire, times_s: FloatArray) -> FloatArray:
+def air_of(model: AirModel | None, inside: SimulatedInside, wire: OneWire, times_s: FloatArray) -> FloatArray:
     """Return the air's temperature [K] and surface times convection factor [m2], (n_samples, 2); no rows if still.
 
     The air is drawn here as a rig draws it from sample to sample: at their beginnings.
     """
-    if inside.air is None:
+    if model is None:
         return np.empty((0, 2))
-    model = deepcopy(inside.air)
     period_s, ambient_k = inside.bench["sample_period_s"], inside.bench["ambient_temperature_k"]
     began_s = [wire.time_s, *times_s[:-1].tolist()]
     drawn = [model.after(time_s, period_s) for time_s in began_s]
     return np.array([(ambient_k + air.warmer_k, wire.surface_factor_m2(air.convection_ratio)) for air in drawn])
 
 
-def columns_of(shown: FloatArray, ticks: LoopTicks) -> dict[str, FloatArray]:
-    """Return the columns that a loop has written, by name."""
-    names = (*RIG_COLUMNS, *ticks.estimator_columns, "target", "estimated", "valid", *ticks.controller_columns)
+def names_of(ticks: LoopTicks) -> tuple[str, ...]:
+    """Return the names of what a loop shows, in their order."""
+    return (*RIG_COLUMNS, *ticks.estimator_columns, "target", "estimated", "valid", *ticks.controller_columns)
+
+
+def columns_of(shown: FloatArray, names: tuple[str, ...]) -> dict[str, FloatArray]:
+    """Return the columns that a run has written, by name."""
     return dict(zip(names, np.ascontiguousarray(shown.T), strict=True))
+
+
+def require_same_clock(ended: Ended, arrays: RigArrays) -> None:
+    """Raise NumericsError if a run that reached its end did so at another time than the rig will."""
+    if ended is Ended.DONE and arrays.wire.states[0]["time_s"] != arrays.times_s[-1]:
+        raise NumericsError("the compiled loop's clock differs from the rig's: report it with the rig file")
 
 
 def with_endpoint(
