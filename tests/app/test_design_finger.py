@@ -132,7 +132,7 @@ GIVEN = ("--finger", "lan-fan-2010")
         ((*SIZED, "--process", "laser-cut"), "a beam of 1.00 mm, the thinnest to be made"),
         ((*SIZED, "--process", "laser"), "did you mean 'laser-cut'?"),
         ((*SIZED, "--material", "pon"), "did you mean 'pom'?"),
-        ((*SIZED, "--wire", "paper-100um", "--wire-length", "5 cm"), "8.1 % short"),
+        ((*SIZED, "--wire", "paper-100um", "--wire-length", "5 cm"), "8.2 % short"),
         ((*GIVEN, "--travel", "0.8 mm"), "14.4 % less than the 6 mm requested"),
         ((*GIVEN, "--object-stiffness", "0 N/m"), "stiffness of the object is 0"),
         ((*GIVEN, "--object-stiffness", "10 N/m", "--clearance", "-1 mm"), "clearance"),

@@ -87,17 +87,21 @@ mw_fronts mw_moved_fronts(const mw_thresholds *at, double front_austenite, doubl
 
 double mw_cumulative_at(const mw_step_constants *k, int row, double offset, double *density)
 {
-    const double place = (offset - k->distribution_start) * k->distribution_per_step;
-    double inside = place > 0.0 ? place : 0.0;
-    double part;
+    double core = offset > k->distribution_core_start ? offset : k->distribution_core_start;
+    double per_offset, place, inside, part;
     const double *of;
     int cell;
+    core = core < k->distribution_core_end ? core : k->distribution_core_end;
+    per_offset = core == offset ? k->distribution_per_core_step : k->distribution_per_step;
+    place = k->distribution_core_place + (core - k->distribution_core_start) * k->distribution_per_core_step;
+    place += (offset - core) * k->distribution_per_step;
+    inside = place > 0.0 ? place : 0.0;
     inside = inside < MW_CELLS ? inside : (double)MW_CELLS;
     cell = (int)inside;
     cell = cell < MW_CELLS ? cell : MW_CELLS - 1;
     part = inside - cell;
     of = mw_cells[row][cell];
-    *density = (of[1] + part * (2.0 * of[2] + part * (3.0 * of[3]))) * k->distribution_per_step;
+    *density = (of[1] + part * (2.0 * of[2] + part * (3.0 * of[3]))) * per_offset;
     if (!(place > 0.0 && place < MW_CELLS))
         *density = 0.0;
     return of[0] + part * (of[1] + part * (of[2] + part * of[3]));

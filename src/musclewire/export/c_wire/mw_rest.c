@@ -63,8 +63,11 @@ static void derive_transformation(const mw_wire_constants *of, mw_step_constants
     to->r_phase_resistivity_per_k = of->r_phase_resistivity_per_k;
     to->martensite_resistivity_ohm_m = of->martensite_resistivity_ohm_m;
     to->martensite_resistivity_per_k = of->martensite_resistivity_per_k;
-    to->distribution_start = of->distribution_start;
+    to->distribution_core_start = of->distribution_core_start;
+    to->distribution_core_end = of->distribution_core_end;
+    to->distribution_per_core_step = 1.0 / of->distribution_core_step;
     to->distribution_per_step = 1.0 / of->distribution_step;
+    to->distribution_core_place = (of->distribution_core_start - of->distribution_start) * to->distribution_per_step;
     memcpy(to->class_weight, of->class_weight, sizeof to->class_weight);
     memcpy(to->class_barrier_k, of->class_barrier_k, sizeof to->class_barrier_k);
 }
