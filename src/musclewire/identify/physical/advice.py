@@ -35,7 +35,7 @@ __all__ = ["Advice", "Experiment", "next_experiments", "how_to_identify", "propo
 
 
 MAX_ADVICE = 3
-# Step of a derivative, in prior standard deviations: the edges of grain classes must not count as information.
+# Step of a derivative, in prior standard deviations, as in the search (search.py).
 STEP = 0.1
 # Typical instruments: noise of a sample; of resistance as a fraction.
 NOISE = {"strain": 5e-5, "resistance": 3e-4, "force": 5e-3, "temperature": 0.3}
