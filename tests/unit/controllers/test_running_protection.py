@@ -96,7 +96,12 @@ def sample_of(drive_v: float, ohm: float, noise_v: float) -> Act:
 volts = st.floats(0.0, 3.6) | st.sampled_from([-0.1, 3.6, 4.0, math.nan, math.inf])
 sound = st.builds(sample_of, st.floats(0.0, 3.6), st.floats(14.0, 18.0), st.floats(0.0, 1e-4))
 same = st.just(sample_of(1.0, 16.0, 0.0))
-odd = st.builds(sample_of, st.floats(0.0, 3.6), st.floats(-2.0, 40.0), st.floats(-6.0, 6.0) | st.just(math.nan))
+odd = st.builds(
+    sample_of,
+    st.floats(0.0, 3.6),
+    st.floats(-2.0, 40.0).filter(lambda ohm: ohm != -1.0),
+    st.floats(-6.0, 6.0) | st.just(math.nan),
+)
 events = st.sampled_from([Event.SAMPLE_LATE, Event.COMMAND_MISSING])
 commands = st.builds(lambda v: lambda protection: protection.command(v), volts)
 others = st.one_of(

@@ -44,7 +44,7 @@ OnStep = Callable[[], None]
 # A candidate that cannot be simulated has this value in every residual.
 IMPOSSIBLE = 1e4
 # Steps of a derivative, in prior standard deviations. They were chosen for an ensemble with edges between its grains,
-# which smaller steps showed; two fronts have none, so that smaller ones would do as well. Larger ones show curvature.
+# which smaller steps showed; two fronts have none. Larger ones show curvature.
 SEARCH_STEP, LAST_STEPS, FINAL_STEP = 0.05, (0.1, 0.03), 0.05
 # Factors on the observations' uncertainty, descent by descent.
 START_SCALES = (100.0, 30.0, 10.0, 3.0, 1.0)
