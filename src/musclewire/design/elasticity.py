@@ -14,6 +14,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import splu
 
 from musclewire.arrays import FloatArray, IntArray
@@ -161,6 +162,8 @@ class ElasticityProblem:
             raise CallerError(f"forces have the shape {np.shape(load.forces_n)}, nodes {body.nodes_m.shape}")
         self.values = np.array([load.prescribed_m[int(dof)] for dof in self.prescribed])
         self.free = np.setdiff1d(np.arange(body.n_dofs), self.prescribed)
+        # Found with the first tangent: all tangents of a problem have the same pattern.
+        self._order: IntArray | None = None
 
     def prescribed_values(self, load_fraction: float) -> FloatArray:
         """Return the prescribed displacements at a fraction of the load."""
@@ -182,13 +185,21 @@ class ElasticityProblem:
         """Return the change of all displacements (n_dofs,) for a residual and prescribed changes."""
         moves = np.zeros(self.body.n_dofs)
         moves[self.prescribed] = prescribed_m
-        right = residual[self.free] - (tangent @ moves)[self.free]
-        matrix = csc_array(csc_array(tangent)[:, self.free][self.free, :])
+        order = self.order_of(tangent)
+        right = residual[order] - (tangent @ moves)[order]
+        matrix = csc_array(csc_array(tangent)[:, order][order, :])
         try:
-            moves[self.free] = splu(matrix, permc_spec="MMD_AT_PLUS_A").solve(right)
+            moves[order] = splu(matrix, permc_spec="NATURAL").solve(right)
         except RuntimeError:
             raise CallerError("the body is free to move: hold more of its nodes") from None
         return moves
+
+    def order_of(self, tangent: csr_array) -> IntArray:
+        """Return the free unknowns in an order along the body, in which a slender one's factors stay narrow."""
+        if self._order is None:
+            inner = csr_array(csc_array(tangent)[:, self.free][self.free, :])
+            self._order = self.free[reverse_cuthill_mckee(inner, symmetric_mode=True)]
+        return self._order
 
     def walk(self, displacement: FloatArray, start: float, end: float) -> FloatArray:
         """Return the displacements at the fraction ``end``, from balance at ``start``; halves a step that fails."""

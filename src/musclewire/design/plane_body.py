@@ -8,8 +8,10 @@ Analysis, sections 6.5 and 9.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -23,13 +25,22 @@ __all__ = ["InnerForces", "PlaneBody"]
 QUADRATURE_ORDER = 4
 
 
-class InnerForces(NamedTuple):
-    """Response of a deformed body: its energy [J], the force that holds each node (n_dofs,) [N], its tangent [N/m]."""
+@dataclass(frozen=True)
+class InnerForces:
+    """Response of a deformed body: its energy [J], the force that holds each node (n_dofs,) [N], its tangent [N/m].
+
+    The tangent, most of the work, is computed when it is asked for.
+    """
 
     energy_j: float
     nodal_n: FloatArray
-    tangent: csr_array
     turned_inside_out: bool
+    _tangent: Callable[[], csr_array]
+
+    @cached_property
+    def tangent(self) -> csr_array:
+        """Change of the nodal forces over displacement [N/m], (n_dofs, n_dofs)."""
+        return self._tangent()
 
 
 @dataclass(frozen=True)
@@ -118,15 +129,22 @@ class PlaneBody:
         strain_rate = self._strain_per_displacement(gradient)
         weight = self.volumes_m3[..., None]
         forces = np.einsum("eqk,eqkd->ed", stress * weight, strain_rate, optimize=True)
-        weighted = np.sqrt(weight[..., None]) * strain_rate
+        inside_out = bool((np.linalg.det(gradient) <= 0.0).any())
+        return InnerForces(
+            self._energy_j(gradient, stress),
+            self._gathered(forces),
+            inside_out,
+            lambda: self._assembled(self._element_tangents(stress, strain_rate)),
+        )
+
+    def _element_tangents(self, stress: FloatArray, strain_rate: FloatArray) -> FloatArray:
+        """Return the tangent of each element (n_elements, 2 * n_local, 2 * n_local)."""
+        weighted = np.sqrt(self.volumes_m3[..., None, None]) * strain_rate
         n_elements, _, _, n_local = weighted.shape
         flat = weighted.reshape(n_elements, -1, n_local)
         stiff = np.matmul(self.hooke_pa(), weighted).reshape(n_elements, -1, n_local)
-        tangent = np.swapaxes(flat, 1, 2) @ stiff + self._stress_tangent(stress)
-        inside_out = bool((np.linalg.det(gradient) <= 0.0).any())
-        return InnerForces(
-            self._energy_j(gradient, stress), self._gathered(forces), self._assembled(tangent), inside_out
-        )
+        tangents: FloatArray = np.swapaxes(flat, 1, 2) @ stiff + self._stress_tangent(stress)
+        return tangents
 
     def _energy_j(self, gradient: FloatArray, stress: FloatArray) -> float:
         strain = green_lagrange(gradient)
