@@ -132,11 +132,6 @@ def require_a_wire(material: Mapping[str, float], spool: Mapping[str, float], be
         raise CallerError("wire_length_m, legs and diameter_m must be above 0: there is no wire otherwise")
     if bench["guide_friction_n"] < 0.0 or not bench["guide_presliding_m"] > 0.0:
         raise CallerError("guide_friction_n must be 0 or more, and guide_presliding_m above 0")
-    oriented_per_pa = (material["strain_saturated"] - material["strain_at_no_stress"]) / material[
-        "strain_stress_scale_pa"
-    ]
-    if 1.0 / material["martensite_modulus_pa"] + oriented_per_pa <= 0.0:
-        raise CallerError("with strain_saturated this much below strain_at_no_stress, stress would shorten martensite")
     require_spreads(material)
     if material["r_phase_entropy_ratio"] >= 1.0:
         raise CallerError("r_phase_entropy_ratio must be below 1: A to R is a part of the way from A to M")

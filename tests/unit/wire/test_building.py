@@ -70,8 +70,3 @@ def test_an_r_phase_that_spreads_more_than_martensite_is_refused_with_what_to_do
     """Two fronts describe the phases only while all three spreads are positive, at any stress."""
     with pytest.raises(CallerError, match="raise martensite_spread_k or lower r_phase_spread_k"):
         constants(**wrong)
-
-
-def test_martensite_that_stress_would_shorten_is_refused() -> None:
-    with pytest.raises(CallerError, match="stress would shorten martensite"):
-        constants_from(alloy(strain_at_no_stress=0.05, strain_saturated=0.03), wire_100um(), bench())
