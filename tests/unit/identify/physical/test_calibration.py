@@ -66,12 +66,17 @@ def deviation_of(calibration: Calibration, name: str) -> float:
     ids=" and ".join,
 )
 def test_the_wire_is_found_again_and_its_intervals_hold_it(names: tuple[str, ...]) -> None:
+    """At least four numbers of a wire are told by a loop or by isobars, one by a cooling curve alone.
+
+    The ensemble of grains claimed five for that curve at steps of 1 ms: rounding that it amplified counted as
+    information. In steps of 0.1 ms, with 1280 grains, it gave the intervals of the fronts to a hundredth, and one.
+    """
     calibration = found(*names)
     assert calibration.holds
     assert calibration.rmse < 1.0
     told = calibration.identifiable
     off = np.array([abs(item.value - true_number(item.name)) / item.std for item in told])
-    assert len(told) >= 4
+    assert len(told) >= (1 if names == ("cooling",) else 4)
     assert np.mean(off < 1.96) >= 0.9
     assert off.max() < 4.0
 
