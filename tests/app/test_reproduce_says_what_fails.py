@@ -16,7 +16,7 @@ from musclewire.experiment.reproduce import PaperCheck, Runs, reproduction
 
 KEYS = {
     *("name", "paper", "ours", "unit", "tolerance", "compare", "ok", "known_failure", "known_reason", "why", "kind"),
-    "problem",
+    *("origin", "problem"),
 }
 
 
@@ -25,7 +25,7 @@ def no_loop(_: Runs) -> float:
 
 
 def check(name: str, measure: Callable[[Runs], float]) -> PaperCheck:
-    return PaperCheck(name, 2.0, "ohm", 0.5, "because half is enough", "printed", measure)
+    return PaperCheck(name, 2.0, "ohm", 0.5, "because half is enough", "printed", measure, origin="predicted")
 
 
 GOOD, REPAIRED = check("eq1.good", lambda _: 2.1), check("eq1.repaired", lambda _: 2.0)

@@ -15,7 +15,7 @@ from musclewire.experiment.reproduce.paper_checks import Compare, Kind, subject_
 def row(
     ours: float, paper: float, tolerance: float, compare: Compare = "within", kind: Kind = "printed"
 ) -> ReproductionRow:
-    check = PaperCheck("fig0.x", paper, "ohm", tolerance, "because", kind, lambda _: ours, compare)
+    check = PaperCheck("fig0.x", paper, "ohm", tolerance, "because", kind, lambda _: ours, compare, origin="predicted")
     return judged(check, Runs(), {})
 
 

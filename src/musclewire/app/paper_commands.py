@@ -117,7 +117,7 @@ def row_document(row: ReproductionRow) -> dict[str, Any]:
     """Return a row as plain data."""
     keys = (
         *("name", "paper", "ours", "unit", "tolerance", "compare", "ok", "known_failure", "known_reason"),
-        *("why", "kind", "problem"),
+        *("why", "kind", "origin", "problem"),
     )
     return {key: getattr(row, key) for key in keys}
 

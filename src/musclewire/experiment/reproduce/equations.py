@@ -33,9 +33,9 @@ def checks() -> list[PaperCheck]:
             "the gap by NumPy alone, samples sorted by resistance, against ours; 0.1 points: ours smooths first, and "
             "the noise that stays in the plain way widens its gap a little"),
         PaperCheck("eq3.normalised_resistance[R_min]", 0.0, "1", 1e-9, "exact but for rounding", "equation",
-            partial(normalised_at, end="resistance_min_ohm")),
+            partial(normalised_at, end="resistance_min_ohm"), origin="definition"),
         PaperCheck("eq3.normalised_resistance[R_max]", 1.0, "1", 1e-9, "exact but for rounding", "equation",
-            partial(normalised_at, end="resistance_max_ohm")),
+            partial(normalised_at, end="resistance_max_ohm"), origin="definition"),
         *polyfit_checks(),
         deviation("eq5.average_difference_pct", "% strain", 1e-6, average_difference_pct,
             "largest difference of g_a from the mean of g_h and g_c: exact but for rounding"),
@@ -61,7 +61,7 @@ def polyfit_checks() -> list[PaperCheck]:
 
 def deviation(name: str, unit: str, tolerance: float, measure: Callable[[Runs], float], why: str) -> PaperCheck:
     """Return a check that a deviation is at most ``tolerance``."""
-    return PaperCheck(name, 0.0, unit, tolerance, why, "equation", measure, "at most")
+    return PaperCheck(name, 0.0, unit, tolerance, why, "equation", measure, "at most", origin="definition")
 
 
 def resistance_error_ohm(runs: Runs) -> float:
@@ -125,13 +125,13 @@ def gain_checks() -> list[PaperCheck]:
     )
     return [
         PaperCheck(f"eq6.{gain}[{end}]", printed[gain][place], UNITS[gain], 0.0, inside, "printed",
-            partial(gain_end, gain=gain, end=end), side)
+            partial(gain_end, gain=gain, end=end), side, origin="definition")
         for gain in RATIO_OF
         for end, place, side in sides
     ] + [
         PaperCheck(f"eq6.{gain}_reach[{end}]", printed[gain][place], UNITS[gain],
             REACH_FRACTION * (printed[gain][1] - printed[gain][0]), reach, "printed",
-            partial(gain_reach, gain=gain, end=end, low=printed[gain][0], high=printed[gain][1]))
+            partial(gain_reach, gain=gain, end=end, low=printed[gain][0], high=printed[gain][1]), origin="designed")
         for gain in RATIO_OF
         for end, place, _ in sides
     ]  # fmt: skip

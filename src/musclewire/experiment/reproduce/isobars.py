@@ -25,19 +25,21 @@ def checks() -> list[PaperCheck]:
     strokes = [
         PaperCheck(f"isobars.stroke_pct[{stress:.0f}MPa]", published["stroke_pct"][index], "% strain",
             STROKE_TOLERANCE_PCT, "0.3 %: a fifteenth of the stroke; set before the alloy was fitted",
-            "literature", partial(stroke_pct, stress_mpa=stress))
+            "literature", partial(stroke_pct, stress_mpa=stress), origin="fitted")
         for index, stress in enumerate(published["stress_mpa"])
     ]  # fmt: skip
     halves = [
         PaperCheck(f"isobars.half_{branch}_degc[{stress:.0f}MPa]", published[f"{branch}_degc"][index][1], "C",
-            HALF_TOLERANCE_K, HALF_WHY, "literature", partial(half_degc, branch=branch, stress_mpa=stress))
+            HALF_TOLERANCE_K, HALF_WHY, "literature", partial(half_degc, branch=branch, stress_mpa=stress),
+            origin="fitted")
         for branch in ("heating", "cooling")
         for index, stress in enumerate(published["stress_mpa"])
     ]  # fmt: skip
     return strokes + halves + [
         PaperCheck(f"isobars.{branch}_slope_mpa_per_k", published[f"{branch}_slope_mpa_per_k"], "MPa/K",
             SLOPE_TOLERANCE_MPA_PER_K, "straight line through the half-transformation temperatures; published slopes "
-            "of NiTi wire lie between 5 and 12 MPa/K", "literature", partial(slope_mpa_per_k, branch=branch))
+            "of NiTi wire lie between 5 and 12 MPa/K", "literature", partial(slope_mpa_per_k, branch=branch),
+            origin="fitted")
         for branch in ("heating", "cooling")
     ]  # fmt: skip
 

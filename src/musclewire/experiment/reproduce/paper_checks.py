@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, Literal
 
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
@@ -12,12 +12,16 @@ from musclewire.errors import CallerError, MusclewireError, nearest_hint
 if TYPE_CHECKING:
     from musclewire.experiment.reproduce.runs import Runs
 
-__all__ = ["PaperCheck", "Compare", "Kind", "ReproductionRow", "holds", "judged", "selected", "subject_of"]
+__all__ = ["PaperCheck", "Compare", "Kind", "Origin", "ReproductionRow", "holds", "judged", "selected", "subject_of"]
 
 # printed: a measured number; words: a sentence, or several numbers, turned into one; equation: how far our run is from
 # obeying it; input: a number of the paper that we took over; literature: published elsewhere.
 Kind = Literal["printed", "words", "equation", "input", "literature"]
 Compare = Literal["within", "at most", "at least"]
+# What our number owes to the paper's. input: the number the run was made with; definition: follows from how numbers are
+# computed, whatever the wire does; designed: a part or a rule was made to have it; fitted: a target of the search for
+# the parameters; chosen: a spool was selected with this number in view; predicted: nothing was set by it.
+Origin = Literal["input", "definition", "designed", "fitted", "chosen", "predicted"]
 # Allowance for rounding in the comparison itself.
 ROUNDING = 1e-9
 
@@ -28,6 +32,7 @@ class PaperCheck:
 
     ``paper`` and ``tolerance`` are in ``unit``. "within" requires ours to be no further than the tolerance from the
     paper's number, "at most" no more than the tolerance above it, "at least" no more than the tolerance below it.
+    ``origin`` states what the number owes to the paper's.
     """
 
     name: str
@@ -38,6 +43,8 @@ class PaperCheck:
     kind: Kind
     measure: Callable[[Runs], float]
     compare: Compare = "within"
+    _: KW_ONLY
+    origin: Origin
 
 
 @dataclass(frozen=True)
@@ -55,6 +62,7 @@ class ReproductionRow:
     known_reason: str | None
     why: str
     kind: Kind
+    origin: Origin
     problem: str | None
 
     @property
@@ -93,6 +101,7 @@ def judged(check: PaperCheck, runs: Runs, known: Mapping[str, str]) -> Reproduct
         known_reason=known.get(check.name),
         why=check.why,
         kind=check.kind,
+        origin=check.origin,
         problem=problem,
     )
 

@@ -84,18 +84,18 @@ def minor_loop_checks(setup: dict[str, Any]) -> list[PaperCheck]:
     )
     found = [
         PaperCheck(f"fig3a.amplitude_v[{volts:.2f}V]", volts, "V", 0.0, "taken over from the paper", "input",
-            partial(amplitude_of, volts=volts))
+            partial(amplitude_of, volts=volts), origin="input")
         for volts in amplitudes
     ]  # fmt: skip
     pairs = [(amplitudes[1], amplitudes[0]), (amplitudes[2], amplitudes[0]), (amplitudes[2], amplitudes[1])]
     found += [
         PaperCheck(f"fig3a.stroke_ratio[{small:.2f}V,{large:.2f}V]", 1.0, "1", 0.0, ORDERED, "words",
-            partial(stroke_ratio, small=small, large=large), "at most")
+            partial(stroke_ratio, small=small, large=large), "at most", origin="predicted")
         for small, large in pairs
     ]  # fmt: skip
     return found + [
         PaperCheck(f"fig3a.outside_pct[{small:.2f}V,{large:.2f}V]", 0.0, "% strain", OUTSIDE_TOLERANCE_PCT, inside,
-            "words", partial(outside_pct, small=small, large=large), "at most")
+            "words", partial(outside_pct, small=small, large=large), "at most", origin="predicted")
         for small, large in pairs
     ]  # fmt: skip
 
@@ -134,13 +134,14 @@ def segment_checks(setup: dict[str, Any]) -> list[PaperCheck]:
     from_b = setup["segment_bc_pct"]
     why = 'heating branch; "roughly 85 %" is read as within 4 points'
     return [
-        PaperCheck("fig3b.segment_ab_pct", 100 - from_b, "% of strain", 4.0, why, "printed", segment_ab_pct),
+        PaperCheck("fig3b.segment_ab_pct", 100 - from_b, "% of strain", 4.0, why, "printed", segment_ab_pct,
+            origin="fitted"),
         PaperCheck("fig3b.segment_bc_pct", from_b, "% of strain", 4.0, why + "; the same number from the other side",
-            "printed", lambda runs: 100.0 - segment_ab_pct(runs)),
+            "printed", lambda runs: 100.0 - segment_ab_pct(runs), origin="fitted"),
         PaperCheck("fig3b.gap_ratio", MUCH_SMALLER, "1", 0.0,
             'gap at equal voltage over gap at equal resistance (Eq. 2 for both); "much smaller" is read as at least '
             "five times",
-            "words", gap_ratio, "at least"),
+            "words", gap_ratio, "at least", origin="predicted"),
     ]  # fmt: skip
 
 
@@ -181,7 +182,7 @@ def strain_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     found = [
         PaperCheck(f"fig4.strain_gap_pct[125um,{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
             "half a point, six per cent of the larger one; set before the wire was fitted",
-            "printed", partial(strain_gap_pct, wire=SWEEP_WIRE, force=force))
+            "printed", partial(strain_gap_pct, wire=SWEEP_WIRE, force=force), origin="fitted")
         for force, gap in pairs
     ]  # fmt: skip
     steps = SWEEP_POINTS - 1
@@ -189,7 +190,7 @@ def strain_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck("fig4.falling_steps[125um]", steps, "1", 0.0,
             f"steps of a sweep from the first printed pretension to the second, {SWEEP_POINTS} settings, at which the "
             "gap falls: all of them, or it does not fall monotonically",
-            "words", falling_count)
+            "words", falling_count, origin="fitted")
     )  # fmt: skip
     return found
 
@@ -230,14 +231,14 @@ def force_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck("fig5.smallest_force_gap_at_n[125um]", force, "N", 0.4,
             "vertex of the parabola through the three lowest of the sweep, whose settings are 0.25 N apart; 0.4 N: the "
             "paper's own settings are some 1.5 N apart where it prints them",
-            "printed", smallest_force_gap_at_n),
+            "printed", smallest_force_gap_at_n, origin="fitted"),
         PaperCheck(f"fig5.force_gap_pct[125um,{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
             "half a point, as for the strain gaps of this wire", "printed",
-            partial(force_gap_pct, wire=SWEEP_WIRE, force=force)),
+            partial(force_gap_pct, wire=SWEEP_WIRE, force=force), origin="fitted"),
         PaperCheck("fig5.force_gap_rise_pct[125um]", 0.0, "%", 0.0,
             '"gradually moves closer to the cooling path and then moves away": force gap at the largest pretension '
             "less the smallest of the sweep, above 0",
-            "words", force_gap_rise_pct, "at least"),
+            "words", force_gap_rise_pct, "at least", origin="fitted"),
     ]  # fmt: skip
 
 
@@ -269,7 +270,7 @@ def diameter_checks() -> list[PaperCheck]:
     found = [
         PaperCheck("fig6a.ratios_in_order", len(FORCE_RATIOS), "1", 0.0,
             f"force ratios of {FORCE_RATIOS} at which the strain gaps are in the order {labels}: all of them",
-            "words", ratios_in_order)
+            "words", ratios_in_order, origin="fitted")
     ]  # fmt: skip
     why = (
         '"the S-R curves can be tuned to exhibit the smallest gap": the smallest force gap over the force ratios less '
@@ -277,7 +278,7 @@ def diameter_checks() -> list[PaperCheck]:
     )
     return found + [
         PaperCheck(f"fig6b.force_gap_less_strain_gap_pct[{diameter_label(wire)}]", 0.0, "%", 0.0, why, "words",
-            partial(force_less_strain_pct, wire=wire), "at least")
+            partial(force_less_strain_pct, wire=wire), "at least", origin="predicted")
         for wire in WIRES
     ]  # fmt: skip
 
@@ -315,12 +316,12 @@ def stiffness_checks() -> list[PaperCheck]:
     pairs = [(0.5, 1.0), (1.0, 2.0), (0.5, 2.0)]
     found = [
         PaperCheck(f"fig7.strain_distance_pct[{soft:g}x,{stiff:g}x]", 0.0, "% of S_max", 5.0, near, "words",
-            partial(strain_distance_pct, soft=soft, stiff=stiff), "at most")
+            partial(strain_distance_pct, soft=soft, stiff=stiff), "at most", origin="fitted")
         for soft, stiff in pairs
     ]  # fmt: skip
     return found + [
         PaperCheck(f"fig8.force_ratio[{soft:g}x,{stiff:g}x]", stiff / soft, "1", 0.1 * (stiff / soft), apart, "words",
-            partial(stiffness_force_ratio, soft=soft, stiff=stiff))
+            partial(stiffness_force_ratio, soft=soft, stiff=stiff), origin="fitted")
         for soft, stiff in pairs
     ]  # fmt: skip
 

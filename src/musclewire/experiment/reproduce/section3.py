@@ -60,17 +60,17 @@ def loop_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     )
     return [
         PaperCheck("fig9.resistance_min_ohm", printed["resistance_min_ohm"], "ohm", RESISTANCE_TOLERANCE_OHM, ends,
-            "printed", lambda runs: runs.model.resistance_min_ohm),
+            "printed", lambda runs: runs.model.resistance_min_ohm, origin="fitted"),
         PaperCheck("fig9.resistance_max_ohm", printed["resistance_max_ohm"], "ohm", RESISTANCE_TOLERANCE_OHM, ends,
-            "printed", lambda runs: runs.model.resistance_max_ohm),
+            "printed", lambda runs: runs.model.resistance_max_ohm, origin="fitted"),
         PaperCheck("fig9.strain_gap_pct[100um,1.90N]", printed["strain_gap_pct"], "%", 0.25,
             "a quarter of a point: a fifth of the printed gap", "printed",
-            lambda runs: runs.main_loop().strain_gap_pct),
+            lambda runs: runs.main_loop().strain_gap_pct, origin="fitted"),
         PaperCheck("fig9.polynomial_order", printed["polynomial_order"], "1", 0.0, SAME, "input",
-            lambda runs: float(runs.model.order)),
+            lambda runs: float(runs.model.order), origin="input"),
         *(
             PaperCheck(f"fig9.fit_rms_pct[{branch}]", 0.0, "% strain", STRAIN_RMS_PCT, residual, "words",
-                partial(fit_rms_pct, branch=branch), "at most")
+                partial(fit_rms_pct, branch=branch), "at most", origin="predicted")
             for branch in ("heating", "cooling")
         ),
     ]  # fmt: skip
@@ -100,20 +100,20 @@ def strain_checks(table: dict[str, Any]) -> list[PaperCheck]:
     desired, printed_ohm = table["desired_strain_pct"], table["required_resistance_ohm"]
     found = [
         PaperCheck(f"table2.desired_strain_pct[{target:.1f}]", target, "% strain", 0.0, SAME, "input",
-            partial(staircase_level_pct, index=index))
+            partial(staircase_level_pct, index=index), origin="input")
         for index, target in enumerate(desired)
     ]  # fmt: skip
     found += [
         PaperCheck(f"table2.required_resistance_ohm[{target:.1f}]", ohm, "ohm", REQUIRED_TOLERANCE_OHM,
             "our own g_a inverted; 0.04 ohm is 0.05 % strain on the slope of the printed table",
-            "printed", partial(required_ohm, target_pct=target))
+            "printed", partial(required_ohm, target_pct=target), origin="fitted")
         for target, ohm in zip(desired, printed_ohm, strict=True)
     ]  # fmt: skip
     found += branch_checks(table)
     found.append(
         PaperCheck("table2.strain_rms_pct", 0.0, "% strain", STRAIN_RMS_PCT,
             "rms of the twelve differences; 0.02 %: single ones may be off by more, all together may not",
-            "words", strain_rms_pct, "at most")
+            "words", strain_rms_pct, "at most", origin="fitted")
     )  # fmt: skip
     return found
 
@@ -125,7 +125,7 @@ def branch_checks(table: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck(f"table2.strain_{branch}_pct[{target:.1f}]", strain, "% strain", STRAIN_TOLERANCE_PCT,
             "our polynomial at the paper's printed resistance; 0.05 %: a sixth of a step; set before the wire "
             "was fitted",
-            "printed", partial(strain_at_pct, branch=branch, ohm=ohm))
+            "printed", partial(strain_at_pct, branch=branch, ohm=ohm), origin="fitted")
         for branch in ("heating", "cooling")
         for target, ohm, strain in zip(desired, printed_ohm, table[f"strain_{branch}_pct"], strict=True)
     ]  # fmt: skip
@@ -182,7 +182,8 @@ def error_checks(table: dict[str, Any], text: dict[str, Any]) -> list[PaperCheck
                 PaperCheck(f"table2.mae_{direction}_pct[{target:.1f}]", error, "% of target", STEP_TOLERANCE_PCT,
                     "one-sided, a smaller error is no failure; 1 point: the paper's own steps scatter by more than "
                     "that (0.2 to 2.6 %), and it prints neither its rule base nor the unit of its gains",
-                    "printed", partial(step_mae_pct, target_pct=target, direction=direction), "at most")
+                    "printed", partial(step_mae_pct, target_pct=target, direction=direction), "at most",
+                    origin="predicted")
             )  # fmt: skip
     printed = [*table["mae_rise_pct"], *table["mae_return_pct"]]
     below = text["other_mae_below_pct"]
@@ -190,11 +191,12 @@ def error_checks(table: dict[str, Any], text: dict[str, Any]) -> list[PaperCheck
         *found,
         PaperCheck("table2.mae_largest_pct", max(printed), "% of target", MAX_STEP_TOLERANCE_PCT,
             "one-sided; 0.9 points: the closed loop was built to stay below 3.5 %, whatever the wire",
-            "printed", lambda runs: determined(runs.control_run.metrics.mae_max_pct, "the largest error"), "at most"),
+            "printed", lambda runs: determined(runs.control_run.metrics.mae_max_pct, "the largest error"), "at most",
+            origin="predicted"),
         PaperCheck("table2.mae_largest_other_pct", below, "% of target", 0.0,
             f'"for other desired strains, the MAE is less than {below} %": the largest but that of 1.5 % (return); the '
             "paper's own table prints 2.000 there",
-            "words", largest_other_mae_pct, "at most"),
+            "words", largest_other_mae_pct, "at most", origin="predicted"),
     ]  # fmt: skip
 
 
@@ -233,18 +235,19 @@ def staircase_checks(paper: dict[str, Any]) -> list[PaperCheck]:
     lowest = min(paper["table2"]["desired_strain_pct"])
     near = round(largest / 100.0 * lowest, 3)
     return [
-        PaperCheck("fig11.step_pct", text["step_pct"], "% strain", 0.0, SAME, "input", step_size_pct),
-        PaperCheck("fig11.step_s", text["step_s"], "s", 0.0, SAME, "input", lambda runs: runs.staircase.hold_s),
+        PaperCheck("fig11.step_pct", text["step_pct"], "% strain", 0.0, SAME, "input", step_size_pct, origin="input"),
+        PaperCheck("fig11.step_s", text["step_s"], "s", 0.0, SAME, "input", lambda runs: runs.staircase.hold_s,
+            origin="input"),
         PaperCheck("fig11.estimate_rms_pct", 0.0, "% strain", near,
             f'rms of resistance-converted less actual strain after the approach; "very close" is read as {near} % '
             f"strain, the largest printed MAE ({largest} % of {lowest} %)",
-            "words", estimate_rms_pct, "at most"),
+            "words", estimate_rms_pct, "at most", origin="predicted"),
         PaperCheck("fig12.sample_period_s", paper["controller"]["sample_period_s"], "s", 0.0, SAME, "input",
-            lambda runs: float(np.median(np.diff(runs.control_run["time_s"])))),
+            lambda runs: float(np.median(np.diff(runs.control_run["time_s"]))), origin="input"),
         PaperCheck("fig12.outside_band_pct", 0.0, "% strain", TRACE_TOLERANCE_PCT,
             "largest distance of a sample of the staircase, noise included, from the band between the loop's branches; "
             '5 % of the largest strain, as "minimal" is read in Fig. 7',
-            "words", outside_band_pct, "at most"),
+            "words", outside_band_pct, "at most", origin="predicted"),
     ]  # fmt: skip
 
 

@@ -79,18 +79,18 @@ def finger_checks(printed: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck("fig13a.range_ratio", 1.0, "1", 0.0,
             '"distributed actuation provides larger range to length ratio": tendon through all columns over one chord '
             "to the last column, both to the same stress in the beam or to the end of their range",
-            "words", lambda _: schemes_of_fig13().ratio, "at least"),
+            "words", lambda _: schemes_of_fig13().ratio, "at least", origin="designed"),
         *(
             PaperCheck(f"fig13b.{name}", printed[name], "mm", 0.0, SAME, "input",
-                partial(geometry_mm, name=name.replace("_mm", "_m")))
+                partial(geometry_mm, name=name.replace("_mm", "_m")), origin="input")
             for name in ("overall_length_mm", "plate_length_mm")
         ),
         PaperCheck("fig13b.columns", printed["columns"], "1", 0.0, SAME, "input",
-            lambda _: float(shipped_finger().geometry["columns"].value)),
+            lambda _: float(shipped_finger().geometry["columns"].value), origin="input"),
         PaperCheck("fig14.finger_stiffness_n_per_m", printed["stiffness_n_per_m"], "N/m",
             STIFFNESS_FRACTION * printed["stiffness_n_per_m"],
             "slope of the finger's statics where the tendon begins to pull; 1 %: a designed number", "printed",
-            lambda _: shipped_finger().curve.stiffness_n_per_m),
+            lambda _: shipped_finger().curve.stiffness_n_per_m, origin="designed"),
     ]  # fmt: skip
 
 
@@ -115,10 +115,10 @@ def pretensioner_checks(printed: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck("fig14.pretensioner_stiffness_n_per_m", printed["stiffness_n_per_m"], "N/m",
             STIFFNESS_FRACTION * printed["stiffness_n_per_m"],
             "plane-stress finite elements of the serpentine that the design finds for it; 1 %", "printed",
-            lambda _: designed_pretensioner().stiffness_n_per_m),
+            lambda _: designed_pretensioner().stiffness_n_per_m, origin="designed"),
         *(
             PaperCheck(f"fig14.envelope_mm[{side}]", size, "mm", 0.0, "the design keeps within the printed size",
-                "printed", partial(designed_size_mm, index=index), "at most")
+                "printed", partial(designed_size_mm, index=index), "at most", origin="designed")
             for index, (side, size) in enumerate(zip(sides, printed["envelope_mm"], strict=True))
         ),
     ]  # fmt: skip
@@ -126,7 +126,8 @@ def pretensioner_checks(printed: dict[str, Any]) -> list[PaperCheck]:
         *found,
         PaperCheck("fig14.softer_than_finger", 1.0, "1", 0.0,
             '"it has to be smaller than the finger stiffness": k_p over k_f, as designed', "words",
-            lambda _: designed_pretensioner().stiffness_n_per_m / shipped_finger().curve.stiffness_n_per_m, "at most"),
+            lambda _: designed_pretensioner().stiffness_n_per_m / shipped_finger().curve.stiffness_n_per_m, "at most",
+            origin="designed"),
     ]  # fmt: skip
 
 
@@ -140,10 +141,10 @@ def deflection_checks() -> list[PaperCheck]:
     return [
         PaperCheck("fig14.initial_deflection_mm[pretensioner]", 0.0, "mm", NONE_MM,
             '"the pretension force can be adjusted without initially deflecting the finger": 0.01 mm, three times the '
-            "laser's noise", "words", partial(deflection_mm, kept=True), "at most"),
+            "laser's noise", "words", partial(deflection_mm, kept=True), "at most", origin="predicted"),
         PaperCheck("fig14.initial_deflection_mm[none]", OBVIOUS_MM, "mm", 0.0,
             '"an obvious initial deflection" where the SMA pulls the tendon directly: read as 1 mm of the 6', "words",
-            partial(deflection_mm, kept=False), "at least"),
+            partial(deflection_mm, kept=False), "at least", origin="predicted"),
     ]  # fmt: skip
 
 
@@ -168,13 +169,13 @@ def stage_checks(printed: dict[str, Any]) -> list[PaperCheck]:
             "rms of the load cell, mean of heating and cooling at equal x, less F_p, k_p x and the tendon's force; "
             "friction along the tendon, which Eq. 8 leaves out, cancels in that mean; 0.02 N, 1 % of the contraction "
             "force",
-            "equation", eq8_error_n, "at most"),
+            "equation", eq8_error_n, "at most", origin="definition"),
         PaperCheck("fig15.wire_length_cm", printed["wire_length_cm"], "cm", 0.0, SAME, "input",
-            lambda runs: 100.0 * runs.finger.loop(pretension_n()).recording.facts.wire_length_m),
+            lambda runs: 100.0 * runs.finger.loop(pretension_n()).recording.facts.wire_length_m, origin="input"),
         PaperCheck("fig15.tendon_zero_um", 0.0, "um", ZERO_UM,
             "how far the zero of the tendon is found from the true one, by the load cell, from a stage 40 um off; "
             "5 um: less than the noise of the load cell over the finger's stiffness would be in a single reading",
-            "words", lambda runs: 1e6 * abs(runs.finger.tendon_zero.slack_m), "at most"),
+            "words", lambda runs: 1e6 * abs(runs.finger.tendon_zero.slack_m), "at most", origin="predicted"),
     ]  # fmt: skip
 
 
@@ -240,7 +241,8 @@ def falling_check(wire: str, whose: str) -> PaperCheck:
     return PaperCheck(f"fig16.falling_steps[{wire}]", before, "1", 0.0,
         '"heating and cooling paths are closer with increasing pretension force": steps from the slack end to '
         f"{pretension_n()} N at which the displacement gap falls; {whose}",
-        "words", partial(falling_count, wire=wire))  # fmt: skip
+        "words", partial(falling_count, wire=wire),
+        origin="chosen" if wire == FINGER_WIRE else "predicted")  # fmt: skip
 
 
 def gap_checks(printed: dict[str, Any], wire: str, whose: str) -> list[PaperCheck]:
@@ -267,14 +269,15 @@ def gap_checks(printed: dict[str, Any], wire: str, whose: str) -> list[PaperChec
     return [
         PaperCheck(f"fig17.smallest_gap_at_n[{wire}]", force, "N", PLACE_TOLERANCE_N,
             f"vertex of the parabola through the lowest three of the sweep; {whose}", "printed",
-            partial(smallest_gap_at_n, wire=wire)),
+            partial(smallest_gap_at_n, wire=wire), origin="chosen" if wire == FINGER_WIRE else "predicted"),
         PaperCheck(f"fig17.displacement_gap_pct[{wire},{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
             f"Eq. 9 at the chosen pretension; 0.7 points, a third of it; {whose}", "printed",
-            partial(gap_at_choice_pct, wire=wire)),
+            partial(gap_at_choice_pct, wire=wire), origin="chosen" if wire == FINGER_WIRE else "predicted"),
         PaperCheck(f"fig17.grows_again_pct[{wire}]", 0.0, "%", 0.0,
             '"if the pretension force is too large, the paths move away from each other": gap at the largest setting '
             f"less that at {force} N, above 0; {whose}",
-            "words", partial(grows_again_pct, wire=wire), "at least"),
+            "words", partial(grows_again_pct, wire=wire), "at least",
+            origin="chosen" if wire == FINGER_WIRE else "predicted"),
     ]  # fmt: skip
 
 
@@ -320,21 +323,21 @@ def staircase_checks(table: dict[str, Any]) -> list[PaperCheck]:
         *level_checks(table),
         *step_checks(table),
         PaperCheck("table3.mae_largest_pct", max(printed), "% of target", MAX_MAE_PCT - max(printed), ONE_SIDED,
-            "printed", largest_mae_pct, "at most"),
+            "printed", largest_mae_pct, "at most", origin="chosen"),
         PaperCheck("table3.mae_mean_pct", round(float(np.mean(printed)), 3), "% of target",
             MEAN_MAE_PCT - round(float(np.mean(printed)), 3), "one-sided; the mean of the paper's fifteen, rounded",
-            "printed", mean_mae_pct, "at most"),
-        PaperCheck("fig18.step_mm", table["step_mm"], "mm", 0.0, SAME, "input", step_size_mm),
+            "printed", mean_mae_pct, "at most", origin="chosen"),
+        PaperCheck("fig18.step_mm", table["step_mm"], "mm", 0.0, SAME, "input", step_size_mm, origin="input"),
         PaperCheck("fig18.step_s", table["step_s"], "s", 0.0, SAME, "input",
-            lambda _: staircase_of_fig18().hold_s),
+            lambda _: staircase_of_fig18().hold_s, origin="input"),
         PaperCheck("fig18.reach_mm", max(table["desired_displacement_mm"]), "mm", 0.0,
             "largest endpoint displacement of the slow sine: the finger must get there", "words",
             lambda runs: 1e3 * float(runs.finger.loop(pretension_n()).recording["endpoint_displacement_m"].max()),
-            "at least"),
+            "at least", origin="chosen"),
         PaperCheck("fig18.estimate_rms_mm", 0.0, "mm",
             round(max(printed) / 100.0 * table["desired_displacement_mm"][0], 3),
             "rms of resistance-converted less laser after the approach; the largest printed MAE in mm", "words",
-            estimate_rms_mm, "at most"),
+            estimate_rms_mm, "at most", origin="predicted"),
     ]  # fmt: skip
 
 
@@ -342,7 +345,7 @@ def level_checks(table: dict[str, Any]) -> list[PaperCheck]:
     """Return whether the levels that ran are those of Table 3."""
     return [
         PaperCheck(f"table3.desired_displacement_mm[{target:.1f}]", target, "mm", 0.0, SAME, "input",
-            partial(level_mm, index=index))
+            partial(level_mm, index=index), origin="input")
         for index, target in enumerate(table["desired_displacement_mm"])
     ]  # fmt: skip
 
@@ -351,7 +354,8 @@ def step_checks(table: dict[str, Any]) -> list[PaperCheck]:
     """Return the MAE of every step, on the way up and back."""
     return [
         PaperCheck(f"table3.mae_{direction}_pct[{target:.1f}]", error, "% of target", MAX_MAE_PCT - error,
-            ONE_SIDED, "printed", partial(step_mae_pct, target_mm=target, direction=direction), "at most")
+            ONE_SIDED, "printed", partial(step_mae_pct, target_mm=target, direction=direction), "at most",
+            origin="chosen")
         for direction in ("rise", "return")
         for target, error in zip(table["desired_displacement_mm"], table[f"mae_{direction}_pct"], strict=False)
     ]  # fmt: skip

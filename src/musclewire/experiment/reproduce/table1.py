@@ -41,7 +41,7 @@ def table_checks(table: dict[str, Any]) -> list[PaperCheck]:
              ("nominal_force_n", "N", "nominal_force_n", 1.0))  # fmt: skip
     found = [
         PaperCheck(f"table1.{name}[{diameter}um]", printed, unit, 0.0, SAME, "input",
-            partial(wire_number, name=key, wire=wire_name(diameter), factor=factor))
+            partial(wire_number, name=key, wire=wire_name(diameter), factor=factor), origin="input")
         for name, unit, key, factor in taken
         for diameter, printed in zip(diameters, table[name], strict=True)
     ]  # fmt: skip
@@ -52,6 +52,7 @@ def table_checks(table: dict[str, Any]) -> list[PaperCheck]:
             "table differ by more than that in resistance times section, and nominal force is a light pull, under "
             "which a wire is not quite the stretched one that is sold",
             "printed", partial(cold_resistance, wire=wire_name(diameter)),
+            origin="fitted",
         )
         for diameter, printed in zip(diameters, table["resistance_per_metre_ohm_per_m"], strict=True)
     ]  # fmt: skip
@@ -77,6 +78,7 @@ def stress_checks() -> list[PaperCheck]:
         PaperCheck(
             f"table1.{kind}_stress_spread_pct", 0.0, "%", STRESS_SPREAD_PCT, why, "words",
             partial(stress_spread_pct, name=f"{kind}_force_n"), "at most",
+            origin="input",
         )
         for kind in ("maximum", "nominal")
     ]  # fmt: skip
@@ -112,7 +114,7 @@ def ratio_checks(paper: dict[str, Any]) -> list[PaperCheck]:
         ratio = round(force / table["maximum_force_n"][table["diameter_um"].index(diameter)], 4)
         found.append(
             PaperCheck(f"table1.force_ratio[{diameter}um,{force:.2f}N]", ratio, "1", 0.02 * ratio, why, "printed",
-                partial(force_ratio, wire=wire_name(diameter), pretension_n=force))
+                partial(force_ratio, wire=wire_name(diameter), pretension_n=force), origin="definition")
         )  # fmt: skip
     return found
 
@@ -135,10 +137,14 @@ def setup_checks(paper: dict[str, Any]) -> list[PaperCheck]:
         ("sample_period_s", paper["controller"]["sample_period_s"], "s", "sample_period_s", 1.0),
     ]
     found = [
-        PaperCheck(f"setup.{name}", value, unit, 0.0, SAME, "input", partial(noted, key=key, factor=factor))
+        PaperCheck(
+            f"setup.{name}", value, unit, 0.0, SAME, "input", partial(noted, key=key, factor=factor), origin="input"
+        )
         for name, value, unit, key, factor in main
     ]
-    found.append(PaperCheck("setup.frequency_hz", frequency, "Hz", 0.0, SAME, "input", main_frequency_hz))
+    found.append(
+        PaperCheck("setup.frequency_hz", frequency, "Hz", 0.0, SAME, "input", main_frequency_hz, origin="input")
+    )
     return found
 
 

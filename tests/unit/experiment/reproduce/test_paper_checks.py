@@ -22,7 +22,9 @@ NAMES = [check.name for check in CHECKS]
 
 
 def check(ours: float, compare: Compare = "within", paper: float = 2.0, tolerance: float = 0.5) -> PaperCheck:
-    return PaperCheck("fig0.number", paper, "ohm", tolerance, "because", "printed", lambda _: ours, compare)
+    return PaperCheck(
+        "fig0.number", paper, "ohm", tolerance, "because", "printed", lambda _: ours, compare, origin="fitted"
+    )
 
 
 @pytest.mark.parametrize(
@@ -52,7 +54,7 @@ def test_a_loop_that_cannot_be_used_fails_its_row_and_says_why() -> None:
     def measure(_: Runs) -> float:
         raise RecordingError("no complete\ncycle")
 
-    row = judged(PaperCheck("fig0.gap", 1.0, "%", 9.0, "because", "printed", measure), RUNS, {})
+    row = judged(PaperCheck("fig0.gap", 1.0, "%", 9.0, "because", "printed", measure, origin="fitted"), RUNS, {})
     assert (row.ours, row.ok, row.problem) == (None, False, "no complete cycle")
 
 
