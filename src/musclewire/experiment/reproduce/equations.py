@@ -131,7 +131,7 @@ def gain_checks() -> list[PaperCheck]:
     ] + [
         PaperCheck(f"eq6.{gain}_reach[{end}]", printed[gain][place], UNITS[gain],
             REACH_FRACTION * (printed[gain][1] - printed[gain][0]), reach, "printed",
-            partial(gain_reach, gain=gain, end=end, low=printed[gain][0], high=printed[gain][1]), origin="designed")
+            partial(gain_reach, gain=gain, end=end, low=printed[gain][0], high=printed[gain][1]), origin="definition")
         for gain in RATIO_OF
         for end, place, _ in sides
     ]  # fmt: skip

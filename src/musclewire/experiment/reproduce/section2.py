@@ -90,7 +90,7 @@ def minor_loop_checks(setup: dict[str, Any]) -> list[PaperCheck]:
     pairs = [(amplitudes[1], amplitudes[0]), (amplitudes[2], amplitudes[0]), (amplitudes[2], amplitudes[1])]
     found += [
         PaperCheck(f"fig3a.stroke_ratio[{small:.2f}V,{large:.2f}V]", 1.0, "1", 0.0, ORDERED, "words",
-            partial(stroke_ratio, small=small, large=large), "at most", origin="predicted")
+            partial(stroke_ratio, small=small, large=large), "at most", origin="fitted")
         for small, large in pairs
     ]  # fmt: skip
     return found + [
@@ -278,7 +278,9 @@ def diameter_checks() -> list[PaperCheck]:
     )
     return found + [
         PaperCheck(f"fig6b.force_gap_less_strain_gap_pct[{diameter_label(wire)}]", 0.0, "%", 0.0, why, "words",
-            partial(force_less_strain_pct, wire=wire), "at least", origin="predicted")
+            partial(force_less_strain_pct, wire=wire), "at least",
+            # Both numbers of the 125 um wire are targets of the search.
+            origin="fitted" if wire == SWEEP_WIRE else "predicted")
         for wire in WIRES
     ]  # fmt: skip
 

@@ -79,7 +79,7 @@ def finger_checks(printed: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck("fig13a.range_ratio", 1.0, "1", 0.0,
             '"distributed actuation provides larger range to length ratio": tendon through all columns over one chord '
             "to the last column, both to the same stress in the beam or to the end of their range",
-            "words", lambda _: schemes_of_fig13().ratio, "at least", origin="designed"),
+            "words", lambda _: schemes_of_fig13().ratio, "at least", origin="predicted"),
         *(
             PaperCheck(f"fig13b.{name}", printed[name], "mm", 0.0, SAME, "input",
                 partial(geometry_mm, name=name.replace("_mm", "_m")), origin="input")
@@ -141,10 +141,10 @@ def deflection_checks() -> list[PaperCheck]:
     return [
         PaperCheck("fig14.initial_deflection_mm[pretensioner]", 0.0, "mm", NONE_MM,
             '"the pretension force can be adjusted without initially deflecting the finger": 0.01 mm, three times the '
-            "laser's noise", "words", partial(deflection_mm, kept=True), "at most", origin="predicted"),
+            "laser's noise", "words", partial(deflection_mm, kept=True), "at most", origin="definition"),
         PaperCheck("fig14.initial_deflection_mm[none]", OBVIOUS_MM, "mm", 0.0,
             '"an obvious initial deflection" where the SMA pulls the tendon directly: read as 1 mm of the 6', "words",
-            partial(deflection_mm, kept=False), "at least", origin="predicted"),
+            partial(deflection_mm, kept=False), "at least", origin="designed"),
     ]  # fmt: skip
 
 
@@ -175,7 +175,7 @@ def stage_checks(printed: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck("fig15.tendon_zero_um", 0.0, "um", ZERO_UM,
             "how far the zero of the tendon is found from the true one, by the load cell, from a stage 40 um off; "
             "5 um: less than the noise of the load cell over the finger's stiffness would be in a single reading",
-            "words", lambda runs: 1e6 * abs(runs.finger.tendon_zero.slack_m), "at most", origin="predicted"),
+            "words", lambda runs: 1e6 * abs(runs.finger.tendon_zero.slack_m), "at most", origin="definition"),
     ]  # fmt: skip
 
 
