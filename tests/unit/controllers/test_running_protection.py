@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -164,3 +165,45 @@ def test_a_command_that_is_said_to_be_followed_is_what_may_be_applied(
         assert running.allowed() == (commanded_v, False)
     else:
         assert running.state.state is not State.RUN or running.state.lasting_s != armed(LIMITS).lasting_s
+
+
+FAST_S = 1e-3
+BLOCK = round(protection_table().reading_period_s / FAST_S)
+one_sample = st.tuples(st.floats(0.0, 3.6), st.floats(-5.0, 5.0), st.floats(-0.3, 0.3))
+
+
+@given(st.lists(one_sample, min_size=1, max_size=40))
+def test_a_block_of_fast_samples_covers_their_time_and_holds_their_means(samples: list[tuple[float, ...]]) -> None:
+    block = np.zeros(4)
+    full = [bool(fills_block(block, *volts, FAST_S, protection_table().reading_period_s)) for volts in samples]
+    assert block[0] == pytest.approx(len(samples) * FAST_S)
+    assert block[1:] == pytest.approx(np.mean(samples, axis=0), abs=1e-12)
+    assert full == [count >= BLOCK for count in range(1, len(samples) + 1)]
+
+
+def of_wire(drive_v: float, ohm: float) -> tuple[float, float, float]:
+    """Drive, wire and shunt voltage of a wire with a resistance."""
+    current_a = drive_v / (ohm + 1.0)
+    return drive_v, current_a * ohm, current_a
+
+
+@pytest.mark.parametrize("sound_one", range(BLOCK))
+def test_a_fault_in_all_fast_samples_but_one_is_seen_whichever_sample_is_sound(sound_one: int) -> None:
+    running = RunningProtection(LIMITS, FAST_S)
+    running.command(3.0)
+    for tick in range(60 * BLOCK):
+        running.sample(*of_wire(3.0, 16.0 if tick % BLOCK == sound_one else 1.5))
+    assert running.tripped
+    sound_volts, bad_volts = np.array(of_wire(3.0, 16.0)), np.array(of_wire(3.0, 1.5))
+    assert running.last_reading_v == pytest.approx(tuple(bad_volts + (sound_volts - bad_volts) / BLOCK))
+
+
+@pytest.mark.parametrize("noisy_one", range(BLOCK))
+def test_noise_in_one_fast_sample_of_each_reading_trips_nothing(noisy_one: int) -> None:
+    """Judged by itself such a sample would be outside the window of resistance; the mean is near that of the wire."""
+    running = RunningProtection(LIMITS, FAST_S)
+    running.command(1.0)
+    for tick in range(60 * BLOCK):
+        drive_v, wire_v, shunt_v = of_wire(1.0 + 1e-5 * tick, 16.0)
+        running.sample(drive_v, wire_v * (1.7 if tick % BLOCK == noisy_one else 1.0), shunt_v)
+    assert running.state.state is State.RUN

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import quad
 
 from musclewire.errors import CallerError
 from musclewire.sensing.contact_detection import AirDisturbance, ContactDetector, ContactState, FreeClosing
@@ -85,6 +86,22 @@ def test_draughts_and_noise_as_expected_do_not_alarm(seed: int) -> None:
     power = powers() + air.draught_fraction * draught * (0.55 - 0.25 * PLACES)
     noisy = PLACES + FREE.normalised_noise * random.standard_normal(PLACES.size)
     assert not states(power, noisy)[-1].touched
+
+
+@pytest.mark.parametrize("dt_s", [0.05, 0.5, 2.0])
+def test_between_samples_the_draught_gains_the_variance_of_a_first_order_process(dt_s: float) -> None:
+    """An Ornstein-Uhlenbeck process known at one time: the integral of its diffusion, each part decayed since."""
+    air = AirDisturbance(draught_fraction=0.2, draught_time_s=3.0)
+    # With a model this noisy the filter learns next to nothing, and its covariance is the prediction.
+    detector = ContactDetector(replace(FREE, normalised_noise=0.99, closing_energy_j=(1e4,)), air)
+    state, variances = detector.start(), []
+    for place in (0.93, 0.90, 0.85, 0.80):
+        state = detector.step(state, 15.0 + 2.5 * place, 0.5, dt_s)
+        variances.append(float(state.covariance[1, 1]))
+    holding_w = 0.55 - 0.25 * 0.5 * (0.85 + 0.80)
+    diffusion_w2_per_s = 2.0 * (0.2 * holding_w) ** 2 / 3.0
+    gained_w2, _ = quad(lambda ago_s: diffusion_w2_per_s * np.exp(-2.0 * ago_s / 3.0), 0.0, dt_s)
+    assert variances[-1] - variances[-2] == pytest.approx(gained_w2, rel=1e-5)
 
 
 def test_a_wire_at_rest_or_warming_is_never_judged() -> None:

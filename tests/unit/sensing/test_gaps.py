@@ -55,6 +55,14 @@ def test_noise_of_a_fiftieth_percent_moves_the_gap_by_less_than_a_tenth_of_a_poi
         assert hysteresis_gap(s.heating, s.cooling) == pytest.approx(maker.exact_gap(), abs=1e-3)
 
 
+@given(st.integers(1, 12), st.floats(1e-4, 5e-3))
+def test_a_gap_that_opens_evenly_is_its_mean_however_few_resistances_are_compared(points: int, widest: float) -> None:
+    resistance, strain = straight(0.0)
+    opening = widest * (resistance - 15.0) / 2.0
+    gap = hysteresis_gap((resistance, strain), (resistance, strain - opening), points)
+    assert gap == pytest.approx(0.5 * widest / 0.03, rel=1e-9)
+
+
 def test_only_shared_resistances_are_compared() -> None:
     low = (np.linspace(15, 16, 40), np.linspace(0.03, 0.02, 40))
     high = (np.linspace(15.5, 17, 40), np.linspace(0.025, 0.01, 40))

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from musclewire.sensing import SegmentTracker
+from musclewire.sensing.curve import ResistanceCurve
+from musclewire.sensing.polynomial_estimator import PolynomialEstimator
+from musclewire.signals.exchange import Reason, WireSample
 
 R_MIN, R_MAX = 15.0, 17.3
 SAMPLES = 1800
@@ -62,3 +65,56 @@ def test_samples_without_current_are_skipped() -> None:
     sensing = SegmentTracker(R_MIN, R_MAX).track(resistance, power, valid)
     assert not sensing[600:650].any()
     assert sensing[(contraction > 0.2) & valid].all()
+
+
+BEGINS_OHM = {"in A-B": 17.0, "between B and C": 16.8}
+
+
+def moved(begins_ohm: float, by_ohm: float, power_factor: float, samples: int = 60) -> tuple[np.ndarray, np.ndarray]:
+    """Resistance and power that change evenly from the first sample on."""
+    part = np.linspace(0.0, 1.0, samples)
+    return begins_ohm + by_ohm * part, 0.3 * power_factor**part
+
+
+@pytest.mark.parametrize("begins", BEGINS_OHM)
+@pytest.mark.parametrize("warmer", [True, False], ids=["heated", "cooled"])
+@pytest.mark.parametrize("rises", [True, False], ids=["rising", "falling"])
+def test_in_a_b_resistance_moves_with_the_temperature_and_between_b_and_c_against_it(
+    begins: str, warmer: bool, rises: bool
+) -> None:
+    """Lan and Fan 2010, Fig. 3(b): the sign decides, in whichever segment the wire was found before."""
+    begins_ohm = BEGINS_OHM[begins] if rises else 17.25
+    by_ohm = 0.25 if rises else -0.25
+    before = np.full(30, BEGINS_OHM[begins])
+    resistance, power = moved(begins_ohm, by_ohm, 2.0 if warmer else 0.5)
+    # The wire first rests where its segment is certain, then is led to the resistance at which the change begins.
+    led = np.linspace(BEGINS_OHM[begins], begins_ohm, 30)
+    tracker = SegmentTracker(R_MIN, R_MAX)
+    watt = np.concatenate([np.full(60, 0.3), power])
+    sensing = tracker.track(np.concatenate([before, led, resistance]), watt, np.ones(watt.size, dtype=bool))
+    assert sensing[-1] == (warmer != rises)
+
+
+@pytest.mark.parametrize("compiled", [False, True], ids=["step", "tick"])
+@pytest.mark.parametrize("warmer", [True, False], ids=["heated", "cooled"])
+@pytest.mark.parametrize("rises", [True, False], ids=["rising", "falling"])
+def test_a_cold_wire_is_sensed_once_power_and_resistance_move_in_opposite_directions(
+    rises: bool, warmer: bool, compiled: bool
+) -> None:
+    estimator = PolynomialEstimator(ResistanceCurve(R_MIN, R_MAX, (0.03, -0.03), (0.03, -0.03), 0.0, 1.0), 1.0)
+    resistance, power = moved(17.0 if rises else 17.25, 0.25 if rises else -0.25, 2.0 if warmer else 0.5)
+    reasons, state, tick = [], estimator.start(), estimator.compiled_tick()
+    assert tick is not None
+    answer = np.zeros(6)
+    for ohm, watt in zip(resistance.tolist(), power.tolist(), strict=True):
+        wire_v = float(np.sqrt(watt * ohm))
+        given = np.array([0.0, 1.1 * wire_v, wire_v, wire_v / ohm])
+        if compiled:
+            tick.function(tick.constants, tick.state, given, answer)
+            reasons.append(Reason(int(answer[3])))
+        else:
+            step = estimator.step(state, WireSample(*given.tolist()))
+            state = step.state
+            reasons.append(step.estimate.reason)
+    assert reasons[0] is Reason.COLD
+    assert (reasons[-1] is Reason.OK) == (warmer != rises)
