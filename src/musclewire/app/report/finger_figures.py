@@ -15,7 +15,7 @@ from musclewire.arrays import FloatArray
 from musclewire.experiment.metrics import determined, elapsed
 from musclewire.experiment.reproduce.designed_parts import paper_pretensioner, schemes_of_fig13
 from musclewire.experiment.reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n
-from musclewire.experiment.reproduce.section4 import SWEEP_N, gaps_over_pretension
+from musclewire.experiment.reproduce.finger_sweep import SWEEP_N, gaps_over_pretension
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.library import read_published

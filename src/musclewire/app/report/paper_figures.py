@@ -15,13 +15,12 @@ from musclewire.app.report.finger_figures import FINGER_FIGURES
 from musclewire.app.report.paper_drawing import SHADES, WHITE_BOX, one_panel, printed_line, ramp
 from musclewire.errors import MusclewireError
 from musclewire.experiment.metrics import determined, elapsed
+from musclewire.experiment.reproduce.force_ratios import FORCE_RATIOS, loops_at_ratio
 from musclewire.experiment.reproduce.section2 import (
-    FORCE_RATIOS,
     STIFFNESS_FACTORS,
     SWEEP_WIRE,
     loop_of_amplitude,
     loop_of_stiffness,
-    loops_at_ratio,
     sweep_settings_n,
 )
 from musclewire.experiment.reproduce.section3 import STRAIN_TOLERANCE_PCT, strain_at_pct

@@ -38,12 +38,12 @@ TITLES: dict[str, tuple[str, str]] = {
     "fig4": (
         "Fig. 4: pretension closes the strain loop (125 um)",
         'The paper adds that "the strain gap of the largest pretension force is almost zero", and prints 2.702 % for '
-        "it: the printed number counts here.",
+        "it: both have a row, the words as the largest distance of the branches.",
     ),
     "fig5": ("Fig. 5: the force loop closes and opens again (125 um)", ""),
     "fig6a": (
         "Fig. 6(a): strain gap against force ratio",
-        "Three diameters at equal fractions of their maximum force.",
+        "Three diameters at equal fractions of their maximum force. The paper has each gap fall to the right.",
     ),
     "fig6b": ("Fig. 6(b): force gap against force ratio", ""),
     "fig7": (
@@ -81,9 +81,11 @@ TITLES: dict[str, tuple[str, str]] = {
     ),
     "table3": (
         "Table 3: errors of the finger's staircase",
-        "The text calls it Table 5. Its worst, 5.368 %, is the limit for each of ours.",
+        "The text calls it Table 5. Each step has its own printed number and one tolerance; the worst has its own row.",
     ),
     "fig18": ("Fig. 18: the finger's staircase", "Moved by resistance alone; the laser only judges."),
+    "section1": ("Section I: what a wire can do", "Said of slender wires in general, not of the paper's bench."),
+    "section5": ("Section V: the conclusions", "What the paper promises for spring and finger."),
     "isobars": (
         "Not in the paper: Flexinol isobars",
         "The same alloy under constant stress, compared with measured loops published elsewhere (Texas A&amp;M).",

@@ -11,6 +11,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.experiment.reproduce.loops import Loop
 from musclewire.sensing.branches import Branch
+from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 
 __all__ = [
     "drive_branches",
@@ -20,8 +21,10 @@ __all__ = [
     "largest_distance",
     "lowest_place",
     "outside_band",
+    "one_sided_fraction",
     "outside_loop_pct",
     "plain_gap_pct",
+    "rank_correlation",
 ]
 
 POINTS = 400
@@ -107,6 +110,20 @@ def force_ratio_of(soft: Loop, stiff: Loop) -> float:
         places = shared_places(one, other)
         sums += (np.interp(places, *one).mean(), np.interp(places, *other).mean())
     return float(sums[1] / sums[0])
+
+
+def one_sided_fraction(heating: Branch, cooling: Branch) -> float:
+    """Return the size of the signed gap over the gap: 1 for branches that do not intersect, less for those that do."""
+    return abs(signed_hysteresis_gap(heating, cooling)) / hysteresis_gap(heating, cooling)
+
+
+def rank_correlation(places: Sequence[float], values: Sequence[float]) -> float:
+    """Return Spearman's rank correlation: -1 for values that fall throughout, 1 for values that rise throughout.
+
+    Equal values are ranked in the order given.
+    """
+    ranks = [np.argsort(np.argsort(row, kind="stable"), kind="stable") for row in (places, values)]
+    return float(np.corrcoef(ranks[0], ranks[1])[0, 1])
 
 
 def falling_steps(values: Sequence[float]) -> int:

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from musclewire.experiment.reproduce import equations, isobars, section2, section3, section4, table1
+from musclewire.experiment.reproduce import conclusions, equations, isobars, section2, section3, section4, table1
 from musclewire.experiment.reproduce.paper_checks import PaperCheck, ReproductionRow, judged, selected
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.parameters.known_failures import known_failures
@@ -41,8 +41,8 @@ class Reproduction:
 
 
 def all_checks() -> list[PaperCheck]:
-    """Return every check in the order of the paper, the isobars last."""
-    modules = (table1, equations, section2, section3, section4, isobars)
+    """Return every check in the order of the paper, introduction and conclusions together, the isobars last."""
+    modules = (table1, equations, section2, section3, section4, conclusions, isobars)
     return [check for module in modules for check in module.checks()]
 
 

@@ -6,9 +6,17 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import spearmanr
 
 from musclewire.errors import RecordingError
-from musclewire.experiment.reproduce.measures import falling_steps, largest_distance, lowest_place, outside_band
+from musclewire.experiment.reproduce.measures import (
+    falling_steps,
+    largest_distance,
+    lowest_place,
+    one_sided_fraction,
+    outside_band,
+    rank_correlation,
+)
 from musclewire.sensing.branches import Branch
 
 RISING = np.linspace(0.0, 10.0, 101)
@@ -47,3 +55,24 @@ def test_the_lowest_place_at_an_end_is_that_end() -> None:
 
 def test_only_falls_count() -> None:
     assert falling_steps([3.0, 2.0, 2.0, 1.0, 1.5]) == 2
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=3, max_size=12, unique=True))
+def test_the_rank_correlation_is_that_of_scipy(values: list[float]) -> None:
+    places = [float(index) for index in range(len(values))]
+    assert rank_correlation(places, values) == pytest.approx(spearmanr(places, values).statistic, abs=1e-12)
+
+
+def test_one_of_five_gaps_two_places_off_is_seven_tenths() -> None:
+    assert rank_correlation([1, 2, 3, 4, 5], [9.0, 8.0, 7.0, 6.0, 5.0]) == pytest.approx(-1.0)
+    assert rank_correlation([1, 2, 3, 4, 5], [7.0, 9.0, 8.0, 6.0, 5.0]) == pytest.approx(-0.7)
+
+
+def test_branches_that_cross_share_less_than_those_apart() -> None:
+    base = 5.0 - 0.1 * RISING
+    level = Branch(RISING, base)
+    assert one_sided_fraction(Branch(RISING, base + 0.2), level) == pytest.approx(1.0, abs=0.01)
+    assert one_sided_fraction(Branch(RISING, base - 0.2), level) == pytest.approx(1.0, abs=0.01)
+    assert one_sided_fraction(Branch(RISING, base + 0.02 * (RISING - 5.0)), level) == pytest.approx(0.0, abs=0.02)
+    # Three quarters above, a quarter below: (9 - 1) / (9 + 1).
+    assert one_sided_fraction(Branch(RISING, base + 0.02 * (RISING - 2.5)), level) == pytest.approx(0.8, abs=0.02)
