@@ -5,7 +5,8 @@ After a change of the shipped parameters or of the physics, run it once and comm
 - README.md's pictures, from a run of the demo (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
 - the Bode plot of docs/how-to/linearise_a_wire.md (``python docs/images/draw.py margins`` draws it alone),
-- docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md and python.md
+- docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md and python.md, and
+  the column "Compared" of paper_map.md
   (``python docs/images/draw.py pages`` writes these alone, in seconds).
 """
 
@@ -18,6 +19,7 @@ from pathlib import Path
 
 import faults_page
 import matplotlib as mpl
+import paper_map_page
 import parameter_page
 import physics_numbers
 import physics_pictures
@@ -39,6 +41,7 @@ FAULTS_PAGE = HERE.parent / "reference" / "faults.md"
 RIG_KEYS_PAGE = HERE.parent / "reference" / "hardware_rig_files.md"
 WIRE_ROW_PAGE = HERE.parent / "reference" / "wire_row.md"
 PYTHON_PAGE = HERE.parent / "reference" / "python.md"
+PAPER_MAP_PAGE = HERE.parent / "reference" / "paper_map.md"
 BLOCK = re.compile(r"(<!-- written by docs/images/draw\.py: (\w+) -->\n).*?(<!-- end -->)", re.S)
 DPI = 110
 # Displacement of the operating points in the Bode plot.
@@ -102,6 +105,7 @@ def write_pages() -> None:
     RIG_KEYS_PAGE.write_text(rig_keys_page.page(), encoding="utf-8")
     WIRE_ROW_PAGE.write_text(wire_row_page.page(), encoding="utf-8")
     PYTHON_PAGE.write_text(python_page.page(), encoding="utf-8")
+    PAPER_MAP_PAGE.write_text(paper_map_page.page(PAPER_MAP_PAGE.read_text("utf-8")), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ from typing import Any
 import pytest
 from doc_pages import ROOT, code_words, resolve, tables_of
 
+from musclewire.experiment.reproduce import all_checks, selected
+
 ROWS = [
     row
     for table in tables_of((ROOT / "docs/reference/paper_map.md").read_text("utf-8"))
@@ -61,6 +63,24 @@ def test_every_test_named_exists(row: dict[str, str]) -> None:
         path: Path = ROOT / file
         assert path.is_file()
         assert not function or f"def {function}(" in path.read_text("utf-8")
+
+
+@pytest.mark.parametrize("row", ROWS, ids=IDS)
+def test_the_rows_named_exist_and_are_compared_by_the_test_named(row: dict[str, str]) -> None:
+    """An entry without rows says so, whatever its test is called; one with rows has them in a whole run."""
+    beginnings = code_words(row["Rows"])
+    assert all(selected(all_checks(), beginning) for beginning in beginnings)
+    assert (row["Compared"] == "not compared") == (not beginnings)
+    assert ("tests/published/test_reproduce.py" in code_words(row["Test"])) == bool(beginnings)
+
+
+def test_every_row_of_the_paper_belongs_to_an_entry() -> None:
+    """Isobars are in another publication."""
+    checks = all_checks()
+    listed = {
+        check.name for row in ROWS for beginning in code_words(row["Rows"]) for check in selected(checks, beginning)
+    }
+    assert [check.name for check in checks if check.name not in listed and not check.name.startswith("isobars.")] == []
 
 
 @pytest.mark.parametrize("row", ROWS, ids=IDS)

@@ -46,6 +46,11 @@ def test_the_page_on_the_row_of_a_wire_is_what_its_list_of_fields_says(draw: Mod
     assert draw.WIRE_ROW_PAGE.read_text("utf-8") == draw.wire_row_page.page(), AGAIN
 
 
+def test_the_map_of_the_paper_says_which_rows_hold_and_which_fail(draw: ModuleType) -> None:
+    page = draw.PAPER_MAP_PAGE.read_text("utf-8")
+    assert page == draw.paper_map_page.page(page), AGAIN
+
+
 def test_the_page_on_rig_files_of_hardware_is_what_the_schemas_say(draw: ModuleType) -> None:
     page = draw.rig_keys_page.page()
     assert draw.RIG_KEYS_PAGE.read_text("utf-8") == page, AGAIN
