@@ -13,7 +13,7 @@ from musclewire.experiment.reproduce.runs import Runs
 from musclewire.experiment.reproduce.table1 import WIRES, diameter_label
 from musclewire.parameters.library import load_wire
 
-__all__ = ["FALLING", "FORCE_RATIOS", "diameter_checks", "loops_at_ratio"]
+__all__ = ["FALLING", "FORCE_RATIOS", "MIDDLE_RATIO", "diameter_checks", "loops_at_ratio"]
 
 FORCE_RATIOS = (0.25, 0.35, 0.45, 0.55, 0.65)
 # Spearman's correlation of gap and force ratio, at most; and the force ratio that the smallest gap must lie beyond.
