@@ -3,7 +3,8 @@
 Models are fitted on the paper's spring of 588.6 N/m; the wire then pulls springs of half and twice that stiffness. A
 model of force is bound to its spring (Lan and Fan 2010, Fig. 8); a model of strain (Fig. 7) with the known stiffness
 and the friction measured on the first spring is not. Bar: with a known stiffness every step of the staircase within
-5 % (mean absolute error, Eq. 7, against the load cell) at the default seed. Exit 1 if it is not.
+5 % (mean absolute error, Eq. 7, against the load cell, after the approach) at the default seed. Exit 1 if it is not.
+From the first target on, the first step is larger; both are printed.
 
     python benchmarks/force_self_sensing.py [--quick]     six seeds, or the default one
 """
@@ -14,7 +15,7 @@ import sys
 
 import musclewire as mw
 from musclewire.experiment.closed_loop import control
-from musclewire.experiment.metrics import ControlMetrics
+from musclewire.experiment.metrics import ControlMetrics, determined
 from musclewire.experiment.staircases import staircase_within
 from musclewire.sensing import SensingModel
 from musclewire.sensing.known_load import KnownSpring, force_model
@@ -36,7 +37,8 @@ def main() -> int:
     seeds = SEEDS[:1] if "--quick" in sys.argv else SEEDS
     worst: dict[tuple[str, float], list[float]] = {}
     failed = False
-    print("seed  spring N/m  model                      largest MAE %  mean MAE %")
+    print(f"{'':47}after the approach       from the first target on")
+    print("seed  spring N/m  model                      largest MAE %  mean MAE %  largest MAE %  mean MAE %")
     for seed in seeds:
         with mw.open_rig("simulated", seed=seed) as rig:
             loop = mw.characterize(rig)
@@ -51,10 +53,19 @@ def main() -> int:
             }
             for name, (model, load) in ways.items():
                 metrics = run_on(model, stiffness, seed, load)
-                largest, mean = metrics.mae_max_pct or 0.0, metrics.mae_mean_pct or 0.0
+                found = (
+                    metrics.mae_max_approached_pct,
+                    metrics.mae_mean_approached_pct,
+                    metrics.mae_max_pct,
+                    metrics.mae_mean_pct,
+                )
+                largest, mean, *counted = (determined(error, "an error of the staircase") for error in found)
                 worst.setdefault((name, ratio), []).append(largest)
                 failed |= seed == SEEDS[0] and name.endswith("friction") and largest > BAR_PCT
-                print(f"{seed:4d}  {stiffness:10.1f}  {name:25s}  {largest:13.2f}  {mean:10.2f}")
+                print(
+                    f"{seed:4d}  {stiffness:10.1f}  {name:25s}  {largest:13.2f}  {mean:10.2f}  "
+                    f"{counted[0]:13.2f}  {counted[1]:10.2f}"
+                )
         print(f"      friction found {1e3 * friction:.1f} mN")
     for (name, ratio), found in worst.items():
         within = sum(one <= BAR_PCT for one in found)

@@ -147,6 +147,8 @@ def measured(model: mw.SensingModel, seconds: float, path: Path | None, refused:
         "load_before": before,
         "load_after": os.getloadavg(),
         "mae_mean_pct": run.metrics.mae_mean_pct,
+        "mae_mean_approached_pct": run.metrics.mae_mean_approached_pct,
+        "approach_s": run.metrics.approach_s,
         "valid_share": run.metrics.valid_share,
     }
 

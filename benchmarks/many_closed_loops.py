@@ -63,6 +63,7 @@ def measured(runs: int, repeats: int) -> dict[str, Any]:
         "loops_repeated_in_python": found.in_python,
         "same_digits": found.metrics == on_one.metrics and found.metrics[: len(in_python.metrics)] == in_python.metrics,
         "median_of_largest_step_error_pct": round(float(statistics.median(found.mae_max_pct)), 4),
+        "median_of_largest_step_error_approached_pct": round(float(statistics.median(found.mae_max_approached_pct)), 4),
         "bar_s": BAR_S * runs / RUNS,
         "bar_met": wall_s <= BAR_S * runs / RUNS,
         "bar_met_by_processor_time": cpu_s / cores <= BAR_S * runs / RUNS,

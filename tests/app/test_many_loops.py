@@ -29,6 +29,8 @@ def test_every_loop_is_the_single_run_of_its_seed(musclewire: Callable[..., Any]
     assert [run["seed"] for run in many["runs"]] == [4, 5, 6]
     alone = musclewire("control", "simulated", model, *STEPS, "--seed", 5, "--json").json
     assert many["runs"][1]["mae_pct"] == [step["mae_pct"] for step in alone["steps"]]
+    assert many["runs"][1]["mae_approached_pct"] == [step["mae_approached_pct"] for step in alone["steps"]]
+    assert many["approach_s"] == alone["approach_s"] == 12.0
     assert many["runs"][1]["ended"] == "done"
     in_python = musclewire(
         "control", "simulated", model, *STEPS, "--runs", 3, "--seed", 4, "--in-python", "--json"
@@ -41,6 +43,11 @@ def test_people_get_a_table_of_medians_and_spreads(musclewire: Callable[..., Any
     assert answer.code == 0
     assert answer.out.startswith("2 of 2 loops reached their end")
     assert "1.8 %  rise" in answer.out
+    assert "the first step began 12 s later" in answer.out
+    assert [line.split("  ")[-1] for line in answer.out.splitlines() if "1.5 %  rise" in line] == [
+        "from the first target on",
+        "after the approach",
+    ]
 
 
 def test_a_loop_that_fails_is_named_and_the_exit_code_is_1(

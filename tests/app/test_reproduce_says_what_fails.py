@@ -29,6 +29,9 @@ def check(name: str, measure: Callable[[Runs], float]) -> PaperCheck:
 
 
 GOOD, REPAIRED = check("eq1.good", lambda _: 2.1), check("eq1.repaired", lambda _: 2.0)
+REPORTED = PaperCheck(
+    "eq1.reported", 2.0, "ohm", 0.0, "for comparison only", "printed", lambda _: 31.0, "reported", origin="predicted"
+)
 KNOWN, NEW = check("eq2.known", lambda _: 9.0), check("eq2.new[125um,1.70N]", no_loop)
 
 
@@ -57,6 +60,22 @@ def test_rows_that_hold_end_with_zero(
     assert code == 0
     assert "1 of 1 rows hold" in out
     assert (tmp_path / "new" / "folder" / "reproduce.html").is_file()
+
+
+def test_a_row_that_is_reported_counts_neither_way(
+    checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    checks(GOOD, REPORTED)
+    code, out, _ = answer(capsys, "--out", str(tmp_path))
+    assert code == 0
+    assert "1 of 1 rows hold; 1 more are reported and not judged" in out
+    assert "reported, not judged" in out
+    page = (tmp_path / "reproduce.html").read_text("utf-8")
+    assert '<td class="reported">reported, not judged</td>' in page
+    assert "1 of 1" in page
+    document = json.loads((tmp_path / "reproduce.json").read_text("utf-8"))
+    assert [(row["compare"], row["ok"]) for row in document["rows"]] == [("within", True), ("reported", True)]
+    assert document["failing"] == []
 
 
 @pytest.mark.parametrize("failing", [KNOWN, NEW])

@@ -6,7 +6,7 @@ import pytest
 
 from musclewire.app.report.paper_figures import FIGURES, drawn
 from musclewire.app.report.paper_page import TITLES
-from musclewire.app.report.row_text import limit_text, ours_text, paper_text
+from musclewire.app.report.row_text import limit_text, ours_text, paper_text, verdict
 from musclewire.errors import RecordingError
 from musclewire.experiment.reproduce import PaperCheck, ReproductionRow, Runs, all_checks, judged
 from musclewire.experiment.reproduce.paper_checks import Compare, Kind, subject_of
@@ -46,6 +46,7 @@ def test_our_number_has_the_digits_that_tolerance_and_paper_ask_for(
         (0.0, "within", "words", "–", "= 2"),
         (0.5, "at most", "printed", "2", "≤ 2.5"),
         (0.5, "at least", "equation", "–", "≥ 1.5"),
+        (0.0, "reported", "printed", "2", "–"),
     ],
 )
 def test_what_is_allowed_is_said_so_that_it_can_be_checked_by_eye(
@@ -53,6 +54,12 @@ def test_what_is_allowed_is_said_so_that_it_can_be_checked_by_eye(
 ) -> None:
     shown = row(2.0, 2.0, tolerance, compare, kind)
     assert (paper_text(shown), limit_text(shown)) == (paper, limit)
+
+
+def test_a_row_that_is_reported_says_that_it_is_not_judged() -> None:
+    shown = row(31.4159, 2.0, 0.0, "reported")
+    assert (ours_text(shown), verdict(shown)) == ("31.4", "reported, not judged")
+    assert verdict(row(2.0, 2.0, 0.0)) == "holds"
 
 
 def test_every_subject_has_a_title_and_every_figure_its_rows() -> None:

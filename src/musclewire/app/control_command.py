@@ -220,8 +220,11 @@ def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:
             key: round(factor * step.target, 10),
             "direction": step.direction,
             "mae_pct": step.mae_pct,
+            "mae_approached_pct": step.mae_approached_pct,
             "estimate_mae_pct": step.estimate_mae_pct,
+            "estimate_mae_approached_pct": step.estimate_mae_approached_pct,
             "tracking_mae_pct": step.tracking_mae_pct,
+            "tracking_mae_approached_pct": step.tracking_mae_approached_pct,
         }
         for step in metrics.steps
     ]
@@ -229,6 +232,10 @@ def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:
         "steps": steps,
         "mae_max_pct": metrics.mae_max_pct,
         "mae_mean_pct": metrics.mae_mean_pct,
+        "mae_max_approached_pct": metrics.mae_max_approached_pct,
+        "mae_mean_approached_pct": metrics.mae_mean_approached_pct,
+        "approach_s": metrics.approach_s,
+        "approach": metrics.approach,
         "valid_share": metrics.valid_share,
         "rms_pct": metrics.rms_pct,
         "estimate_rms_pct": metrics.estimate_rms_pct,

@@ -15,6 +15,7 @@ from musclewire.errors import CallerError
 if TYPE_CHECKING:
     from musclewire.controllers.references import Reference
     from musclewire.experiment.loop_outcomes import LoopOutcome, ManyControlRuns
+    from musclewire.experiment.metrics import ControlMetrics
 
 __all__ = ["MIN_VALID_FRACTION", "ManyLoopsOptions", "refuse_single_run_options", "run_many_loops"]
 
@@ -86,21 +87,42 @@ def run_many_loops(
 
 def many_json(found: ManyControlRuns) -> dict[str, Any]:
     """Return many closed loops under the keys of the interface."""
+    first = next(iter(found.metrics), None)
     return {
+        "approach_s": None if first is None else first.approach_s,
+        "approach": None if first is None else first.approach,
         "steps": [{name: or_none(value) for name, value in step._asdict().items()} for step in found.steps],
         "runs": [
             {
                 "seed": outcome.seed,
                 "ended": outcome.ended,
                 "compiled": outcome.compiled,
-                "mae_pct": None if outcome.metrics is None else [step.mae_pct for step in outcome.metrics.steps],
-                "mae_max_pct": None if outcome.metrics is None else outcome.metrics.mae_max_pct,
-                "rms_pct": None if outcome.metrics is None else outcome.metrics.rms_pct,
+                **errors_json(outcome.metrics),
                 "warnings": outcome.warnings,
-                "valid_share": None if outcome.metrics is None else outcome.metrics.valid_share,
             }
             for outcome in found.outcomes
         ],
+    }
+
+
+ERRORS = (
+    "mae_max_pct",
+    "mae_mean_pct",
+    "mae_max_approached_pct",
+    "mae_mean_approached_pct",
+    "rms_pct",
+    "valid_share",
+)
+
+
+def errors_json(metrics: ControlMetrics | None) -> dict[str, Any]:
+    """Return the errors of one of the loops under the keys of the interface; None for each without metrics."""
+    if metrics is None:
+        return dict.fromkeys(("mae_pct", "mae_approached_pct", *ERRORS))
+    return {
+        "mae_pct": [step.mae_pct for step in metrics.steps],
+        "mae_approached_pct": [step.mae_approached_pct for step in metrics.steps],
+        **{name: getattr(metrics, name) for name in ERRORS},
     }
 
 

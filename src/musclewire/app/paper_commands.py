@@ -160,8 +160,11 @@ def plain_markup(text: str) -> str:
 
 def print_summary(result: Reproduction) -> None:
     """Print how many rows hold, and name the failures by whether they are known."""
-    count, failing = len(result.rows), len(result.failing)
-    show(f"{count - failing} of {count} rows hold")
+    count, failing = len(result.judged_rows), len(result.failing)
+    reported = len(result.rows) - count
+    show(
+        f"{count - failing} of {count} rows hold" + (f"; {reported} more are reported and not judged" * bool(reported))
+    )
     groups = (
         ("known failures", [row for row in result.failing if row.known_failure]),
         ("new failures, not on the committed list", result.new_failures),

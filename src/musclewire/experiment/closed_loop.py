@@ -37,7 +37,8 @@ from musclewire.signals.recording import MetadataValue
 
 __all__ = ["SelfSensingPolicy", "control", "controller_for"]
 
-# In the first step the wire starts cold, where resistance does not determine strain; it gets this long to arrive.
+# A wire at rest is cold, where resistance does not determine strain; it gets this long to come to the first target
+# before the first step begins. Eq. 7 is given from the first target on, and after this approach.
 APPROACH_S = 12.0
 # Of an estimator without a slow part no status is recorded.
 NO_STATUS: tuple[float, ...] = ()
@@ -184,13 +185,15 @@ def control(
         A known spring: then force is controlled, and a model of strain, or of the connector's displacement, yields it
         through the spring's stiffness.
     approach_s
-        Time [s] in which the wire reaches the reference's start; by default enough to warm up from cold.
+        Time [s] for which the reference's start is held before the reference begins; by default enough for a wire to
+        warm up from cold. The metrics give Eq. 7 from the first target on, which counts the first step without it, and
+        after it; with 0 both are the same.
     run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row.
 
     Returns
     -------
-    The recording with its metrics (Eq. 7 for each step, if the rig has a reference instrument).
+    The recording with its metrics (Eq. 7 for each step in both readings, if the rig has a reference instrument).
 
     Raises
     ------

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.experiment.metrics import ControlMetrics
+from musclewire.experiment.metrics import APPROACHED, FROM_FIRST_TARGET, ControlMetrics
 from musclewire.sensing.curve import SHOWN_AS
 from musclewire.signals.recording import Recording
 
@@ -48,6 +49,8 @@ class LoopOutcome(NamedTuple):
 class StepSpread(NamedTuple):
     """Errors of one step over all loops, against the reference instrument [%] (Eq. 7).
 
+    From the first target on, and with ``approached`` in the name after the approach; the first step alone differs.
+
     Parameters
     ----------
     target
@@ -60,6 +63,8 @@ class StepSpread(NamedTuple):
         5th and 95th percentile.
     maximum_pct
         Largest error of all loops.
+    median_approached_pct, low_approached_pct, high_approached_pct, maximum_approached_pct
+        The same of the errors after the approach.
     """
 
     target: float
@@ -68,6 +73,10 @@ class StepSpread(NamedTuple):
     low_pct: float
     high_pct: float
     maximum_pct: float
+    median_approached_pct: float
+    low_approached_pct: float
+    high_approached_pct: float
+    maximum_approached_pct: float
 
 
 @dataclass(frozen=True)
@@ -108,21 +117,31 @@ class ManyControlRuns:
 
     @property
     def mae_pct(self) -> FloatArray:
-        """Mean absolute error of each step (Eq. 7) [%], (n_loops, n_steps); not a number without one."""
-        rows = [[np.nan if step.mae_pct is None else step.mae_pct for step in one.steps] for one in self.metrics]
-        return np.array(rows, dtype=np.float64)
+        """Mean absolute error of each step from the first target on (Eq. 7) [%], (n_loops, n_steps).
+
+        Not a number without one.
+        """
+        return as_numbers([[step.mae_pct for step in one.steps] for one in self.metrics])
+
+    @property
+    def mae_approached_pct(self) -> FloatArray:
+        """Mean absolute error of each step after the approach (Eq. 7) [%], (n_loops, n_steps)."""
+        return as_numbers([[step.mae_approached_pct for step in one.steps] for one in self.metrics])
 
     @property
     def mae_max_pct(self) -> FloatArray:
-        """Largest step error of each loop that reached its end [%], (n_loops,)."""
-        found = [one.mae_max_pct for one in self.metrics]
-        return np.array([np.nan if error is None else error for error in found], dtype=np.float64)
+        """Largest step error from the first target on of each loop that reached its end [%], (n_loops,)."""
+        return as_numbers([one.mae_max_pct for one in self.metrics])
+
+    @property
+    def mae_max_approached_pct(self) -> FloatArray:
+        """Largest step error after the approach of each loop that reached its end [%], (n_loops,)."""
+        return as_numbers([one.mae_max_approached_pct for one in self.metrics])
 
     @property
     def rms_pct(self) -> FloatArray:
         """Error of each loop that reached its end, rms over its largest target [%], (n_loops,)."""
-        found = [one.rms_pct for one in self.metrics]
-        return np.array([np.nan if error is None else error for error in found], dtype=np.float64)
+        return as_numbers([one.rms_pct for one in self.metrics])
 
     @property
     def steps(self) -> tuple[StepSpread, ...]:
@@ -130,25 +149,48 @@ class ManyControlRuns:
         if not self.metrics or not self.metrics[0].steps:
             return ()
         return tuple(
-            StepSpread(step.target, step.direction, *spread_of(errors))
-            for step, errors in zip(self.metrics[0].steps, self.mae_pct.T, strict=True)
+            StepSpread(step.target, step.direction, *spread_of(errors), *spread_of(approached))
+            for step, errors, approached in zip(
+                self.metrics[0].steps, self.mae_pct.T, self.mae_approached_pct.T, strict=True
+            )
         )
 
     def __str__(self) -> str:
         """Return a small table."""
         lines = [f"{len(self.metrics)} of {len(self.outcomes)} loops reached their end; {self.in_python} ran in Python"]
         if self.steps:
-            factor, unit = SHOWN_AS[self.metrics[0].quantity]
-            lines.append("mean absolute error in % of the target, over the loops")
-            lines.append(f"{'target':>10} {'':7} {'median':>8} {'5 %':>8} {'95 %':>8} {'largest':>8}")
-            for step in self.steps:
-                shown = " ".join(f"{error:>8.3f}" for error in step[2:])
-                lines.append(f"{step.target * factor:>7.3g} {unit:2} {step.direction:7} {shown}")
-            lines.append(f"largest step error: {in_words(self.mae_max_pct)}")
+            lines += self.step_table()
         elif self.metrics:
             lines.append(f"rms error in % of the largest target: {in_words(self.rms_pct)}")
         lines += [f"seed {outcome.seed}: {outcome.ended}" for outcome in self.failed]
         return "\n".join(lines)
+
+    def step_table(self) -> list[str]:
+        """Return the spread of each step's error as lines; the first step has two if the readings of Eq. 7 differ."""
+        first = self.metrics[0]
+        factor, unit = SHOWN_AS[first.quantity]
+        lines = [
+            "mean absolute error in % of the target over the loops, the first second of each step left out (Eq. 7)",
+            first.approach,
+            f"{'target':>10} {'':7} {'median':>8} {'5 %':>8} {'95 %':>8} {'largest':>8}",
+        ]
+        for step in self.steps:
+            label = f"{step.target * factor:>7.3g} {unit:2} {step.direction:7}"
+            counted, approached = (" ".join(f"{error:>8.3f}" for error in four) for four in (step[2:6], step[6:]))
+            if counted == approached:
+                lines.append(f"{label} {counted}")
+            else:
+                lines += [f"{label} {counted}  {FROM_FIRST_TARGET}", f"{label} {approached}  {APPROACHED}"]
+        return [
+            *lines,
+            f"largest step error {FROM_FIRST_TARGET}: {in_words(self.mae_max_pct)}",
+            f"largest step error {APPROACHED}: {in_words(self.mae_max_approached_pct)}",
+        ]
+
+
+def as_numbers(errors_pct: Sequence[float | None] | Sequence[Sequence[float | None]]) -> FloatArray:
+    """Return errors as an array, None as not a number."""
+    return np.array(errors_pct, dtype=np.float64)
 
 
 def spread_of(errors_pct: FloatArray) -> tuple[float, float, float, float]:

@@ -48,9 +48,10 @@ ENDS_A_RUN = (Ended.COMMAND_NOT_SOUND, Ended.WIRE_NOT_RESOLVED, Ended.ESTIMATOR_
 class ManyLoopsOptions(TypedDict, total=False):
     """Keywords of :func:`control_many`.
 
-    ``approach_s`` is the time in which each wire reaches the reference's start; ``threads`` how many loops run at a
-    time, by default one on each core; ``keep_recordings`` whether the outcomes have their recordings; ``in_python``
-    whether every loop is run by ``control``, one after another; ``on_outcome`` is called with each outcome.
+    ``approach_s`` is the time for which the reference's start is held before it begins; ``threads`` how many loops run
+    at a time, by default one on each core; ``keep_recordings`` whether the outcomes have their recordings;
+    ``in_python`` whether every loop is run by ``control``, one after another; ``on_outcome`` is called with each
+    outcome.
     """
 
     approach_s: float
@@ -194,7 +195,7 @@ def control_compiled(
     load
         A known spring, if force is controlled through its stiffness.
     approach_s
-        Time [s] in which the wire reaches the reference's start.
+        Time [s] for which the reference's start is held before the reference begins.
 
     Returns
     -------

@@ -98,7 +98,7 @@ def control_on_board(
     checksum
         Checksum of the model and its controller as they are exported (``musclewire.export.c.loop_checksum``).
     approach_s
-        Time to reach the reference's start [s].
+        Time [s] for which the reference's start is held before the reference begins.
     path
         File that is written while the run lasts; none if None.
     overwrite

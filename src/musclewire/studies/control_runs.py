@@ -27,12 +27,24 @@ __all__ = ["CONTROL", "ControlOptions"]
 
 NUMBERS = {
     "mae_max_pct": Quantity(
-        "1", "largest error of a step against the reference instrument, in % of its target (Eq. 7)"
+        "1",
+        "largest error of a step against the instrument, in % of its target (Eq. 7), from the first target on",
     ),
-    "mae_mean_pct": Quantity("1", "mean error of the steps, in % of their targets (Eq. 7)"),
-    "rms_pct": Quantity("1", "rms error of the whole run, in % of the largest target"),
-    "estimate_rms_pct": Quantity("1", "rms error of the estimate against the instrument, in % of the largest target"),
-    "tracking_rms_pct": Quantity("1", "rms error of the estimate against the target, in % of the largest target"),
+    "mae_mean_pct": Quantity("1", "mean error of the steps, in % of their targets (Eq. 7), from the first target on"),
+    "mae_max_approached_pct": Quantity(
+        "1", "largest error of a step, in % of its target (Eq. 7), the first step counted after the approach"
+    ),
+    "mae_mean_approached_pct": Quantity(
+        "1", "mean error of the steps, in % of their targets (Eq. 7), the first step counted after the approach"
+    ),
+    "approach_s": Quantity("s", "time for which the first target was held before the first step"),
+    "rms_pct": Quantity("1", "rms error of the run after its approach, in % of the largest target"),
+    "estimate_rms_pct": Quantity(
+        "1", "rms error of the estimate against the instrument after the approach, in % of the largest target"
+    ),
+    "tracking_rms_pct": Quantity(
+        "1", "rms error of the estimate against the target after the approach, in % of the largest target"
+    ),
     "valid_fraction": Quantity("1", "fraction of the samples with a valid estimate"),
     "model_gap": Quantity("1", "gap of the loop that the model was fitted to"),
 }
@@ -118,6 +130,9 @@ def errors_of(metrics: ControlMetrics) -> dict[str, float]:
     found = {
         "mae_max_pct": metrics.mae_max_pct,
         "mae_mean_pct": metrics.mae_mean_pct,
+        "mae_max_approached_pct": metrics.mae_max_approached_pct,
+        "mae_mean_approached_pct": metrics.mae_mean_approached_pct,
+        "approach_s": metrics.approach_s,
         "rms_pct": metrics.rms_pct,
         "estimate_rms_pct": metrics.estimate_rms_pct,
         "tracking_rms_pct": metrics.tracking_rms_pct,

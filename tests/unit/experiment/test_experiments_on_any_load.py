@@ -66,8 +66,8 @@ def test_characterize_fit_and_control_run_on_any_load(job: Job) -> None:
     assert model.quantity == job.quantity
     assert high - low > job.min_range
     assert run.metrics.valid_share == 1.0
-    assert run.metrics.mae_mean_pct is not None
-    assert run.metrics.mae_mean_pct < job.max_mae_pct
+    assert run.metrics.mae_mean_approached_pct is not None
+    assert run.metrics.mae_mean_approached_pct < job.max_mae_pct
 
 
 def test_the_displacement_of_a_finger_is_its_endpoints_and_both_are_recorded() -> None:

@@ -106,8 +106,8 @@ def test_a_plain_pid_closes_the_loop_by_its_name(model: Path) -> None:
     with mw.open_rig("simulated", seed=1) as rig:
         run = mw.control(rig, mw.load_model(model), staircase(hold_s=2.0), controller="pid", approach_s=8.0)
     assert run.metadata["controller"] == "pid"
-    assert run.metrics.mae_max_pct is not None
-    assert run.metrics.mae_max_pct < 3.0
+    assert run.metrics.mae_max_approached_pct is not None
+    assert run.metrics.mae_max_approached_pct < 3.0
 
 
 @pytest.mark.usefixtures("registered")

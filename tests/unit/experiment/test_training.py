@@ -58,6 +58,6 @@ def test_recalibration_finds_the_anchors_of_today_without_a_sensor() -> None:
         assert anchored.model.resistance_max_ohm == pytest.approx(model.resistance_max_ohm, abs=0.02)
         assert anchored.resistance_min_moved_ohm == pytest.approx(-0.3, abs=0.02)
         good, bad = control(rig, anchored.model).metrics, control(rig, stale).metrics
-    assert good.mae_mean_pct is not None
-    assert bad.mae_mean_pct is not None
-    assert good.mae_mean_pct < 1.7 < bad.mae_mean_pct
+    assert good.mae_mean_approached_pct is not None
+    assert bad.mae_mean_approached_pct is not None
+    assert good.mae_mean_approached_pct < 1.7 < bad.mae_mean_approached_pct

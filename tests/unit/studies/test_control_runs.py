@@ -15,7 +15,7 @@ RUN = {
     "period": "60 s",
     "stop": 0.018,
     "hold": "3 s",
-    "keep": ["mae_mean_pct", "rms_pct", "model_gap", "valid_fraction", "strain"],
+    "keep": ["mae_mean_pct", "mae_mean_approached_pct", "rms_pct", "model_gap", "valid_fraction", "strain"],
 }
 
 
@@ -28,6 +28,7 @@ def test_a_run_is_the_closed_loop_on_the_rig_of_its_values_and_its_seed() -> Non
             model = mw.fit(mw.characterize(rig, cycles=1, period_s=60.0))
             run = mw.control(rig, model, mw.staircase(stop=0.018, hold_s=3.0))
         assert result.columns["mae_mean_pct"][number] == run.metrics.mae_mean_pct
+        assert result.columns["mae_mean_approached_pct"][number] == run.metrics.mae_mean_approached_pct
         assert result.columns["rms_pct"][number] == run.metrics.rms_pct
         assert result.columns["model_gap"][number] == model.hysteresis_gap
         assert result.columns["strain"][number].tolist() == (run["displacement_m"] / 0.07).tolist()

@@ -10,9 +10,17 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER
-from musclewire.app.report.paper_drawing import SHADES, SIZE, one_panel, printed_line, ramp
+from musclewire.app.report.paper_drawing import (
+    SHADES,
+    SIZE,
+    approached_errors_pct,
+    one_panel,
+    printed_line,
+    ramp,
+    readings_text,
+)
 from musclewire.arrays import FloatArray
-from musclewire.experiment.metrics import determined, elapsed
+from musclewire.experiment.metrics import elapsed
 from musclewire.experiment.reproduce.designed_parts import paper_pretensioner, schemes_of_fig13
 from musclewire.experiment.reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n
 from musclewire.experiment.reproduce.finger_sweep import SWEEP_N, gaps_over_pretension
@@ -267,12 +275,11 @@ def table3(runs: Runs) -> Figure:
     """
     figure = Figure(figsize=SIZE, layout="constrained")
     axes = figure.subplots()
-    table, steps = read_published("lan_fan_2010")["table3"], runs.finger.control_run.metrics.steps
+    table, metrics = read_published("lan_fan_2010")["table3"], runs.finger.control_run.metrics
+    steps = metrics.steps
     printed = [*table["mae_rise_pct"], *reversed(table["mae_return_pct"])]  # the way back begins at 5.5 mm
     places = np.arange(len(steps))
-    axes.bar(
-        places, [determined(step.mae_pct, "a step's error") for step in steps], width=0.55, color=COOLING, label="ours"
-    )
+    axes.bar(places, approached_errors_pct(metrics), width=0.55, color=COOLING, label=readings_text(metrics))
     axes.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
               label="paper, Table 3")  # fmt: skip
     axes.set(ylabel="MAE [% of target]", xlabel="step: endpoint displacement [mm], up and back")

@@ -10,11 +10,23 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from musclewire.app.report.figures import PAPER
+from musclewire.experiment.metrics import APPROACHED, FROM_FIRST_TARGET, determined
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["SHADES", "SIZE", "WHITE_BOX", "one_panel", "printed_line", "ramp"]
+    from musclewire.experiment.metrics import ControlMetrics
+
+__all__ = [
+    "SHADES",
+    "SIZE",
+    "WHITE_BOX",
+    "approached_errors_pct",
+    "one_panel",
+    "printed_line",
+    "ramp",
+    "readings_text",
+]
 
 SIZE = (6.4, 4.7)
 SHADES = ("#1f6f8b", "#e0a030", "#5c6670")
@@ -39,3 +51,14 @@ def ramp(count: int) -> Iterable[str]:
     from matplotlib.colors import to_hex
 
     return [to_hex(colour) for colour in mpl.colormaps["YlGnBu"](np.linspace(0.35, 1.0, count))]
+
+
+def approached_errors_pct(metrics: ControlMetrics) -> list[float]:
+    """Return the MAE of each step after the approach [% of target]."""
+    return [determined(step.mae_approached_pct, "a step's error") for step in metrics.steps]
+
+
+def readings_text(metrics: ControlMetrics) -> str:
+    """Return which reading of Eq. 7 is drawn, and what the first step has in the other."""
+    first = determined(metrics.steps[0].mae_pct, "the first step's error")
+    return f"ours, {APPROACHED} of {metrics.approach_s:g} s (first step {FROM_FIRST_TARGET}: {first:.1f} %)"

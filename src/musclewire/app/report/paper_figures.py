@@ -12,9 +12,17 @@ from matplotlib.figure import Figure
 
 from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER, STYLE, mark_points, svg
 from musclewire.app.report.finger_figures import FINGER_FIGURES
-from musclewire.app.report.paper_drawing import SHADES, WHITE_BOX, one_panel, printed_line, ramp
+from musclewire.app.report.paper_drawing import (
+    SHADES,
+    WHITE_BOX,
+    approached_errors_pct,
+    one_panel,
+    printed_line,
+    ramp,
+    readings_text,
+)
 from musclewire.errors import MusclewireError
-from musclewire.experiment.metrics import determined, elapsed
+from musclewire.experiment.metrics import elapsed
 from musclewire.experiment.reproduce.force_ratios import FORCE_RATIOS, MIDDLE_RATIO, loops_at_ratio
 from musclewire.experiment.reproduce.measures import rank_correlation
 from musclewire.experiment.reproduce.section2 import (
@@ -344,12 +352,11 @@ def table2(runs: Runs) -> Figure:
     top.set(xlabel="desired strain [%]", ylabel="difference [% strain]", xticks=desired,
             title="Strains of Table 2; shaded: tolerance")  # fmt: skip
     top.legend(fontsize=8.5, loc="lower left", ncols=2)
-    steps = runs.control_run.metrics.steps
+    metrics = runs.control_run.metrics
+    steps = metrics.steps
     printed = [*table["mae_rise_pct"], *reversed(table["mae_return_pct"])]  # the way back begins at 2.7 %
     places = np.arange(len(steps))
-    bottom.bar(
-        places, [determined(step.mae_pct, "a step's error") for step in steps], width=0.55, color=COOLING, label="ours"
-    )
+    bottom.bar(places, approached_errors_pct(metrics), width=0.55, color=COOLING, label=readings_text(metrics))
     bottom.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
                 label="paper, Table 2")  # fmt: skip
     bottom.set(ylabel="MAE [% of target]", xlabel="step: strain [%], up and back", title="Error of each step (Eq. 7)")

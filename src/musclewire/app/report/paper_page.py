@@ -124,13 +124,15 @@ def write_paper_page(
 def counts(result: Reproduction) -> list[Card]:
     """Return how many rows hold, fail or were repaired."""
     inputs = sum(row.kind == "input" for row in result.rows)
-    holding = len(result.rows) - len(result.failing)
+    holding = len(result.judged_rows) - len(result.failing)
+    reported = len(result.rows) - len(result.judged_rows)
     known = len(result.failing) - len(result.new_failures)
     return [
-        Card("Rows that hold", f"{holding} of {len(result.rows)}", f"{inputs} of them inputs"),
+        Card("Rows that hold", f"{holding} of {len(result.judged_rows)}", f"{inputs} of them inputs"),
         Card("Failing, known", str(known), "on the committed list"),
         Card("Failing, new", str(len(result.new_failures)), "not on the list"),
         Card("Repaired", str(len(result.repaired)), "on the list, and hold"),
+        *([Card("Reported, not judged", str(reported), "count for no bar")] if reported else []),
         Card("Computed in", f"{result.wall_s:.1f} s", "before drawing"),
     ]
 
@@ -197,8 +199,15 @@ def numbers(row: ReproductionRow) -> str:
     return (
         f'<td class="number paper">{paper_text(row)}</td><td class="number">{ours_text(row)}</td>'
         f'<td class="number">{limit_text(row)}<span class="unit">{unit}</span></td>'
-        f'<td class="{"holds" if row.ok else "fails"}">{verdict(row)}</td>'
+        f'<td class="{verdict_class(row)}">{verdict(row)}</td>'
     )
+
+
+def verdict_class(row: ReproductionRow) -> str:
+    """Return the class of the cell with the verdict."""
+    if not row.is_judged:
+        return "reported"
+    return "holds" if row.ok else "fails"
 
 
 def row_class(row: ReproductionRow) -> str:
@@ -209,7 +218,9 @@ def row_class(row: ReproductionRow) -> str:
 def failing_title(result: Reproduction) -> str:
     """Return the heading of the summary."""
     count = len(result.failing)
-    return "Every row holds" if count == 0 else f"{count} row{'' if count == 1 else 's'} of {len(result.rows)} fail"
+    return (
+        "Every row holds" if count == 0 else f"{count} row{'' if count == 1 else 's'} of {len(result.judged_rows)} fail"
+    )
 
 
 def failing_part(result: Reproduction) -> str:

@@ -40,6 +40,8 @@ def number_text(value: float, tolerance: float, min_decimals: int = 0) -> str:
 
 def limit_text(row: ReproductionRow) -> str:
     """Return what is allowed: a range about the number we compare with, or one end."""
+    if row.compare == "reported":
+        return "–"
     if row.compare == "within":
         middle = "" if has_printed_number(row) else f"{row.paper:.6g} "
         if row.tolerance:
@@ -50,7 +52,9 @@ def limit_text(row: ReproductionRow) -> str:
 
 
 def verdict(row: ReproductionRow) -> str:
-    """Return whether a row holds, and whether a failure is known or a repair unnoticed."""
+    """Return whether a row holds, and whether a failure is known or a repair unnoticed; or that it is not judged."""
+    if not row.is_judged:
+        return "reported, not judged"
     if row.ok:
         return "holds, listed as failing" if row.known_failure else "holds"
     return "fails, known" if row.known_failure else "fails, new"

@@ -163,5 +163,5 @@ def mae_difference_pct(runs: Runs) -> float:
     for index, step in enumerate(run.metrics.steps):
         counted = strain[first + index * held + settle : first + (index + 1) * held]
         plain = 100.0 * np.mean(np.abs(counted - step.target)) / step.target
-        differences.append(abs(plain - determined(step.mae_pct, "a step's error")))
+        differences.append(abs(plain - determined(step.mae_approached_pct, "a step's error")))
     return float(max(differences))

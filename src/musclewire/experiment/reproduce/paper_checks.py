@@ -17,7 +17,7 @@ __all__ = ["PaperCheck", "Compare", "Kind", "Origin", "ReproductionRow", "holds"
 # printed: a measured number; words: a sentence, or several numbers, turned into one; equation: how far our run is from
 # obeying it; input: a number of the paper that we took over; literature: published elsewhere.
 Kind = Literal["printed", "words", "equation", "input", "literature"]
-Compare = Literal["within", "at most", "at least"]
+Compare = Literal["within", "at most", "at least", "reported"]
 # What our number owes to the paper's. input: the number the run was made with; definition: follows from how numbers are
 # computed, whatever the wire does; designed: a part or a rule was made to have it; fitted: a target of the search for
 # the parameters; chosen: a spool was selected with this number in view; predicted: nothing was set by it.
@@ -31,7 +31,8 @@ class PaperCheck:
     """The paper's number and how to measure ours; ``measure`` may raise any error of an unusable loop.
 
     ``paper`` and ``tolerance`` are in ``unit``. "within" requires ours to be no further than the tolerance from the
-    paper's number, "at most" no more than the tolerance above it, "at least" no more than the tolerance below it.
+    paper's number, "at most" no more than the tolerance above it, "at least" no more than the tolerance below it;
+    "reported" requires nothing but a number: such a row counts neither as holding nor as failing.
     ``origin`` states what the number owes to the paper's.
     """
 
@@ -66,6 +67,11 @@ class ReproductionRow:
     problem: str | None
 
     @property
+    def is_judged(self) -> bool:
+        """Whether the row counts as holding or failing: all do but those that are reported only."""
+        return self.compare != "reported" or not self.ok
+
+    @property
     def subject(self) -> str:
         """What the row belongs to: a figure, a table, an equation."""
         return subject_of(self.name)
@@ -77,7 +83,9 @@ def subject_of(name: str) -> str:
 
 
 def holds(check: PaperCheck, ours: float) -> bool:
-    """Return whether our number is within the tolerance."""
+    """Return whether our number is within the tolerance; True for one that is reported and not judged."""
+    if check.compare == "reported":
+        return True
     room = check.tolerance + ROUNDING * max(1.0, abs(check.paper))
     if check.compare == "at most":
         return ours <= check.paper + room

@@ -25,6 +25,11 @@ class Reproduction:
     wall_s: float
 
     @property
+    def judged_rows(self) -> list[ReproductionRow]:
+        """Rows that hold or fail: all but those that are reported and not judged."""
+        return [row for row in self.rows if row.is_judged]
+
+    @property
     def failing(self) -> list[ReproductionRow]:
         """Rows outside their tolerance."""
         return [row for row in self.rows if not row.ok]

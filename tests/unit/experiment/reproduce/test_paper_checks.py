@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
+from musclewire.experiment.metrics import ControlMetrics, StepMetrics
 from musclewire.experiment.reproduce import PaperCheck, Runs, all_checks, judged, selected
 from musclewire.experiment.reproduce.paper_checks import Compare, subject_of
 from musclewire.parameters.known_failures import known_failures, parsed_known_failures
@@ -40,6 +42,46 @@ def test_a_row_holds_up_to_its_tolerance_and_not_beyond(
 ) -> None:
     assert all(judged(check(ours, compare), RUNS, {}).ok for ours in holding)
     assert not any(judged(check(ours, compare), RUNS, {}).ok for ours in failing)
+
+
+@pytest.mark.parametrize("ours", [-9.0, 2.0, 1e6])
+def test_a_row_that_is_reported_neither_holds_nor_fails(ours: float) -> None:
+    row = judged(check(ours, "reported"), RUNS, {})
+    assert (row.ours, row.ok, row.is_judged) == (ours, True, False)
+    assert judged(check(2.0), RUNS, {}).is_judged
+
+
+def test_a_row_that_cannot_be_reported_fails() -> None:
+    row = judged(check(math.nan, "reported"), RUNS, {})
+    assert (row.ok, row.is_judged) == (False, True)
+
+
+def test_the_errors_of_both_staircases_are_judged_after_the_approach_and_reported_from_the_first_target_on() -> None:
+    for table in ("table2", "table3"):
+        errors = [item for item in CHECKS if item.name.startswith(f"{table}.mae")]
+        reported = [item for item in errors if item.compare == "reported"]
+        assert [item.name for item in reported] == [
+            item.name for item in errors if item.name.startswith(f"{table}.mae_from_first_target")
+        ]
+        assert len(reported) == 3
+        assert all("first step counted from the moment" in item.why for item in reported)
+        assert all("mae_approached" in item.why for item in errors if item not in reported)
+
+
+def test_a_table_is_reported_from_the_first_target_on_by_the_metrics_of_its_own_run() -> None:
+    def metrics(first_pct: float) -> ControlMetrics:
+        one = StepMetrics(0.015, "rise", first_pct, None, None, 1.0, None, None)
+        return ControlMetrics(
+            "strain", steps=(one,), mae_max_pct=first_pct + 1.0, mae_mean_pct=first_pct + 2.0, approach_s=12.0
+        )
+
+    runs = SimpleNamespace(
+        control_run=SimpleNamespace(metrics=metrics(30.0)),
+        finger=SimpleNamespace(control_run=SimpleNamespace(metrics=metrics(40.0))),
+    )
+    for table, first_pct in (("table2", 30.0), ("table3", 40.0)):
+        rows = [item for item in CHECKS if item.name.startswith(f"{table}.mae_from_first_target")]
+        assert [item.measure(cast("Runs", runs)) for item in rows] == [first_pct, first_pct + 1.0, first_pct + 2.0]
 
 
 @given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(0.0, 1e3))
