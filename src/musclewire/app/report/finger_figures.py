@@ -24,6 +24,7 @@ from musclewire.experiment.metrics import elapsed
 from musclewire.experiment.reproduce.designed_parts import paper_pretensioner, schemes_of_fig13
 from musclewire.experiment.reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n
 from musclewire.experiment.reproduce.finger_sweep import SWEEP_N, gaps_over_pretension
+from musclewire.experiment.reproduce.section4 import step_tolerance_pct
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.library import read_published
@@ -282,8 +283,11 @@ def table3(runs: Runs) -> Figure:
     axes.bar(places, approached_errors_pct(metrics), width=0.55, color=COOLING, label=readings_text(metrics))
     axes.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
               label="paper, Table 3")  # fmt: skip
+    axes.plot(places, np.add(printed, step_tolerance_pct(table)), "_", color=PAPER, markersize=14,
+              label="allowed to each step")  # fmt: skip
     axes.set(ylabel="MAE [% of target]", xlabel="step: endpoint displacement [mm], up and back")
     axes.set_xticks(places, [f"{1e3 * step.target:.1f}" for step in steps])
+    axes.set_ylim(0.0, 1.15 * axes.get_ylim()[1])
     axes.grid(visible=False, axis="x")
     axes.legend(fontsize=8.5)
     return figure

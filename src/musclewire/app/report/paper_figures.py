@@ -32,7 +32,7 @@ from musclewire.experiment.reproduce.section2 import (
     loop_of_stiffness,
     sweep_settings_n,
 )
-from musclewire.experiment.reproduce.section3 import STRAIN_TOLERANCE_PCT, strain_at_pct
+from musclewire.experiment.reproduce.section3 import STEP_TOLERANCE_PCT, STRAIN_TOLERANCE_PCT, strain_at_pct
 from musclewire.experiment.reproduce.table1 import WIRES, diameter_label
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.library import read_published
@@ -359,8 +359,11 @@ def table2(runs: Runs) -> Figure:
     bottom.bar(places, approached_errors_pct(metrics), width=0.55, color=COOLING, label=readings_text(metrics))
     bottom.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
                 label="paper, Table 2")  # fmt: skip
+    bottom.plot(places, np.add(printed, STEP_TOLERANCE_PCT), "_", color=PAPER, markersize=14,
+                label="allowed to each step")  # fmt: skip
     bottom.set(ylabel="MAE [% of target]", xlabel="step: strain [%], up and back", title="Error of each step (Eq. 7)")
     bottom.set_xticks(places, [f"{100 * step.target:.1f}" for step in steps])
+    bottom.set_ylim(0.0, 1.4 * bottom.get_ylim()[1])
     bottom.grid(visible=False, axis="x")
     bottom.legend(fontsize=8.5)
     return figure

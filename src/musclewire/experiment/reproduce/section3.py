@@ -15,7 +15,7 @@ from musclewire.experiment.reproduce.runs import Runs
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.library import read_published
 
-__all__ = ["STRAIN_TOLERANCE_PCT", "checks", "strain_at_pct"]
+__all__ = ["STEP_TOLERANCE_PCT", "STRAIN_TOLERANCE_PCT", "checks", "strain_at_pct"]
 
 RESISTANCE_TOLERANCE_OHM = 0.02
 STRAIN_TOLERANCE_PCT, STRAIN_RMS_PCT = 0.05, 0.02
