@@ -10,7 +10,7 @@ from page_parts import Outside
 
 from musclewire.controllers import FuzzyPidSettings, staircase
 from musclewire.experiment.closed_loop import control
-from musclewire.experiment.metrics import determined
+from musclewire.experiment.metrics import control_metrics, determined
 from musclewire.experiment.open_loop import characterize
 from musclewire.identify import fit
 from musclewire.parameters import load_alloy, load_bench, load_wire
@@ -55,6 +55,14 @@ def test_the_demo_states_both_readings_of_the_errors_and_how_the_wire_came_to_th
     assert demo["approach_s"] == 12.0
     assert "12 s later" in demo["approach"]
     assert demo["approach"] in demo["page"]
+
+
+def test_the_recording_of_the_staircase_gives_both_readings_again(demo: dict[str, Any]) -> None:
+    """Older recordings state as much: they have had their approach in their metadata from the start."""
+    again = control_metrics(read_recording(demo["folder"] / "staircase.h5"), "strain", staircase())
+    assert [step.mae_pct for step in again.steps] == [step["mae_pct"] for step in demo["steps"]]
+    assert [step.mae_approached_pct for step in again.steps] == [step["mae_approached_pct"] for step in demo["steps"]]
+    assert again.approach == demo["approach"]
 
 
 @pytest.mark.parametrize("seed", [2, 3, 4, 5])
