@@ -23,8 +23,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "studies"
 
 from dask_cluster import DaskCluster
 
+from musclewire.experiment.worker_process import cores
 from musclewire.studies import StudyResult, Workers, read_study, sweep
-from musclewire.studies.local_workers import cores
 from musclewire.studies.study_page import write_study
 
 

@@ -15,8 +15,8 @@ from musclewire.experiment import reproduce as reproduce_room
 from musclewire.experiment.reproduce import PaperCheck, Runs, reproduction
 
 KEYS = {
-    *("name", "paper", "ours", "unit", "tolerance", "compare", "ok", "known_failure", "known_reason", "why", "kind"),
-    *("origin", "problem"),
+    *("name", "paper", "ours", "low", "high", "median_low", "median_high", "seeds", "unit", "tolerance", "compare"),
+    *("ok", "verdict", "known_failure", "known_reason", "why", "kind", "origin", "problem"),
 }
 
 

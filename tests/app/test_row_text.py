@@ -6,9 +6,17 @@ import pytest
 
 from musclewire.app.report.paper_figures import FIGURES, drawn
 from musclewire.app.report.paper_page import TITLES
-from musclewire.app.report.row_text import limit_text, ours_text, paper_text, verdict
+from musclewire.app.report.row_text import (
+    limit_text,
+    ours_text,
+    paper_text,
+    reason_text,
+    seeds_text,
+    spread_text,
+    verdict_text,
+)
 from musclewire.errors import RecordingError
-from musclewire.experiment.reproduce import PaperCheck, ReproductionRow, Runs, all_checks, judged
+from musclewire.experiment.reproduce import Measured, PaperCheck, ReproductionRow, Runs, all_checks, judged
 from musclewire.experiment.reproduce.paper_checks import Compare, Kind, subject_of
 
 
@@ -16,7 +24,7 @@ def row(
     ours: float, paper: float, tolerance: float, compare: Compare = "within", kind: Kind = "printed"
 ) -> ReproductionRow:
     check = PaperCheck("fig0.x", paper, "ohm", tolerance, "because", kind, lambda _: ours, compare, origin="predicted")
-    return judged(check, Runs(), {})
+    return judged(check, [Measured(ours)], {})
 
 
 @pytest.mark.parametrize(
@@ -58,8 +66,36 @@ def test_what_is_allowed_is_said_so_that_it_can_be_checked_by_eye(
 
 def test_a_row_that_is_reported_says_that_it_is_not_judged() -> None:
     shown = row(31.4159, 2.0, 0.0, "reported")
-    assert (ours_text(shown), verdict(shown)) == ("31.4", "reported, not judged")
-    assert verdict(row(2.0, 2.0, 0.0)) == "holds"
+    assert (ours_text(shown), verdict_text(shown)) == ("31.4", "reported, not judged")
+    assert verdict_text(row(2.0, 2.0, 0.0)) == "holds"
+
+
+def over_seeds(*ours: float | None) -> ReproductionRow:
+    check = PaperCheck("fig0.x", 2.0, "ohm", 0.5, "because", "printed", lambda _: 0.0, origin="fitted")
+    found = [Measured(None, "no loop") if number is None else Measured(number) for number in ours]
+    return judged(check, found, {})
+
+
+def test_the_spread_has_the_digits_of_the_median_and_is_silent_where_it_shows_nothing() -> None:
+    assert spread_text(over_seeds(*(1.6 + 0.04 * seed for seed in range(21)))) == "1.64 to 2.36"
+    assert spread_text(over_seeds(2.0001, 2.0002)) == ""
+    assert spread_text(over_seeds(None)) == ""
+
+
+def test_a_row_at_the_bar_says_so_and_between_what_its_median_lies() -> None:
+    row = over_seeds(*(2.4 + 0.01 * seed for seed in range(21)))
+    assert verdict_text(row) == "at the bar, new"
+    assert reason_text(row) == "the median is 2.45 to 2.55 with 95 % probability: a limit is inside"
+
+
+def test_seeds_that_have_no_number_are_counted_in_words() -> None:
+    assert reason_text(over_seeds(*[2.0] * 20, None)) == "1 of 21 seeds have no number: no loop"
+
+
+def test_a_single_seed_is_named_as_such() -> None:
+    assert seeds_text([7]) == "seed 7 alone: its own numbers, no medians"
+    assert seeds_text(range(1, 102)) == "medians over 101 seeds, 1 to 101"
+    assert seeds_text([3, 9]) == "medians over 2 seeds, 3, 9"
 
 
 def test_every_subject_has_a_title_and_every_figure_its_rows() -> None:

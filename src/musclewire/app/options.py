@@ -71,6 +71,8 @@ LIST = option("--list", help="List the names that can be given, and exit.")
 
 # Rigs and their clocks.
 SEED = option("--seed", help="Seed of everything random: the same seed, the same numbers.", min=0)
+SEEDS = option("--seeds", help="Number of seeds over which medians are taken.", min=1)
+FIRST_SEED = option("--first-seed", help="First of the seeds; the others follow it one by one.", min=0)
 REAL_TIME = option("--real-time", help="Pace a simulated rig by the clock.")
 REAL_TIME_PRIORITY = option(
     "--real-time-priority", help="On Linux: run before all ordinary programs, with memory locked."

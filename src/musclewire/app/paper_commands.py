@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import json as json_text
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from musclewire.app.commands import add_command
-from musclewire.app.options import ONLY, OUTPUT, SEED, Json
-from musclewire.app.output import console, emit_json, say, show
-from musclewire.app.stopping import stop_if_asked, stops_between_samples
+from musclewire.app.options import FIRST_SEED, ONLY, OUTPUT, SEED, SEEDS, WORKERS, Json
+from musclewire.app.output import emit_json, run_bar, say, show
+from musclewire.app.paper_text import print_rows, print_summary
+from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
+from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
     from musclewire.experiment.reproduce import Reproduction, ReproductionRow
 
 __all__ = ["add_paper_commands"]
-
-TABLE_WIDTH = 118
 
 
 def add_paper_commands(app: typer.Typer) -> None:
@@ -30,84 +28,93 @@ def add_paper_commands(app: typer.Typer) -> None:
     add_command(app, reproduce)
 
 
+@dataclass(frozen=True)
+class SeedOptions:
+    """The seeds over which medians are taken, or a single one, and the processes that measure."""
+
+    seed: Annotated[int | None, SEED] = None
+    seeds: Annotated[int | None, SEEDS] = None
+    first_seed: Annotated[int | None, FIRST_SEED] = None
+    workers: Annotated[int | None, WORKERS] = None
+
+    def chosen(self) -> range:
+        """Return the seeds. Raises CallerError for a single seed together with a set of them."""
+        from musclewire.experiment.reproduce import DEFAULT_SEEDS
+
+        if self.seed is not None:
+            if self.seeds is not None or self.first_seed is not None:
+                raise CallerError("--seed runs a single seed, --seeds and --first-seed choose many: give one or the "
+                                  "others")  # fmt: skip
+            return range(self.seed, self.seed + 1)
+        first = 1 if self.first_seed is None else self.first_seed
+        return range(first, first + (DEFAULT_SEEDS if self.seeds is None else self.seeds))
+
+
 def reproduce(
+    which: SeedOptions,
     only: Annotated[str | None, ONLY] = None,
     output: Annotated[Path, OUTPUT] = Path("musclewire-reproduce"),
-    seed: Annotated[int, SEED] = 1,
     json: Json = False,
 ) -> None:
-    """Compare every printed number and figure of the paper with ours, in a folder; exit code 1 if a row fails."""
+    """Compare every printed number and figure of the paper with ours, in a folder; exit code 1 if a row fails.
+
+    Each row is judged by the median over many seeds, on all cores; --seed runs a single one.
+    """
     started = time.perf_counter()
-    from musclewire.app.report.paper_page import write_paper_page
     from musclewire.experiment.reproduce import all_checks, selected
-    from musclewire.experiment.reproduce import reproduce as run_reproduce
     from musclewire.experiment.run import file_in
 
-    chosen = selected(all_checks(), only)
+    seeds = which.chosen()
+    selected(all_checks(), only)
     page, data = file_in(output, "reproduce.html"), output / "reproduce.json"
     for old in (page, data):
         old.unlink(missing_ok=True)  # an interrupted run must not leave an old answer
-    with stops_between_samples(), rows_shown(quiet=json) as on_row:
-        result = run_reproduce(only, seed=seed, on_row=on_row, on_run=stop_if_asked)
-
-        def on_figure(subject: str) -> None:
-            stop_if_asked()
-            on_row(f"drawing.{subject}", len(chosen), len(chosen))
-
-        write_paper_page(result, page, "all rows" if only is None else f"rows that begin with {only}", on_figure)
+    try:
+        result = reproduced(only, seeds, which.workers, page, quiet=json)
+    except SystemExit as stop:
+        raise Stopped(stop.code if isinstance(stop.code, int) else 1, "no page was written") from None
     document = as_document(result, page, time.perf_counter() - started)
     write_document(document, data)
     if json:
         emit_json(document)
     else:
-        print_table(result)
+        print_rows(result)
         print_summary(result)
         show(f"{document['wall_s']:.1f} s; open {page}")
     if result.failing:
         raise typer.Exit(1)
 
 
-@contextmanager
-def rows_shown(quiet: bool) -> Iterator[Any]:
-    """Yield what shows the row that is worked on: a bar on a terminal, a line for each subject on a pipe."""
-    if quiet:
-        yield lambda *_: None
-        return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+def reproduced(only: str | None, seeds: range, workers: int | None, page: Path, quiet: bool) -> Reproduction:
+    """Measure on all seeds and write the page, with a bar or lines of progress; a signal ends both."""
+    from musclewire.app.report.paper_page import write_paper_page
+    from musclewire.experiment.reproduce import reproduce as run_reproduce
 
-    shown = console()
-    if not shown.is_terminal:
-        yield SubjectLines()
-        return
-    columns = (TextColumn("{task.description:<46}"), BarColumn(bar_width=32), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=shown, refresh_per_second=8, transient=True) as progress:
-        task = progress.add_task("starting", total=None)
-        yield lambda name, number, total: progress.update(task, description=name, completed=number, total=total)
-
-
-class SubjectLines:
-    """Says each figure, table or equation once, for a log."""
-
-    def __init__(self) -> None:
-        """Have said nothing."""
-        self._said = ""
-
-    def __call__(self, name: str, _number: int, _total: int) -> None:
-        """Say the subject of a row where it is a new one."""
-        subject = name.partition(".")[0]
-        if subject != self._said:
-            self._said = subject
-            say(subject)
+    with stops_between_samples():
+        with run_bar("seeds", quiet) as on_seed:
+            result = run_reproduce(only, seeds=seeds, workers=workers, on_seed=on_seed, on_run=stop_if_asked)
+        if not quiet:
+            say("drawing")
+        selection = "all rows" if only is None else f"rows that begin with {only}"
+        write_paper_page(result, page, selection, lambda _: stop_if_asked())
+    return result
 
 
 def as_document(result: Reproduction, page: Path, wall_s: float) -> dict[str, Any]:
-    """Return the answer under the keys of the interface."""
+    """Return the answer under the keys of the interface; ``seed`` is that of a single one, null for medians."""
+    from musclewire.experiment.reproduce import counts_by_origin
+
     return {
         "rows": [row_document(row) for row in result.rows],
         "failing": [row.name for row in result.failing],
         "new_failures": [row.name for row in result.new_failures],
         "repaired": [row.name for row in result.repaired],
-        "seed": result.seed,
+        "origins": {
+            one.origin: {"holds": one.holds, "at_the_bar": one.at_the_bar, "fails": one.fails}
+            for one in counts_by_origin(result.rows)
+        },
+        "seeds": list(result.seeds),
+        "seed": result.single_seed,
         "wall_s": wall_s,
         "report": str(page),
     }
@@ -116,8 +123,8 @@ def as_document(result: Reproduction, page: Path, wall_s: float) -> dict[str, An
 def row_document(row: ReproductionRow) -> dict[str, Any]:
     """Return a row as plain data."""
     keys = (
-        *("name", "paper", "ours", "unit", "tolerance", "compare", "ok", "known_failure", "known_reason"),
-        *("why", "kind", "origin", "problem"),
+        *("name", "paper", "ours", "low", "high", "median_low", "median_high", "seeds", "unit", "tolerance", "compare"),
+        *("ok", "verdict", "known_failure", "known_reason", "why", "kind", "origin", "problem"),
     )
     return {key: getattr(row, key) for key in keys}
 
@@ -127,52 +134,3 @@ def write_document(document: dict[str, Any], path: Path) -> None:
     from musclewire.signals.whole_files import write_text_whole
 
     write_text_whole(path, json_text.dumps(document, indent=2, allow_nan=False) + "\n")
-
-
-def print_table(result: Reproduction) -> None:
-    """Print all rows on stdout."""
-    from rich.console import Console
-    from rich.table import Table
-
-    from musclewire.app.report.row_text import limit_text, ours_text, paper_text, verdict
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("row", overflow="fold")
-    for name in ("paper", "ours", "allowed"):
-        table.add_column(name, justify="right", no_wrap=True)
-    table.add_column("unit", no_wrap=True)
-    table.add_column("", no_wrap=True)
-    for row in result.rows:
-        style = None if row.ok and not row.known_failure else "red" if not row.ok else "yellow"
-        cells = (row.name, paper_text(row), ours_text(row), limit_text(row), row.unit, verdict(row))
-        table.add_row(*map(plain_markup, cells), style=style)
-    out = Console(file=sys.stdout, highlight=False)
-    out.width = max(out.width, TABLE_WIDTH) if not out.is_terminal else out.width
-    out.print(table)
-
-
-def plain_markup(text: str) -> str:
-    """Return text whose brackets rich prints as they are."""
-    from rich.markup import escape
-
-    return escape(text)
-
-
-def print_summary(result: Reproduction) -> None:
-    """Print how many rows hold, and name the failures by whether they are known."""
-    count, failing = len(result.judged_rows), len(result.failing)
-    reported = len(result.rows) - count
-    show(
-        f"{count - failing} of {count} rows hold" + (f"; {reported} more are reported and not judged" * bool(reported))
-    )
-    groups = (
-        ("known failures", [row for row in result.failing if row.known_failure]),
-        ("new failures, not on the committed list", result.new_failures),
-        ("repaired: on the committed list, and they hold", result.repaired),
-    )
-    for title, rows in groups:
-        if rows:
-            show(f"{title}:")
-        for row in rows:
-            reason = row.known_reason or row.problem
-            show(f"  {row.name}" + (f": {reason}" if reason else ""))

@@ -6,30 +6,22 @@ the parent waits for each. No process runs the caller's own script, so that a st
 
 from __future__ import annotations
 
-import os
 import pickle
 import queue
 import subprocess
-import sys
 import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from musclewire.errors import CallerError, NumericsError
+from musclewire.experiment.worker_process import end_worker, start_worker
 from musclewire.studies.evaluation import Chunk, ChunkResult, Task, evaluate_chunk
 
-__all__ = ["cores", "evaluate_here", "evaluate_locally"]
+__all__ = ["evaluate_here", "evaluate_locally"]
 
 OnResult = Callable[[ChunkResult], None]
-# A worker computes one chunk on one core; the numerical libraries' own threads would only compete.
-ONE_THREAD = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 # How often the caller looks whether it has been asked to stop.
 LOOK_S = 0.2
-
-
-def cores() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def evaluate_here(
@@ -196,13 +188,7 @@ class Pool:
 
     def _start(self) -> subprocess.Popen[bytes]:
         """Return a new process that knows the study."""
-        process = subprocess.Popen(
-            [sys.executable, "-m", "musclewire.studies.worker"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env={**os.environ, **ONE_THREAD, "PYTHONPATH": os.pathsep.join(path or "." for path in sys.path)},
-            start_new_session=True,  # Ctrl-C is for the parent, which ends its workers itself
-        )
+        process = start_worker("musclewire.studies.worker")
         self._processes.add(process)
         if self._stopping.is_set():  # it may have been started just after all others were ended
             process.kill()
@@ -213,14 +199,7 @@ class Pool:
 
     def _end(self, process: subprocess.Popen[bytes]) -> None:
         """End a process and forget it."""
-        process.kill()
-        for pipe in (process.stdin, process.stdout):
-            if pipe is not None:
-                try:
-                    pipe.close()
-                except OSError:
-                    continue  # what was still to be sent has nobody to read it
-        process.wait()
+        end_worker(process)
         self._processes.discard(process)
 
 

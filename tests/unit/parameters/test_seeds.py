@@ -22,7 +22,7 @@ TAKERS: dict[str, Callable[[Any], Any]] = {
     "open_rig": lambda seed: mw.open_rig("simulated", seed=seed),
     "a rig's configuration": lambda seed: RigConfiguration(seed=seed),
     "a search": lambda seed: Settings(seed=seed),
-    "reproduce": lambda seed: reproduce("table1", seed=seed),
+    "reproduce": lambda seed: reproduce("table1", seeds=[seed]),
     "simulate": lambda seed: plan_supply(SupplyRequest("flexinol-0.10-ht", seed=seed)),
 }
 

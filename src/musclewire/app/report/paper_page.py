@@ -7,8 +7,18 @@ from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from musclewire.app.report.origin_table import origin_mark, origin_table
 from musclewire.app.report.paper_figures import FIGURES, drawn
-from musclewire.app.report.row_text import limit_text, ours_text, paper_text, verdict
+from musclewire.app.report.row_text import (
+    limit_text,
+    ours_text,
+    paper_text,
+    reason_text,
+    seeds_text,
+    spread_text,
+    verdict_text,
+)
+from musclewire.experiment.reproduce.verdicts import counts_by_origin
 from musclewire.pages import Card, cards, page, table
 from musclewire.signals.whole_files import write_text_whole
 
@@ -110,25 +120,43 @@ def write_paper_page(
         # Those without a figure are short and set in two columns.
         sections.append("".join(written) if with_figure else f'<div class="small">{"".join(written)}</div>')
     parts = {
+        "seeds": seeds_part(result),
+        "origins": origin_table(counts_by_origin(result.rows)),
         "cards": cards(counts(result)),
         "links": "".join(link(subject, rows) for subject, rows in subjects),
         "failing_title": failing_title(result),
         "failing": failing_part(result),
         "sections": "".join(sections),
-        "seed": result.seed,
+        "which_seeds": escape(seeds_text(result.seeds)),
         "selection": escape(selection),
     }
     write_text_whole(path, page("musclewire.app.report", "paper.html", parts))
 
 
+def seeds_part(result: Reproduction) -> str:
+    """Return which seeds the numbers and the figures are of; a warning where it is one alone."""
+    if result.single_seed is not None:
+        return (
+            f'<div class="warning">Every number and figure here is of <b>seed {result.single_seed} alone</b>. Another '
+            "seed gives other noise, and near a limit another verdict: without --seed each row is judged by its median "
+            "over many.</div>"
+        )
+    return (
+        f'<p class="note">Each number of ours is the <b>median over {len(result.seeds)} seeds</b>: as many runs, each '
+        "with other noise of the simulated instruments; beneath it, small, are the 5 and 95 % points of the seeds. "
+        "Where a limit is inside the 95 % interval of a median, other seeds could decide otherwise: the row is "
+        f"<b>at the bar</b>, and counts as failing. Figures are drawn from seed {result.seeds[0]}.</p>"
+    )
+
+
 def counts(result: Reproduction) -> list[Card]:
     """Return how many rows hold, fail or were repaired."""
-    inputs = sum(row.kind == "input" for row in result.rows)
     holding = len(result.judged_rows) - len(result.failing)
     reported = len(result.rows) - len(result.judged_rows)
     known = len(result.failing) - len(result.new_failures)
+    at_the_bar = sum(row.verdict == "at the bar" for row in result.rows)
     return [
-        Card("Rows that hold", f"{holding} of {len(result.judged_rows)}", f"{inputs} of them inputs"),
+        Card("Rows that hold", f"{holding} of {len(result.judged_rows)}", f"{at_the_bar} at the bar count as failing"),
         Card("Failing, known", str(known), "on the committed list"),
         Card("Failing, new", str(len(result.new_failures)), "not on the list"),
         Card("Repaired", str(len(result.repaired)), "on the list, and hold"),
@@ -161,9 +189,10 @@ def section(subject: str, rows: Sequence[ReproductionRow], figure: str) -> str:
     )
 
 
+VERDICT_CLASS = {"holds": "holds", "at the bar": "bar", "fails": "fails", "reported": "reported"}
 HEADER = (
-    '<thead><tr><th>row</th><th class="number">paper</th><th class="number">ours</th><th class="number">allowed</th>'
-    "<th></th></tr></thead>"
+    '<thead><tr><th>row</th><th>origin</th><th class="number">paper</th><th class="number">ours</th>'
+    '<th class="number">allowed</th><th></th></tr></thead>'
 )
 
 
@@ -174,7 +203,7 @@ def body(rows: Sequence[ReproductionRow]) -> str:
         together = list(group)
         parts += [table_row(row) for row in together]
         parts.append(
-            f'<tr class="why"><td colspan="5"><span class="kind">{together[0].kind}</span> · '
+            f'<tr class="why"><td colspan="6"><span class="kind">{together[0].kind}</span> · '
             f"{escape(together[0].why)}</td></tr>"
         )
     return "".join(parts)
@@ -183,8 +212,8 @@ def body(rows: Sequence[ReproductionRow]) -> str:
 def table_row(row: ReproductionRow) -> str:
     """Return a row, with its problem and the reason of a known failure beneath it."""
     cells = f'<td class="name" title="{escape(row.name)}">{breakable(row.name.partition(".")[2])}</td>{numbers(row)}'
-    more = [text for text in (row.problem, row.known_reason) if text]
-    below = f'<tr class="why more"><td colspan="5">{escape("; ".join(more))}</td></tr>' if more else ""
+    more = reason_text(row)
+    below = f'<tr class="why more"><td colspan="6">{escape(more)}</td></tr>' if more else ""
     return f"<tr{row_class(row)}>{cells}</tr>{below}"
 
 
@@ -196,18 +225,14 @@ def breakable(name: str) -> str:
 def numbers(row: ReproductionRow) -> str:
     """Return the cells after a row's name."""
     unit = "" if row.unit == "1" else f" {escape(row.unit)}"
+    spread = spread_text(row)
+    below = f'<span class="spread">{spread}</span>' if spread else ""
     return (
-        f'<td class="number paper">{paper_text(row)}</td><td class="number">{ours_text(row)}</td>'
+        f'<td>{origin_mark(row.origin)}</td><td class="number paper">{paper_text(row)}</td>'
+        f'<td class="number">{ours_text(row)}{below}</td>'
         f'<td class="number">{limit_text(row)}<span class="unit">{unit}</span></td>'
-        f'<td class="{verdict_class(row)}">{verdict(row)}</td>'
+        f'<td class="{VERDICT_CLASS[row.verdict]}">{verdict_text(row)}</td>'
     )
-
-
-def verdict_class(row: ReproductionRow) -> str:
-    """Return the class of the cell with the verdict."""
-    if not row.is_judged:
-        return "reported"
-    return "holds" if row.ok else "fails"
 
 
 def row_class(row: ReproductionRow) -> str:
@@ -231,7 +256,7 @@ def failing_part(result: Reproduction) -> str:
     lines = "".join(
         f"<tr{row_class(row)}>"
         f'<td class="name"><a href="#{row.subject}">{breakable(row.name)}</a></td>{numbers(row)}'
-        f"<td>{escape(row.known_reason or row.problem or '')}</td></tr>"
+        f"<td>{escape(reason_text(row))}</td></tr>"
         for row in rows
     )
     header = HEADER.replace("<th></th></tr>", "<th></th><th>reason</th></tr>")

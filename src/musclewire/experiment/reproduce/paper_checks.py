@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
 
 if TYPE_CHECKING:
     from musclewire.experiment.reproduce.runs import Runs
 
-__all__ = ["PaperCheck", "Compare", "Kind", "Origin", "ReproductionRow", "holds", "judged", "selected", "subject_of"]
+__all__ = [
+    "Compare",
+    "Kind",
+    "Measured",
+    "Origin",
+    "PaperCheck",
+    "bars",
+    "holds",
+    "measured",
+    "selected",
+    "subject_of",
+]
 
 # printed: a measured number; words: a sentence, or several numbers, turned into one; equation: how far our run is from
 # obeying it; input: a number of the paper that we took over; literature: published elsewhere.
@@ -48,33 +59,11 @@ class PaperCheck:
     origin: Origin
 
 
-@dataclass(frozen=True)
-class ReproductionRow:
-    """A check with its outcome; ``ours`` is None without a number, and ``problem`` states why."""
+class Measured(NamedTuple):
+    """What one seed gave for a check: a finite number, or why there is none."""
 
-    name: str
-    paper: float
-    ours: float | None
-    unit: str
-    tolerance: float
-    compare: Compare
-    ok: bool
-    known_failure: bool
-    known_reason: str | None
-    why: str
-    kind: Kind
-    origin: Origin
-    problem: str | None
-
-    @property
-    def is_judged(self) -> bool:
-        """Whether the row counts as holding or failing: all do but those that are reported only."""
-        return self.compare != "reported" or not self.ok
-
-    @property
-    def subject(self) -> str:
-        """What the row belongs to: a figure, a table, an equation."""
-        return subject_of(self.name)
+    number: float | None
+    problem: str | None = None
 
 
 def subject_of(name: str) -> str:
@@ -82,45 +71,28 @@ def subject_of(name: str) -> str:
     return name.partition(".")[0]
 
 
-def holds(check: PaperCheck, ours: float) -> bool:
-    """Return whether our number is within the tolerance; True for one that is reported and not judged."""
-    if check.compare == "reported":
-        return True
+def bars(check: PaperCheck) -> tuple[float, ...]:
+    """Return the limits of what a check allows, in its unit, with the allowance for rounding."""
     room = check.tolerance + ROUNDING * max(1.0, abs(check.paper))
-    if check.compare == "at most":
-        return ours <= check.paper + room
-    if check.compare == "at least":
-        return ours >= check.paper - room
-    return abs(ours - check.paper) <= room
+    low, high = check.paper - room, check.paper + room
+    return {"within": (low, high), "at most": (high,), "at least": (low,), "reported": ()}[check.compare]
 
 
-def judged(check: PaperCheck, runs: Runs, known: Mapping[str, str]) -> ReproductionRow:
-    """Return the row of a check. A loop that cannot be used, or a number that is not finite, fails the row."""
-    ours, problem = measured(check, runs)
-    return ReproductionRow(
-        name=check.name,
-        paper=float(check.paper),
-        ours=ours,
-        unit=check.unit,
-        tolerance=check.tolerance,
-        compare=check.compare,
-        ok=ours is not None and holds(check, ours),
-        known_failure=check.name in known,
-        known_reason=known.get(check.name),
-        why=check.why,
-        kind=check.kind,
-        origin=check.origin,
-        problem=problem,
-    )
+def holds(check: PaperCheck, ours: float) -> bool:
+    """Return whether a number is within the tolerance; True for one that is reported and not judged."""
+    limits = bars(check)
+    if not limits:
+        return True
+    return (check.compare == "at most" or ours >= limits[0]) and (check.compare == "at least" or ours <= limits[-1])
 
 
-def measured(check: PaperCheck, runs: Runs) -> tuple[float | None, str | None]:
-    """Return the measured number of a check, or None and why there is none."""
+def measured(check: PaperCheck, runs: Runs) -> Measured:
+    """Return the number of a check on the runs of one seed, or why there is none: an unusable loop, or not finite."""
     try:
         ours = float(check.measure(runs))
     except MusclewireError as error:
-        return None, " ".join(str(error).split())
-    return (ours, None) if math.isfinite(ours) else (None, "the result is not a finite number")
+        return Measured(None, " ".join(str(error).split()))
+    return Measured(ours) if math.isfinite(ours) else Measured(None, "the result is not a finite number")
 
 
 def selected(checks: Sequence[PaperCheck], only: str | None) -> list[PaperCheck]:

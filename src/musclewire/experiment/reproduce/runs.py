@@ -7,21 +7,21 @@ from functools import cached_property
 
 import numpy as np
 
-from musclewire.controllers.references import Staircase, staircase
+from musclewire.controllers.references import Staircase
 from musclewire.experiment.many_loops import control_compiled
 from musclewire.experiment.metrics import ControlRun
 from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.reproduce.finger_runs import FingerRuns
 from musclewire.experiment.reproduce.loops import CYCLES, Loop, loop_on
-from musclewire.identify.isobaric_loops import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
+from musclewire.experiment.reproduce.seedless_runs import ISOBAR_WIRE, SeedlessRuns
+from musclewire.identify.isobaric_loops import Isobar, IsobarSummary
 from musclewire.identify.sensing_model import fit
-from musclewire.parameters.library import load_alloy, load_bench, load_wire, read_published
+from musclewire.parameters.library import load_bench, load_wire, read_published
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.sensing.model import SensingModel
 
 __all__ = ["ISOBAR_WIRE", "Runs"]
 
-ISOBAR_WIRE = "isobar-sample"
 MAIN_WIRE = "paper-100um"
 COLD_SAMPLES = 40
 
@@ -29,14 +29,25 @@ COLD_SAMPLES = 40
 class Runs:
     """Makes recordings on the simulated rig and keeps them; every rig is opened with the same seed."""
 
-    def __init__(self, seed: int = 1, on_run: Callable[[], None] | None = None) -> None:
-        """Make nothing yet; ``on_run`` is called after every run."""
+    def __init__(
+        self, seed: int = 1, on_run: Callable[[], None] | None = None, seedless: SeedlessRuns | None = None
+    ) -> None:
+        """Make nothing yet; ``on_run`` is called after every run, ``seedless`` is shared with runs of other seeds."""
         self._seed = seed
+        self._seedless = seedless or SeedlessRuns()
         self._on_run = on_run or (lambda: None)
         self._loops: dict[tuple[str, float, float | None, float | None], Loop] = {}
         self._cold: dict[str, float] = {}
-        self._isobars: dict[float, Isobar] = {}
         self.finger = FingerRuns(seed, self._on_run)
+
+    @property
+    def seed(self) -> int:
+        """The seed of every rig."""
+        return self._seed
+
+    def for_seed(self, seed: int) -> Runs:
+        """Return runs of another seed, which share what no seed changes."""
+        return Runs(seed, self._on_run, self._seedless)
 
     def loop(
         self,
@@ -73,10 +84,10 @@ class Runs:
         """The sixth-order model of the loop of Fig. 9."""
         return fit(self.main_loop().recording)
 
-    @cached_property
+    @property
     def staircase(self) -> Staircase:
         """The paper's steps."""
-        return staircase()
+        return self._seedless.staircase
 
     @cached_property
     def control_run(self) -> ControlRun:
@@ -102,13 +113,8 @@ class Runs:
 
     def isobar(self, stress_mpa: float) -> Isobar:
         """Return the simulated loop at constant stress of the sample behind the published isobars."""
-        if stress_mpa not in self._isobars:
-            wire = load_wire(ISOBAR_WIRE)
-            self._isobars[stress_mpa] = simulated_isobar(
-                load_alloy(wire.alloy), wire, load_bench("paper"), 1e6 * stress_mpa
-            )
-        return self._isobars[stress_mpa]
+        return self._seedless.isobar(stress_mpa)
 
     def isobar_summary(self, stress_mpa: float) -> IsobarSummary:
         """Return stroke and temperatures of the simulated isobar."""
-        return summarize_isobar(self.isobar(stress_mpa))
+        return self._seedless.isobar_summary(stress_mpa)

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment.metrics import ControlMetrics, StepMetrics
-from musclewire.experiment.reproduce import PaperCheck, Runs, all_checks, judged, selected
-from musclewire.experiment.reproduce.paper_checks import Compare, subject_of
+from musclewire.experiment.reproduce import Measured, PaperCheck, Runs, all_checks, measured, selected
+from musclewire.experiment.reproduce.paper_checks import Compare, holds, subject_of
 from musclewire.parameters.known_failures import known_failures, parsed_known_failures
 from musclewire.parameters.library import read_published
 
@@ -40,20 +40,8 @@ def check(ours: float, compare: Compare = "within", paper: float = 2.0, toleranc
 def test_a_row_holds_up_to_its_tolerance_and_not_beyond(
     compare: Compare, holding: list[float], failing: list[float]
 ) -> None:
-    assert all(judged(check(ours, compare), RUNS, {}).ok for ours in holding)
-    assert not any(judged(check(ours, compare), RUNS, {}).ok for ours in failing)
-
-
-@pytest.mark.parametrize("ours", [-9.0, 2.0, 1e6])
-def test_a_row_that_is_reported_neither_holds_nor_fails(ours: float) -> None:
-    row = judged(check(ours, "reported"), RUNS, {})
-    assert (row.ours, row.ok, row.is_judged) == (ours, True, False)
-    assert judged(check(2.0), RUNS, {}).is_judged
-
-
-def test_a_row_that_cannot_be_reported_fails() -> None:
-    row = judged(check(math.nan, "reported"), RUNS, {})
-    assert (row.ok, row.is_judged) == (False, True)
+    assert all(holds(check(ours, compare), ours) for ours in holding)
+    assert not any(holds(check(ours, compare), ours) for ours in failing)
 
 
 def test_the_errors_of_both_staircases_are_judged_after_the_approach_and_reported_from_the_first_target_on() -> None:
@@ -87,31 +75,22 @@ def test_a_table_is_reported_from_the_first_target_on_by_the_metrics_of_its_own_
 @given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(0.0, 1e3))
 def test_within_means_neither_above_nor_below_the_tolerance(ours: float, paper: float, tolerance: float) -> None:
     def ok(compare: Compare) -> bool:
-        return judged(check(ours, compare, paper, tolerance), RUNS, {}).ok
+        return holds(check(ours, compare, paper, tolerance), ours)
 
     assert ok("within") == (ok("at most") and ok("at least"))
 
 
-def test_a_loop_that_cannot_be_used_fails_its_row_and_says_why() -> None:
+def test_a_loop_that_cannot_be_used_gives_no_number_and_says_why() -> None:
     def measure(_: Runs) -> float:
         raise RecordingError("no complete\ncycle")
 
-    row = judged(PaperCheck("fig0.gap", 1.0, "%", 9.0, "because", "printed", measure, origin="fitted"), RUNS, {})
-    assert (row.ours, row.ok, row.problem) == (None, False, "no complete cycle")
+    gap = PaperCheck("fig0.gap", 1.0, "%", 9.0, "because", "printed", measure, origin="fitted")
+    assert measured(gap, RUNS) == Measured(None, "no complete cycle")
 
 
 @pytest.mark.parametrize("number", [math.nan, math.inf])
-def test_a_number_that_is_none_fails_its_row(number: float) -> None:
-    row = judged(check(number, "at least"), RUNS, {})
-    assert row.ours is None
-    assert not row.ok
-
-
-def test_a_known_failure_still_fails_and_carries_its_reason() -> None:
-    row = judged(check(9.0), RUNS, {"fig0.number": "the wire is no wire"})
-    assert not row.ok
-    assert row.known_failure
-    assert row.known_reason == "the wire is no wire"
+def test_a_number_that_is_none_is_no_number(number: float) -> None:
+    assert measured(check(number, "at least"), RUNS).number is None
 
 
 @pytest.mark.parametrize(

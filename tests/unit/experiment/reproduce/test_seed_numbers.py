@@ -1,0 +1,110 @@
+"""Rows over several seeds: each seed its own numbers, whoever measures them, and what no seed changes only once."""
+
+from __future__ import annotations
+
+import subprocess
+from typing import Any
+
+import pytest
+
+from musclewire.errors import CallerError, NumericsError, RecordingError
+from musclewire.experiment.reproduce import PaperCheck, Runs, reproduce, reproduction, seed_numbers, selected
+from musclewire.experiment.reproduce.all_checks import all_checks
+from musclewire.experiment.reproduce.paper_checks import Measured
+from musclewire.experiment.reproduce.seed_numbers import Watching, numbers_of_seeds
+from musclewire.experiment.worker_process import start_worker
+
+SEEDS = (3, 1, 4, 8)
+
+
+def check(name: str, measure: Any) -> PaperCheck:
+    return PaperCheck(name, 2.0, "ohm", 0.5, "because half is enough", "printed", measure, origin="fitted")
+
+
+def seed_itself(runs: Runs) -> float:
+    if runs.seed == 4:
+        raise RecordingError("no complete cycle")
+    return float(runs.seed)
+
+
+def test_each_seed_gives_its_own_number_or_problem_in_the_order_of_the_seeds() -> None:
+    found = numbers_of_seeds([check("eq1.x", seed_itself)], SEEDS, workers=1, watching=Watching())
+    assert found.of("eq1.x") == [
+        Measured(3.0), Measured(1.0), Measured(None, "no complete cycle"), Measured(8.0)
+    ]  # fmt: skip
+    assert found.of("eq1.x", (8, 3)) == [Measured(8.0), Measured(3.0)]
+
+
+def test_what_no_seed_changes_is_measured_once() -> None:
+    calls: list[Runs] = []
+
+    def fixed(runs: Runs) -> float:
+        calls.append(runs)
+        return runs.staircase.hold_s
+
+    found = numbers_of_seeds([check("eq1.x", fixed)], SEEDS, workers=1, watching=Watching())
+    assert found.of("eq1.x") == [Measured(6.0)] * 4
+    assert len(calls) == 1
+
+
+def test_whoever_watches_is_told_of_each_seed_and_may_stop() -> None:
+    told: list[tuple[int, int]] = []
+
+    class StopError(Exception):
+        pass
+
+    def stop_after_two() -> None:
+        if len(told) == 2:
+            raise StopError
+
+    varying = check("eq1.x", lambda runs: float(runs.seed))
+    watching = Watching(lambda done, total: told.append((done, total)), stop_after_two)
+    with pytest.raises(StopError):
+        numbers_of_seeds([varying], SEEDS, workers=1, watching=watching)
+    assert told == [(1, 4), (2, 4)]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"seeds": []}, "no seeds: give at least one"),
+        ({"seeds": [1, 2, 1]}, "seed 1 is there twice"),
+        ({"seeds": [-1]}, "must be a whole number of 0 or more"),
+        ({"workers": 0}, "0 workers: at least one process"),
+    ],
+)
+def test_seeds_that_cannot_be_are_refused(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(CallerError, match=message):
+        reproduce("table1", **given)
+
+
+@pytest.mark.slow
+def test_the_numbers_do_not_depend_on_the_number_of_processes() -> None:
+    alone, together = (reproduce("table1.resistance", seeds=range(1, 8), workers=workers) for workers in (1, 3))
+    assert alone.rows == together.rows
+    assert {row.seeds for row in alone.rows} == {7}
+    assert all(row.low is not None and row.high is not None and row.low < row.high for row in alone.rows)
+
+
+@pytest.mark.slow
+def test_a_single_seed_has_the_same_numbers_alone_and_among_others() -> None:
+    chosen = selected(all_checks(), "table1.resistance")
+    many = numbers_of_seeds(chosen, (5, 6), workers=2, watching=Watching())
+    alone = reproduction.reproduce("table1.resistance", seeds=[6])
+    assert alone.single_seed == 6
+    assert [row.ours for row in alone.rows] == [many.of(row.name, (6,))[0].number for row in alone.rows]
+
+
+@pytest.mark.slow
+def test_a_worker_that_dies_is_an_error_and_no_process_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[subprocess.Popen[bytes]] = []
+
+    def dying(module: str) -> subprocess.Popen[bytes]:
+        started.append(start_worker(module))
+        started[-1].kill()
+        return started[-1]
+
+    monkeypatch.setattr(seed_numbers, "start_worker", dying)
+    with pytest.raises(NumericsError, match="has died"):
+        reproduce("table1.resistance", seeds=range(1, 40), workers=3)
+    assert [process.poll() is not None for process in started] == [True, True]

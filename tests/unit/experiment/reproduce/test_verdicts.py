@@ -1,0 +1,130 @@
+"""How a row is judged by its median over seeds, on numbers made by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import quantile_test
+
+from musclewire.experiment.reproduce import Measured, PaperCheck, counts_by_origin, judged
+from musclewire.experiment.reproduce.paper_checks import Compare, holds
+from musclewire.experiment.reproduce.verdicts import ReproductionRow, median_interval, spread_of
+
+NUMBERS = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60)
+
+
+def check(compare: Compare = "within", paper: float = 2.0, tolerance: float = 0.5) -> PaperCheck:
+    return PaperCheck(
+        "fig0.number", paper, "ohm", tolerance, "because", "printed", lambda _: 0.0, compare, origin="fitted"
+    )
+
+
+def row(*ours: float | None, compare: Compare = "within") -> ReproductionRow:
+    found = [Measured(None, "no loop") if number is None else Measured(number) for number in ours]
+    return judged(check(compare), found, {})
+
+
+@pytest.mark.parametrize(("count", "places"), [(6, (1, 6)), (10, (2, 9)), (20, (6, 15)), (25, (8, 18)), (50, (18, 33))])
+def test_the_interval_has_the_ranks_of_the_printed_tables(count: int, places: tuple[int, int]) -> None:
+    """Conover, Practical Nonparametric Statistics (1999), section 3.2; Zar, Biostatistical Analysis (2010)."""
+    assert median_interval(list(range(1, count + 1))) == places
+
+
+@pytest.mark.parametrize("count", range(6, 140, 7))
+def test_the_interval_is_that_of_scipy(count: int) -> None:
+    values = np.random.default_rng(count).normal(size=count)
+    theirs = quantile_test(values, p=0.5).confidence_interval(0.95)
+    assert median_interval(values.tolist()) == pytest.approx((theirs.low, theirs.high))
+
+
+def test_the_interval_covers_the_median_of_a_skewed_distribution_as_often_as_it_says() -> None:
+    rng = np.random.default_rng(1)
+    found = [median_interval(rng.exponential(size=41).tolist()) for _ in range(4000)]
+    covered = np.mean([low <= np.log(2.0) <= high for low, high in found])
+    assert covered == pytest.approx(0.9576, abs=0.01)  # binomial: 1 - 2 P(fewer than 14 heads of 41)
+
+
+def test_few_numbers_give_their_range_and_one_itself() -> None:
+    assert median_interval([3.0, 1.0, 2.0]) == (1.0, 3.0)
+    assert median_interval([2.5]) == (2.5, 2.5)
+
+
+@given(NUMBERS)
+def test_the_spread_is_in_order_and_does_not_depend_on_the_order_of_seeds(values: list[float]) -> None:
+    found = spread_of(values)
+    assert min(values) <= found.low <= found.ours <= found.high <= max(values)
+    assert found.median_low <= found.ours <= found.median_high
+    assert row(*reversed(values)) == row(*values)
+
+
+@given(NUMBERS, st.sampled_from(["within", "at most", "at least"]))
+def test_a_row_holds_where_all_of_its_interval_does_and_fails_where_none_does(
+    values: list[float], compare: Compare
+) -> None:
+    found = row(*values, compare=compare)
+    between = np.linspace(*median_interval(values), 201)
+    inside = [holds(check(compare), float(place)) for place in between]
+    if found.verdict == "holds":
+        assert all(inside)
+    elif found.verdict == "fails":
+        assert not any(inside)
+    assert found.ok == (found.verdict == "holds")
+
+
+def test_a_limit_inside_the_interval_is_at_the_bar_whatever_the_median() -> None:
+    below, above = (row(*(middle + 0.01 * seed for seed in range(-10, 11))) for middle in (2.49, 2.51))
+    assert (below.verdict, above.verdict) == ("at the bar", "at the bar")
+    assert not below.ok
+    assert row(*(2.2 + 0.01 * seed for seed in range(-10, 11))).verdict == "holds"
+    assert row(*(2.8 + 0.01 * seed for seed in range(-10, 11))).verdict == "fails"
+
+
+@pytest.mark.parametrize("ours", [2.5, 1.5])
+def test_numbers_that_no_seed_changes_are_never_at_the_bar(ours: float) -> None:
+    assert row(*[ours] * 31).verdict == "holds"
+
+
+def test_one_seed_is_judged_by_its_own_number() -> None:
+    assert (row(2.5).verdict, row(2.51).verdict) == ("holds", "fails")
+
+
+def test_seeds_without_a_number_are_counted_and_a_tenth_of_them_fails_the_row() -> None:
+    few, many = row(*[2.0] * 19, None), row(*[2.0] * 18, None, None)
+    assert (few.ours, few.seeds, few.verdict) == (2.0, 19, "holds")
+    assert few.problem == "1 of 20 seeds have no number: no loop"
+    assert (many.ours, many.seeds, many.verdict) == (2.0, 18, "fails")
+    assert many.problem == "2 of 20 seeds have no number: no loop"
+
+
+def test_no_number_at_all_fails_with_the_reason_of_the_first_seed() -> None:
+    found = row(None, None)
+    assert (found.ours, found.low, found.high, found.seeds, found.verdict) == (None, None, None, 0, "fails")
+    assert found.problem == "no loop"
+
+
+def test_a_known_failure_still_fails_and_carries_its_reason() -> None:
+    found = judged(check(), [Measured(9.0)], {"fig0.number": "the wire is no wire"})
+    assert not found.ok
+    assert found.known_failure
+    assert found.known_reason == "the wire is no wire"
+
+
+@pytest.mark.parametrize("ours", [-9.0, 2.0, 1e6])
+def test_a_row_that_is_reported_neither_holds_nor_fails(ours: float) -> None:
+    found = row(*[ours] * 20, None, compare="reported")
+    assert (found.ours, found.verdict, found.ok, found.is_judged) == (ours, "reported", True, False)
+    assert row(2.0).is_judged
+    assert counts_by_origin([found]) == []
+
+
+def test_a_row_that_cannot_be_reported_fails() -> None:
+    found = row(None, None, compare="reported")
+    assert (found.ok, found.is_judged) == (False, True)
+
+
+def test_rows_are_counted_by_origin() -> None:
+    rows = [row(2.0), row(9.0), row(*(2.5 + 0.01 * seed for seed in range(-10, 11)))]
+    (fitted,) = counts_by_origin(rows)
+    assert (fitted.origin, fitted.rows, fitted.holds, fitted.at_the_bar, fitted.fails) == ("fitted", 3, 1, 1, 1)
