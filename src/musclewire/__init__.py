@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.many_loops import control_many
     from musclewire.experiment.open_loop import characterize
     from musclewire.experiment.pretension import pretension_sweep
+    from musclewire.experiment.reproduce import reproduce
     from musclewire.experiment.training import recalibrate, train
     from musclewire.experiment.zero_tendon import zero_tendon
     from musclewire.export.fmu import export_fmu
@@ -50,6 +51,7 @@ __all__ = [
     "train",
     "recalibrate",
     "calibrate",
+    "reproduce",
     "sweep",
     "read_study",
     "write_study",
@@ -82,6 +84,7 @@ _HOMES = {
     "train": "musclewire.experiment.training",
     "recalibrate": "musclewire.experiment.training",
     "calibrate": "musclewire.identify.physical.calibrate",
+    "reproduce": "musclewire.experiment.reproduce",
     "sweep": "musclewire.studies",
     "read_study": "musclewire.studies",
     "write_study": "musclewire.studies.study_page",

@@ -129,6 +129,48 @@ def test_the_page_shows_every_row_with_its_verdict_and_reason(
     assert page.count("because half is enough") == 2  # once for each section, not once for each row
 
 
+def test_a_single_seed_is_named_in_text_json_and_page(
+    checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    checks(check("eq1.seed", lambda runs: 2.0 + 0.01 * runs.seed))
+    assert "seed 7 alone" in answer(capsys, "--out", str(tmp_path), "--seed", "7")[1]
+    document = json.loads(answer(capsys, "--out", str(tmp_path), "--seed", "7", "--json")[1])
+    assert (document["seed"], document["seeds"], document["rows"][0]["ours"]) == (7, [7], 2.07)
+    assert "seed 7 alone" in (tmp_path / "reproduce.html").read_text("utf-8")
+
+
+def test_many_seeds_give_the_median_with_its_spread_and_the_page_says_which(
+    checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    checks(check("eq1.seed", lambda runs: 2.0 + 0.01 * runs.seed))
+    options = ("--out", str(tmp_path), "--seeds", "21", "--first-seed", "10", "--workers", "1", "--json")
+    document = json.loads(answer(capsys, *options)[1])
+    row = document["rows"][0]
+    assert (document["seed"], document["seeds"]) == (None, list(range(10, 31)))
+    assert [row[key] for key in ("low", "ours", "high")] == pytest.approx([2.11, 2.2, 2.29])
+    assert document["origins"] == {"predicted": {"holds": 1, "at_the_bar": 0, "fails": 0}}
+    page = (tmp_path / "reproduce.html").read_text("utf-8")
+    for text in (
+        "median over 21 seeds",
+        "Figures are drawn from seed 10",
+        "2.11 to 2.29",
+        "21 seeds, 10 to 30",
+    ):
+        assert text in page
+
+
+@pytest.mark.parametrize("other", ["--seeds", "--first-seed"])
+def test_a_single_seed_together_with_many_is_refused(
+    other: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    code, _, err = answer(capsys, "--seed", "7", other, "3", "--out", str(tmp_path / "out"))
+    assert code == 2
+    assert err == (
+        "musclewire: --seed runs a single seed, --seeds and --first-seed choose many: give one or the others\n"
+    )
+    assert not (tmp_path / "out").exists()
+
+
 def test_only_keeps_what_begins_so(
     checks: Callable[..., None], capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

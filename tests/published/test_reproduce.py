@@ -7,6 +7,7 @@ import math
 import re
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import pytest
 from page_parts import Outside
 
 from musclewire.app.report.paper_figures import FIGURES
-from musclewire.experiment.reproduce import all_checks
+from musclewire.experiment.reproduce import DEFAULT_SEEDS, all_checks
 from musclewire.parameters.known_failures import known_failures
 
 pytestmark = pytest.mark.slow
@@ -45,17 +46,32 @@ def test_every_check_has_its_row_and_every_row_a_number(answer: dict[str, Any]) 
     assert [row["name"] for row in answer["rows"]] == [check.name for check in all_checks()]
     for row in answer["rows"]:
         assert row["problem"] is None, row
+        assert row["seeds"] == len(answer["seeds"]) == DEFAULT_SEEDS
         assert math.isfinite(row["ours"])
+        assert row["low"] <= row["ours"] <= row["high"]
 
 
 def test_the_verdict_follows_from_the_numbers_in_the_row(answer: dict[str, Any]) -> None:
-    for row in answer["rows"]:
-        apart = row["ours"] - row["paper"]
-        if row["compare"] == "reported":
-            assert row["ok"], row["name"]
-            continue
+    def holds(row: dict[str, Any], ours: float) -> bool:
+        apart = ours - row["paper"]
         apart = {"within": abs(apart), "at most": apart, "at least": -apart}[row["compare"]]
-        assert row["ok"] == (apart <= row["tolerance"] + 1e-9 * max(1.0, abs(row["paper"]))), row["name"]
+        return bool(apart <= row["tolerance"] + 1e-9 * max(1.0, abs(row["paper"])))
+
+    for row in answer["rows"]:
+        if row["compare"] == "reported":
+            assert (row["ok"], row["verdict"]) == (True, "reported"), row["name"]
+            continue
+        ends = [holds(row, row[end]) for end in ("median_low", "median_high")]
+        assert row["ok"] == (row["verdict"] == "holds") == all(ends), row["name"]
+        assert row["verdict"] == "at the bar" or ends[0] == ends[1], row["name"]
+
+
+def test_rows_are_counted_by_origin(answer: dict[str, Any]) -> None:
+    for origin, counts in answer["origins"].items():
+        verdicts = Counter(row["verdict"] for row in answer["rows"] if row["origin"] == origin)
+        assert [counts[key] for key in ("holds", "at_the_bar", "fails")] == [
+            verdicts[verdict] for verdict in ("holds", "at the bar", "fails")
+        ]
 
 
 def test_the_page_stands_alone_with_every_figure_and_every_row(answer: dict[str, Any]) -> None:
@@ -70,9 +86,9 @@ def test_the_page_stands_alone_with_every_figure_and_every_row(answer: dict[str,
         assert f'title="{row["name"]}"' in answer["page"]
 
 
-def test_the_same_seed_gives_the_same_numbers_and_only_does_not_change_them(
+def test_the_same_seeds_give_the_same_numbers_and_neither_only_nor_workers_change_them(
     answer: dict[str, Any], tmp_path: Path
 ) -> None:
-    again = json.loads(reproduce(tmp_path, "--only", "table2").stdout)["rows"]
+    again = json.loads(reproduce(tmp_path, "--only", "table2", "--workers", "1").stdout)["rows"]
     before = [row for row in answer["rows"] if row["name"].startswith("table2.")]
     assert again == before

@@ -24,7 +24,19 @@ DEFAULT_SEEDS = 101
 
 @dataclass(frozen=True)
 class Reproduction:
-    """The selected rows over all seeds, and the runs of the first seed, from which figures are drawn."""
+    """The selected rows over all seeds.
+
+    Parameters
+    ----------
+    rows
+        The rows in the order of the paper.
+    runs
+        Recordings of the first seed, from which figures are drawn; what is not there yet is made.
+    seeds
+        The seeds.
+    wall_s
+        Time [s] that it took.
+    """
 
     rows: tuple[ReproductionRow, ...]
     runs: Runs

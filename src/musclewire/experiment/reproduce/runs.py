@@ -46,7 +46,7 @@ class Runs:
         return self._seed
 
     def for_seed(self, seed: int) -> Runs:
-        """Return runs of another seed, which share what no seed changes."""
+        """Return runs of another seed; what no seed changes is the same object."""
         return Runs(seed, self._on_run, self._seedless)
 
     def loop(

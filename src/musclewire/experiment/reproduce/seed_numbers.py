@@ -28,7 +28,7 @@ LOOK_S = 0.2
 
 @dataclass(frozen=True)
 class Watching:
-    """Who is told of progress: ``on_seed`` after each seed, with how many are done and of how many.
+    """Callbacks: ``on_seed`` after each seed, with how many are done and of how many.
 
     ``on_run`` is called between runs, and at least five times a second while this process waits; it may raise to stop.
     """
@@ -68,7 +68,7 @@ def numbers_of_seeds(
     workers
         Number of processes, this one included. No more are started than there are seeds.
     watching
-        Who is told of progress, and may stop.
+        Callbacks for progress, which may stop it.
 
     Returns
     -------

@@ -141,7 +141,10 @@ def judged(check: PaperCheck, found: Sequence[Measured], known: Mapping[str, str
 def counts_by_origin(rows: Sequence[ReproductionRow]) -> list[OriginCount]:
     """Return how many rows of each origin hold, predictions first; origins without a judged row are left out."""
     counts = Counter((row.origin, row.verdict) for row in rows)
-    found = [OriginCount(origin, counts[origin, "holds"], counts[origin, "at the bar"], counts[origin, "fails"]) for origin in ORIGINS]
+    found = [
+        OriginCount(origin, counts[origin, "holds"], counts[origin, "at the bar"], counts[origin, "fails"])
+        for origin in ORIGINS
+    ]
     return [one for one in found if one.rows]
 
 
