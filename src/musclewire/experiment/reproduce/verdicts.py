@@ -24,6 +24,7 @@ from musclewire.experiment.reproduce.paper_checks import (
 __all__ = ["OriginCount", "ReproductionRow", "Verdict", "counts_by_origin", "judged", "median_interval"]
 
 Verdict = Literal["holds", "at the bar", "fails", "reported"]
+JUDGED: tuple[Verdict, ...] = ("holds", "at the bar", "fails")
 # In the order of what a row that holds says of the simulator, most first.
 ORIGINS: tuple[Origin, ...] = ("predicted", "fitted", "chosen", "designed", "definition", "input")
 # Probability that the median of a row over all seeds is outside the interval about that over ours.
@@ -141,10 +142,7 @@ def judged(check: PaperCheck, found: Sequence[Measured], known: Mapping[str, str
 def counts_by_origin(rows: Sequence[ReproductionRow]) -> list[OriginCount]:
     """Return how many rows of each origin hold, predictions first; origins without a judged row are left out."""
     counts = Counter((row.origin, row.verdict) for row in rows)
-    found = [
-        OriginCount(origin, counts[origin, "holds"], counts[origin, "at the bar"], counts[origin, "fails"])
-        for origin in ORIGINS
-    ]
+    found = [OriginCount(origin, *(counts[origin, verdict] for verdict in JUDGED)) for origin in ORIGINS]
     return [one for one in found if one.rows]
 
 
