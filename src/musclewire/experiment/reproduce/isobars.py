@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from musclewire.experiment.reproduce.paper_checks import PaperCheck
+from musclewire.experiment.reproduce.paper_checks import Origin, PaperCheck
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.identify.isobaric_loops import half_transformation_slope_pa_per_k
 from musclewire.parameters.library import read_published
@@ -14,53 +14,85 @@ __all__ = ["checks"]
 
 ZERO_CELSIUS_K = 273.15
 STROKE_TOLERANCE_PCT, HALF_TOLERANCE_K, SLOPE_TOLERANCE_MPA_PER_K = 0.3, 4.0, 1.0
-# The ends of a branch: name of the row, its place among 10, 50 and 90 %.
-TAILS = (("tenth", 0), ("nine_tenths", 2))
+# Parts of a branch: name of the row, its place among 10, 50 and 90 %.
+HALF, TAILS = ("half", 1), (("tenth", 0), ("nine_tenths", 2))
 TAIL_TOLERANCE_K = 7.0
 HALF_WHY = (
     "temperature at which half the stroke is done; 4 K: spools and heat treatments differ by 10 K and more, and one "
     "shift for the sample is all that is fitted to it"
 )
+TAIL_WHY = (
+    "temperature at which 10 or 90 % of the branch are done, as recorded; 7 K: the 4 K of the halves, and 3 K "
+    "that the flattest of the measured curves takes for a twentieth of the stroke"
+)
+HELD_OUT_WHY = (
+    "no search has used this isobar; it has used others of the same sample, at stresses on either side of it; the "
+    "tolerance is theirs"
+)
+# Of isobars that a search has used, and of those held out.
+PREFIX = {False: "", True: "held_out_"}
+ORIGINS: dict[bool, Origin] = {False: "fitted", True: "predicted"}
 
 
 def checks() -> list[PaperCheck]:
-    """Return checks of strokes, half-transformation temperatures and slopes against the measured ones."""
+    """Return checks of strokes, temperatures and slopes against the measured isobars, and against those held out."""
     published = read_published("flexinol_isobars")
-    strokes = [
-        PaperCheck(f"isobars.stroke_pct[{stress:.0f}MPa]", published["stroke_pct"][index], "% strain",
-            STROKE_TOLERANCE_PCT, "0.3 %: a fifteenth of the stroke; set before the alloy was fitted",
-            "literature", partial(stroke_pct, stress_mpa=stress), origin="fitted")
+    return (
+        stroke_checks(published)
+        + temperature_checks(published, (HALF,), HALF_TOLERANCE_K, HALF_WHY)
+        + temperature_checks(published, TAILS, TAIL_TOLERANCE_K, TAIL_WHY)
+        + slope_checks(published)
+        + held_out_checks(published["held_out"])
+    )
+
+
+def held_out_checks(published: dict[str, Any]) -> list[PaperCheck]:
+    """Return the same checks against the isobars that no search uses, stress by stress as the others."""
+    return (
+        stroke_checks(published, held_out=True)
+        + temperature_checks(published, (HALF,), HALF_TOLERANCE_K, HELD_OUT_WHY, held_out=True)
+        + temperature_checks(published, TAILS, TAIL_TOLERANCE_K, HELD_OUT_WHY, held_out=True)
+    )
+
+
+def stroke_checks(published: dict[str, Any], *, held_out: bool = False) -> list[PaperCheck]:
+    """Return checks of the strokes."""
+    why = HELD_OUT_WHY if held_out else "0.3 %: a fifteenth of the stroke; set before the alloy was fitted"
+    return [
+        PaperCheck(f"isobars.{PREFIX[held_out]}stroke_pct[{stress:.0f}MPa]", published["stroke_pct"][index],
+            "% strain", STROKE_TOLERANCE_PCT, why, "literature", partial(stroke_pct, stress_mpa=stress),
+            origin=ORIGINS[held_out])
         for index, stress in enumerate(published["stress_mpa"])
     ]  # fmt: skip
-    halves = [
-        PaperCheck(f"isobars.half_{branch}_degc[{stress:.0f}MPa]", published[f"{branch}_degc"][index][1], "C",
-            HALF_TOLERANCE_K, HALF_WHY, "literature",
-            partial(branch_degc, branch=branch, stress_mpa=stress, place=1), origin="fitted")
+
+
+def temperature_checks(
+    published: dict[str, Any],
+    parts: tuple[tuple[str, int], ...],
+    tolerance_k: float,
+    why: str,
+    *,
+    held_out: bool = False,
+) -> list[PaperCheck]:
+    """Return checks of the temperatures at which some parts of each branch are done."""
+    return [
+        PaperCheck(f"isobars.{PREFIX[held_out]}{name}_{branch}_degc[{stress:.0f}MPa]",
+            published[f"{branch}_degc"][index][place], "C", tolerance_k, why, "literature",
+            partial(branch_degc, branch=branch, stress_mpa=stress, place=place), origin=ORIGINS[held_out])
+        for name, place in parts
         for branch in ("heating", "cooling")
         for index, stress in enumerate(published["stress_mpa"])
     ]  # fmt: skip
-    return strokes + halves + tail_checks(published) + [
+
+
+def slope_checks(published: dict[str, Any]) -> list[PaperCheck]:
+    """Return checks of the Clausius-Clapeyron slopes."""
+    return [
         PaperCheck(f"isobars.{branch}_slope_mpa_per_k", published[f"{branch}_slope_mpa_per_k"], "MPa/K",
             SLOPE_TOLERANCE_MPA_PER_K, "straight line through the half-transformation temperatures; published slopes "
             "of NiTi wire lie between 5 and 12 MPa/K", "literature", partial(slope_mpa_per_k, branch=branch),
             origin="fitted")
         for branch in ("heating", "cooling")
-    ]  # fmt: skip
-
-
-def tail_checks(published: dict[str, Any]) -> list[PaperCheck]:
-    """Return checks of the temperatures at which a tenth and nine tenths of each branch are done."""
-    why = (
-        "temperature at which 10 or 90 % of the branch are done; 7 K: the 4 K of the halves, and 3 K "
-        "that the flattest of the measured curves takes for a twentieth of the stroke"
-    )
-    return [
-        PaperCheck(f"isobars.{name}_{branch}_degc[{stress:.0f}MPa]", published[f"{branch}_degc"][index][place], "C",
-            TAIL_TOLERANCE_K, why, "literature",
-            partial(branch_degc, branch=branch, stress_mpa=stress, place=place), origin="fitted")
-        for name, place in TAILS
-        for branch in ("heating", "cooling")
-        for index, stress in enumerate(published["stress_mpa"])
     ]  # fmt: skip
 
 

@@ -1,0 +1,80 @@
+"""Published temperatures are those of the measured isobars, and what reads the curves is exact on known ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from benchmarks.measured_isobars import (
+    STRESSES_MPA,
+    branches,
+    distances_k,
+    less_linear_strain,
+    levelled,
+    measured_isobar,
+    rates_after_turns_per_k,
+    steepest_rates_per_k,
+    temperatures_k,
+)
+from scipy.special import ndtr
+
+from musclewire.identify.isobaric_loops import Isobar
+from musclewire.parameters.library import read_published
+
+PUBLISHED = read_published("flexinol_isobars")
+# Three isobars were read off 500 points; where strain falls slowly a step of the extensometer is a kelvin.
+READING_K = {"": (1.1, 0.2, 1.3), "held_out": (0.1, 0.1, 0.1)}
+
+
+def straight_loop(distance_k: float) -> Isobar:
+    """Branches of straight lines, 60 to 90 C on cooling."""
+    up = np.linspace(300.0, 410.0, 1101)
+    strain = np.concatenate([np.interp(up - shift, [333.15, 363.15], [0.04, 0.0]) for shift in (distance_k, 0.0)])
+    strain[1101:] = strain[1101:][::-1]
+    kelvin = np.concatenate([up, up[::-1]])
+    return Isobar(100e6, kelvin, strain)
+
+
+def normal_loop(distance_k: float, per_k: float = 0.0) -> Isobar:
+    """Branches of a normal distribution around 75 C on cooling, and strain that falls by ``per_k`` per kelvin."""
+    up = np.linspace(300.0, 410.0, 1101)
+    heating, cooling = (0.04 * ndtr((348.15 + shift - up) / 6.0) for shift in (distance_k, 0.0))
+    kelvin = np.concatenate([up, up[::-1]])
+    return Isobar(100e6, kelvin, np.concatenate([heating, cooling[::-1]]) + per_k * (410.0 - kelvin))
+
+
+@pytest.mark.parametrize("held_out", ["", "held_out"])
+def test_the_published_temperatures_are_those_of_the_measured_curves(held_out: str) -> None:
+    table = PUBLISHED[held_out] if held_out else PUBLISHED
+    for place, stress_mpa in enumerate(table["stress_mpa"]):
+        loop = measured_isobar(stress_mpa)
+        assert 100.0 * np.ptp(loop.strain) == pytest.approx(table["stroke_pct"][place], abs=0.03)
+        done = np.array([0.1, 0.5, 0.9])
+        heating, cooling = branches(loop)
+        for branch, name, left in ((heating, "heating", 1.0 - done), (cooling, "cooling", done)):
+            degc = temperatures_k(branch, loop.strain.min() + left * np.ptp(loop.strain)) - 273.15
+            off = np.abs(degc - table[f"{name}_degc"][place])
+            assert (off <= READING_K[held_out]).all(), (stress_mpa, name, off)
+
+
+def test_no_search_reads_a_held_out_isobar() -> None:
+    assert not set(PUBLISHED["held_out"]["stress_mpa"]) & set(PUBLISHED["stress_mpa"])
+    assert {*PUBLISHED["held_out"]["stress_mpa"], *PUBLISHED["stress_mpa"]} == set(STRESSES_MPA)
+
+
+def test_the_distance_of_two_equal_branches_is_their_shift_at_every_part() -> None:
+    assert distances_k(straight_loop(20.0)) == pytest.approx(20.0, abs=0.01)
+
+
+@pytest.mark.parametrize("per_k", [0.0, 20e-6, 50e-6])
+def test_a_strain_linear_in_temperature_is_found_and_taken_off(per_k: float) -> None:
+    """Where branches are straight any such strain moves all distances alike, so the known loop has tails."""
+    loop = normal_loop(20.0, per_k)
+    found = levelled(loop)
+    assert found.per_k == pytest.approx(per_k, abs=0.6e-6)
+    assert (found.stroke, found.barrier_k) == pytest.approx((0.04, 10.0), rel=5e-3)
+    assert less_linear_strain(loop, per_k).strain == pytest.approx(normal_loop(20.0).strain, abs=1e-12)
+    assert rates_after_turns_per_k(loop) == pytest.approx((-per_k, -per_k), abs=2e-8)
+
+
+def test_the_steepest_rate_is_that_of_the_straight_line() -> None:
+    assert steepest_rates_per_k(straight_loop(20.0)) == pytest.approx((1.0 / 30.0, 1.0 / 30.0))
