@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import textwrap
 from collections import defaultdict
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.special import ndtri
 
 from musclewire.parameters import Alloy, Bench, Parameter, Wire, load_alloy, load_bench, load_wire
 from musclewire.parameters.priors import load_priors
-from musclewire.parameters.published_ranges import PublishedRange, outside, published_ranges
+from musclewire.parameters.published_ranges import (
+    PublishedRange,
+    outside,
+    outside_as_a_spool,
+    published_ranges,
+    spool_ranges,
+    spool_values,
+)
 from musclewire.wire.distribution import signed_power
 
 ALLOY, BENCH = "flexinol", "paper"
@@ -45,7 +53,7 @@ def page() -> str:
     parts = [
         HEAD,
         f"## Alloy `{ALLOY}`\n\n{alloy.description}.\n\n{alloy_table(alloy)}",
-        f"## Outside what is published\n\n{outside_text(alloy)}",
+        f"## Outside what is published\n\n{outside_text(alloy, wires, bench)}",
         f"## What follows from them\n\n{paragraphs(DERIVED_TEXT)}\n\n{derived_table(alloy)}",
         f"## Wires\n\n{paragraphs(WIRES_TEXT)}\n\n{wires_table(wires)}",
         f"## Bench `{BENCH}`\n\n{bench.description}.\n\n{bench_table(bench)}",
@@ -141,21 +149,42 @@ def alloy_table(alloy: Alloy) -> str:
     return table(["parameter", "symbol, meaning", "value", "kind", "published", "inside"], rows)
 
 
-def outside_text(alloy: Alloy) -> str:
-    """Return what left its published range, each with the reason its file gives."""
-    beyond = outside(alloy)
-    if not beyond:
-        return "Nothing: every parameter for which a range was found lies inside it."
-    rows = [
-        [
-            f"`{name}`",
-            shown(item.value, name, item.unit),
-            shown_range(published_ranges().parameters[name], name),
-            item.note or "**no reason given**",
-        ]
-        for name, item in beyond.items()
+def outside_rows(groups: Sequence[Alloy | Wire | Bench]) -> list[list[str]]:
+    """Return file, parameter, value, range and the file's reason of everything that left its published range."""
+    rows = []
+    for group in groups:
+        for name, item in outside(group).items():
+            found = published_ranges().parameters[name]
+            rows.append([group.name, name, shown(item.value, name, item.unit), shown_range(found, name), item.note])
+        if isinstance(group, Wire):
+            for name, value in outside_as_a_spool(group).items():
+                found = spool_ranges(group)[name]
+                note = "spools may differ by this from their alloy"
+                rows.append([group.name, name, spool_shown(value, found), spool_range(found), note])
+    return rows
+
+
+def outside_text(alloy: Alloy, wires: list[Wire], bench: Bench) -> str:
+    """Return how many numbers left their published range, and each with the reason its file gives."""
+    rows = outside_rows([alloy, *wires, bench])
+    count = f"`python checks/published_ranges.py` counts: **{len(rows)}** outside."
+    if not rows:
+        return f"{count} Every parameter of alloy, wires and bench for which a range was found lies inside it."
+    cells = [
+        [f"`{group}`", f"`{name}`", value, found, note or "**no reason given**"]
+        for group, name, value, found, note in rows
     ]
-    return table(["parameter", "value", "published", "what its file says of it"], rows)
+    return f"{count}\n\n{table(['file', 'parameter', 'value', 'published', 'what is said of it'], cells)}"
+
+
+def spool_shown(value: float, found: PublishedRange) -> str:
+    """Return what a spool differs in; differences of temperature stay kelvin."""
+    return f"{figure(value)} {'' if found.unit == '1' else found.unit}".strip()
+
+
+def spool_range(found: PublishedRange) -> str:
+    """Return the range of what a spool may differ in."""
+    return f"{figure(found.low)} to {spool_shown(found.high, found)}"
 
 
 DERIVED_TEXT = f"""No file holds these; they follow from the alloy's parameters and can be held against measurements.
@@ -245,7 +274,26 @@ def wires_table(wires: list[Wire]) -> str:
         found = published_ranges().parameters.get(name)
         cells = [f"{shown(item.value, name, item.unit)}, {item.kind}" for item in items]
         rows.append([f"`{name}`", *cells, "" if found is None else shown_range(found, name)])
-    return table(["parameter", *(f"`{wire.name}`" for wire in wires), "published"], rows)
+    parameters = table(["parameter", *(f"`{wire.name}`" for wire in wires), "published"], rows)
+    return f"{parameters}\n\n{paragraphs(SPOOLS_TEXT)}\n\n{spools_table(wires)}"
+
+
+SPOOLS_TEXT = """How far each spool is from its alloy, and how far a spool may be: both temperatures with all shifts
+that act on them, resistivity over what resistance per metre and diameter as printed ask for, and half of the hysteresis
+with the spool's own shift."""
+
+
+def spools_table(wires: list[Wire]) -> str:
+    """Return what each spool differs in from its alloy; what is outside its range is bold, with that range."""
+    rows = []
+    for name, common in published_ranges().spools.items():
+        cells = []
+        for wire in wires:
+            value, found = spool_values(wire)[name], spool_ranges(wire)[name]
+            text = spool_shown(value, found) if found.beyond(value) == 0.0 else f"**{spool_shown(value, found)}**"
+            cells.append(text if found == common else f"{text} (of {spool_range(found)})")
+        rows.append([f"`{name}`", *cells, spool_range(common)])
+    return table(["difference", *(f"`{wire.name}`" for wire in wires), "spools may"], rows)
 
 
 def bench_table(bench: Bench) -> str:
@@ -287,6 +335,11 @@ def published_table() -> str:
     for name, found in published_ranges().derived.items():
         words = name.removesuffix(unit_suffix(found)).replace("_", " ")
         rows.append([words, shown_range(found, name), found.standing, found.source])
+    spools = [("a spool", published_ranges().spools)]
+    spools += [(f"`{wire}`", ranges) for wire, ranges in published_ranges().spools_of.items()]
+    for whose, ranges in spools:
+        for name, found in ranges.items():
+            rows.append([f"`{name}` of {whose}", spool_range(found), found.standing, found.source])
     return table(["quantity", "published", "standing", "source"], rows)
 
 
