@@ -7,7 +7,7 @@ from typing import Any
 
 from musclewire.experiment.reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n
 from musclewire.experiment.reproduce.measures import falling_steps, lowest_place, one_sided_fraction
-from musclewire.experiment.reproduce.paper_checks import Origin, PaperCheck
+from musclewire.experiment.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
 from musclewire.experiment.reproduce.runs import Runs
 
 __all__ = ["SWEEP_N", "gaps_over_pretension", "sweep_checks"]
@@ -42,11 +42,6 @@ def sweep_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     ]
 
 
-def origin_of(wire: str) -> Origin:
-    """Return the origin of a spool's gaps: the finger's own was chosen with them in view."""
-    return "chosen" if wire == FINGER_WIRE else "predicted"
-
-
 def gaps_over_pretension(runs: Runs, wire: str, quantity: str = "displacement") -> list[float]:
     """Return the gap of displacement or force at each pretension of the sweep [%]."""
     return [float(getattr(runs.finger.loop(force, wire), f"{quantity}_gap_pct")) for force in SWEEP_N]
@@ -75,7 +70,7 @@ def falling_check(wire: str, whose: str) -> PaperCheck:
         '"heating and cooling paths are closer with increasing pretension force": steps from the slack end to '
         f"{pretension_n()} N at which the displacement gap falls; {whose}",
         "words", partial(falling_count, wire=wire),
-        origin=origin_of(wire))  # fmt: skip
+        origin=PREDICTED_OR_LISTED)  # fmt: skip
 
 
 def gap_checks(printed: dict[str, Any], wire: str, whose: str) -> list[PaperCheck]:
@@ -102,21 +97,21 @@ def gap_checks(printed: dict[str, Any], wire: str, whose: str) -> list[PaperChec
     return [
         PaperCheck(f"fig17.smallest_gap_at_n[{wire}]", force, "N", PLACE_TOLERANCE_N,
             f"vertex of the parabola through the lowest three of the sweep; {whose}", "printed",
-            partial(smallest_gap_at_n, wire=wire), origin=origin_of(wire)),
+            partial(smallest_gap_at_n, wire=wire), origin=PREDICTED_OR_LISTED),
         PaperCheck(f"fig17.displacement_gap_pct[{wire},{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
             f"Eq. 9 at the chosen pretension; 0.7 points, a third of it; {whose}", "printed",
-            partial(gap_at_choice_pct, wire=wire), origin=origin_of(wire)),
+            partial(gap_at_choice_pct, wire=wire), origin=PREDICTED_OR_LISTED),
         PaperCheck(f"fig17.grows_again_pct[{wire}]", 0.0, "%", 0.0,
             '"if the pretension force is too large, the paths move away from each other": gap at the largest setting '
             f"less that at {force} N, above 0; {whose}",
             "words", partial(grows_again_pct, wire=wire), "at least",
-            origin=origin_of(wire)),
+            origin=PREDICTED_OR_LISTED),
         PaperCheck(f"fig17.one_sided_fraction[{wire},{SWEEP_N[-1]:.2f}N]", NO_CROSSING, "1", 0.0,
             '"if the pretension force is too large, the heating and cooling curves have no intersection": mean signed '
             "difference at equal resistance over the mean absolute one, at the largest setting: 1 without an "
             f"intersection; 0.05 less for noise at the ends B and C, where the curves meet; {whose}",
             "words", partial(one_sided_at_largest, wire=wire), "at least",
-            origin=origin_of(wire)),
+            origin=PREDICTED_OR_LISTED),
     ]  # fmt: skip
 
 

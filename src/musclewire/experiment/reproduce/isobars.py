@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from musclewire.experiment.reproduce.paper_checks import Origin, PaperCheck
+from musclewire.experiment.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.identify.isobaric_loops import half_transformation_slope_pa_per_k
 from musclewire.parameters.library import read_published
@@ -29,9 +29,8 @@ HELD_OUT_WHY = (
     "no search has used this isobar; it has used others of the same sample, at stresses on either side of it; the "
     "tolerance is theirs"
 )
-# Of isobars that a search has used, and of those held out.
+# Beginning of the name of a row, by whether its isobar is held out.
 PREFIX = {False: "", True: "held_out_"}
-ORIGINS: dict[bool, Origin] = {False: "fitted", True: "predicted"}
 
 
 def checks() -> list[PaperCheck]:
@@ -61,7 +60,7 @@ def stroke_checks(published: dict[str, Any], *, held_out: bool = False) -> list[
     return [
         PaperCheck(f"isobars.{PREFIX[held_out]}stroke_pct[{stress:.0f}MPa]", published["stroke_pct"][index],
             "% strain", STROKE_TOLERANCE_PCT, why, "literature", partial(stroke_pct, stress_mpa=stress),
-            origin=ORIGINS[held_out])
+            origin=PREDICTED_OR_LISTED)
         for index, stress in enumerate(published["stress_mpa"])
     ]  # fmt: skip
 
@@ -78,7 +77,7 @@ def temperature_checks(
     return [
         PaperCheck(f"isobars.{PREFIX[held_out]}{name}_{branch}_degc[{stress:.0f}MPa]",
             published[f"{branch}_degc"][index][place], "C", tolerance_k, why, "literature",
-            partial(branch_degc, branch=branch, stress_mpa=stress, place=place), origin=ORIGINS[held_out])
+            partial(branch_degc, branch=branch, stress_mpa=stress, place=place), origin=PREDICTED_OR_LISTED)
         for name, place in parts
         for branch in ("heating", "cooling")
         for index, stress in enumerate(published["stress_mpa"])
@@ -91,7 +90,7 @@ def slope_checks(published: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck(f"isobars.{branch}_slope_mpa_per_k", published[f"{branch}_slope_mpa_per_k"], "MPa/K",
             SLOPE_TOLERANCE_MPA_PER_K, "straight line through the half-transformation temperatures; published slopes "
             "of NiTi wire lie between 5 and 12 MPa/K", "literature", partial(slope_mpa_per_k, branch=branch),
-            origin="fitted")
+            origin=PREDICTED_OR_LISTED)
         for branch in ("heating", "cooling")
     ]  # fmt: skip
 

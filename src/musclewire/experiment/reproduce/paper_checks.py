@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
 
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.reproduce.runs import Runs
 
 __all__ = [
+    "PREDICTED_OR_LISTED",
     "Compare",
     "Kind",
     "Measured",
@@ -31,8 +32,11 @@ Kind = Literal["printed", "words", "equation", "input", "literature"]
 Compare = Literal["within", "at most", "at least", "reported"]
 # What our number owes to the paper's. input: the number the run was made with; definition: follows from how numbers are
 # computed, whatever the wire does; designed: a part or a rule was made to have it; fitted: a target of the search for
-# the parameters; chosen: a spool was selected with this number in view; predicted: nothing was set by it.
+# the parameters; chosen: a spool or a setting was picked with this number in view; predicted: nothing was set by it.
 Origin = Literal["input", "definition", "designed", "fitted", "chosen", "predicted"]
+# What a row declares that compares the wire's behaviour with the paper: predicted, unless the list of the search's
+# targets and of the choices names it (rows_of_targets.toml).
+PREDICTED_OR_LISTED: Final[Origin] = "predicted"
 # Allowance for rounding in the comparison itself.
 ROUNDING = 1e-9
 

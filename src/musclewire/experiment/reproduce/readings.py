@@ -9,7 +9,7 @@ import numpy as np
 
 from musclewire.experiment.closed_loop import APPROACH_S
 from musclewire.experiment.metrics import ControlMetrics, determined
-from musclewire.experiment.reproduce.paper_checks import PaperCheck
+from musclewire.experiment.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.parameters.library import read_published
 
@@ -40,7 +40,7 @@ def from_first_target_checks(table: Table) -> list[PaperCheck]:
     )
     return [
         PaperCheck(f"{table}.mae_from_first_target_{name}", paper, "% of target", 0.0, FROM_FIRST_TARGET,
-            "printed", partial(measure, table=table), "reported", origin="chosen")
+            "printed", partial(measure, table=table), "reported", origin=PREDICTED_OR_LISTED)
         for name, paper, measure in rows
     ]  # fmt: skip
 

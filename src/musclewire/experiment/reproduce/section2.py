@@ -18,7 +18,7 @@ from musclewire.experiment.reproduce.measures import (
     outside_loop_pct,
     rank_correlation,
 )
-from musclewire.experiment.reproduce.paper_checks import PaperCheck
+from musclewire.experiment.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.parameters.library import read_published
 
@@ -90,12 +90,12 @@ def minor_loop_checks(setup: dict[str, Any]) -> list[PaperCheck]:
     pairs = [(amplitudes[1], amplitudes[0]), (amplitudes[2], amplitudes[0]), (amplitudes[2], amplitudes[1])]
     found += [
         PaperCheck(f"fig3a.stroke_ratio[{small:.2f}V,{large:.2f}V]", 1.0, "1", 0.0, ORDERED, "words",
-            partial(stroke_ratio, small=small, large=large), "at most", origin="fitted")
+            partial(stroke_ratio, small=small, large=large), "at most", origin=PREDICTED_OR_LISTED)
         for small, large in pairs
     ]  # fmt: skip
     return found + [
         PaperCheck(f"fig3a.outside_pct[{small:.2f}V,{large:.2f}V]", 0.0, "% strain", OUTSIDE_TOLERANCE_PCT, inside,
-            "words", partial(outside_pct, small=small, large=large), "at most", origin="predicted")
+            "words", partial(outside_pct, small=small, large=large), "at most", origin=PREDICTED_OR_LISTED)
         for small, large in pairs
     ]  # fmt: skip
 
@@ -135,17 +135,17 @@ def segment_checks(setup: dict[str, Any]) -> list[PaperCheck]:
     why = 'heating branch; "roughly 85 %" is read as within 4 points'
     return [
         PaperCheck("fig3b.segment_ab_pct", 100 - from_b, "% of strain", 4.0, why, "printed", segment_ab_pct,
-            origin="fitted"),
+            origin=PREDICTED_OR_LISTED),
         PaperCheck("fig3b.segment_bc_pct", from_b, "% of strain", 4.0, why + "; the same number from the other side",
-            "printed", lambda runs: 100.0 - segment_ab_pct(runs), origin="fitted"),
+            "printed", lambda runs: 100.0 - segment_ab_pct(runs), origin=PREDICTED_OR_LISTED),
         PaperCheck("fig3b.segment_bc_cooling_pct", from_b, "% of strain", 4.0,
             'from C to B on the cooling branch over C to A there: "the strain curve from B to C is divided into the '
             'heating and cooling paths", and "roughly 85 %" is said of both; within 4 points, as on heating',
-            "printed", segment_bc_cooling_pct, origin="predicted"),
+            "printed", segment_bc_cooling_pct, origin=PREDICTED_OR_LISTED),
         PaperCheck("fig3b.gap_ratio", MUCH_SMALLER, "1", 0.0,
             'gap at equal voltage over gap at equal resistance (Eq. 2 for both); "much smaller" is read as at least '
             "five times",
-            "words", gap_ratio, "at least", origin="predicted"),
+            "words", gap_ratio, "at least", origin=PREDICTED_OR_LISTED),
     ]  # fmt: skip
 
 
@@ -194,7 +194,7 @@ def strain_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     found = [
         PaperCheck(f"fig4.strain_gap_pct[125um,{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
             "half a point, six per cent of the larger one; set before the wire was fitted",
-            "printed", partial(strain_gap_pct, wire=SWEEP_WIRE, force=force), origin="fitted")
+            "printed", partial(strain_gap_pct, wire=SWEEP_WIRE, force=force), origin=PREDICTED_OR_LISTED)
         for force, gap in pairs
     ]  # fmt: skip
     steps = SWEEP_POINTS - 1
@@ -202,7 +202,7 @@ def strain_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck("fig4.falling_steps[125um]", steps, "1", 0.0,
             f"steps of a sweep from the first printed pretension to the second, {SWEEP_POINTS} settings, at which the "
             "gap falls: all of them, or it does not fall monotonically",
-            "words", falling_count, origin="fitted")
+            "words", falling_count, origin=PREDICTED_OR_LISTED)
     )  # fmt: skip
     force = printed["pretension_n"][-1]
     found.append(
@@ -210,7 +210,7 @@ def strain_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
             '"the strain gap of the largest pretension force is almost zero", while the gap printed for it, a mean, is '
             f"{printed['strain_gap_pct'][-1]} %: largest distance of heating from cooling at equal resistance, B to C, "
             'read as "minimal" is in Fig. 7: 5 % of the largest strain',
-            "words", partial(distance_of_branches_pct, force=force), "at most", origin="predicted")
+            "words", partial(distance_of_branches_pct, force=force), "at most", origin=PREDICTED_OR_LISTED)
     )  # fmt: skip
     return found
 
@@ -257,23 +257,23 @@ def force_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck("fig5.smallest_force_gap_at_n[125um]", force, "N", 0.4,
             "vertex of the parabola through the three lowest of the sweep, whose settings are 0.25 N apart; 0.4 N: the "
             "paper's own settings are some 1.5 N apart where it prints them",
-            "printed", smallest_force_gap_at_n, origin="fitted"),
+            "printed", smallest_force_gap_at_n, origin=PREDICTED_OR_LISTED),
         PaperCheck(f"fig5.force_gap_pct[125um,{force:.2f}N]", gap, "%", GAP_TOLERANCE_PCT,
             "half a point, as for the strain gaps of this wire", "printed",
-            partial(force_gap_pct, wire=SWEEP_WIRE, force=force), origin="fitted"),
+            partial(force_gap_pct, wire=SWEEP_WIRE, force=force), origin=PREDICTED_OR_LISTED),
         PaperCheck("fig5.force_gap_rise_pct[125um]", 0.0, "%", 0.0,
             '"gradually moves closer to the cooling path and then moves away": force gap at the largest pretension '
             "less the smallest of the sweep, above 0",
-            "words", force_gap_rise_pct, "at least", origin="fitted"),
+            "words", force_gap_rise_pct, "at least", origin=PREDICTED_OR_LISTED),
         PaperCheck("fig5.fall_rank_correlation[125um]", -1.0, "1", round(FALLING + 1.0, 9),
             f'"the force gap reduces similarly for larger pretension forces", up to its smallest at {force} N: '
             "Spearman's rank correlation of force gap and pretension over the settings of the sweep up to there; as "
             "much short of -1 as the strain gaps of Fig. 6(a) may be",
-            "words", partial(force_gap_fall, until_n=force), "at most", origin="fitted"),
+            "words", partial(force_gap_fall, until_n=force), "at most", origin=PREDICTED_OR_LISTED),
         PaperCheck("fig5.force_gap_less_strain_gap_pct[125um]", 0.0, "%", 0.0,
             '"the value of the force gap is still significant" where the strain gap is almost zero: force gap at the '
             "largest pretension less the strain gap there, above 0",
-            "words", force_less_strain_at_largest_pct, "at least", origin="predicted"),
+            "words", force_less_strain_at_largest_pct, "at least", origin=PREDICTED_OR_LISTED),
     ]  # fmt: skip
 
 
@@ -327,12 +327,12 @@ def stiffness_checks() -> list[PaperCheck]:
     pairs = [(0.5, 1.0), (1.0, 2.0), (0.5, 2.0)]
     found = [
         PaperCheck(f"fig7.strain_distance_pct[{soft:g}x,{stiff:g}x]", 0.0, "% of S_max", NEARLY_NOTHING_PCT, near,
-            "words", partial(strain_distance_pct, soft=soft, stiff=stiff), "at most", origin="fitted")
+            "words", partial(strain_distance_pct, soft=soft, stiff=stiff), "at most", origin=PREDICTED_OR_LISTED)
         for soft, stiff in pairs
     ]  # fmt: skip
     return found + [
         PaperCheck(f"fig8.force_ratio[{soft:g}x,{stiff:g}x]", stiff / soft, "1", 0.1 * (stiff / soft), apart, "words",
-            partial(stiffness_force_ratio, soft=soft, stiff=stiff), origin="fitted")
+            partial(stiffness_force_ratio, soft=soft, stiff=stiff), origin=PREDICTED_OR_LISTED)
         for soft, stiff in pairs
     ]  # fmt: skip
 

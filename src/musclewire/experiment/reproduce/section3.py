@@ -9,7 +9,7 @@ import numpy as np
 
 from musclewire.experiment.metrics import determined, elapsed
 from musclewire.experiment.reproduce.measures import outside_band, plain_gap_pct
-from musclewire.experiment.reproduce.paper_checks import PaperCheck
+from musclewire.experiment.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
 from musclewire.experiment.reproduce.readings import AFTER_APPROACH, from_first_target_checks
 from musclewire.experiment.reproduce.runs import Runs
 from musclewire.identify.recordings import required_quantity
@@ -61,21 +61,21 @@ def loop_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     )
     return [
         PaperCheck("fig9.resistance_min_ohm", printed["resistance_min_ohm"], "ohm", RESISTANCE_TOLERANCE_OHM, ends,
-            "printed", lambda runs: runs.model.resistance_min_ohm, origin="fitted"),
+            "printed", lambda runs: runs.model.resistance_min_ohm, origin=PREDICTED_OR_LISTED),
         PaperCheck("fig9.resistance_max_ohm", printed["resistance_max_ohm"], "ohm", RESISTANCE_TOLERANCE_OHM, ends,
-            "printed", lambda runs: runs.model.resistance_max_ohm, origin="fitted"),
+            "printed", lambda runs: runs.model.resistance_max_ohm, origin=PREDICTED_OR_LISTED),
         PaperCheck("fig9.strain_gap_pct[100um,1.90N]", printed["strain_gap_pct"], "%", 0.25,
             "a quarter of a point: a fifth of the printed gap", "printed",
-            lambda runs: runs.main_loop().strain_gap_pct, origin="fitted"),
+            lambda runs: runs.main_loop().strain_gap_pct, origin=PREDICTED_OR_LISTED),
         PaperCheck("fig9.plain_strain_gap_pct[100um,1.90N]", printed["strain_gap_pct"], "%", 0.25,
             "Eq. 2 as printed, on the samples sorted by resistance, without the smoothing of ours: presumably what the "
             "paper did; noise widens it; the tolerance is that of the smoothed gap", "printed",
-            lambda runs: plain_gap_pct(runs.main_loop()), origin="fitted"),
+            lambda runs: plain_gap_pct(runs.main_loop()), origin=PREDICTED_OR_LISTED),
         PaperCheck("fig9.polynomial_order", printed["polynomial_order"], "1", 0.0, SAME, "input",
             lambda runs: float(runs.model.order), origin="input"),
         *(
             PaperCheck(f"fig9.fit_rms_pct[{branch}]", 0.0, "% strain", STRAIN_RMS_PCT, residual, "words",
-                partial(fit_rms_pct, branch=branch), "at most", origin="fitted")
+                partial(fit_rms_pct, branch=branch), "at most", origin=PREDICTED_OR_LISTED)
             for branch in ("heating", "cooling")
         ),
     ]  # fmt: skip
@@ -111,14 +111,14 @@ def strain_checks(table: dict[str, Any]) -> list[PaperCheck]:
     found += [
         PaperCheck(f"table2.required_resistance_ohm[{target:.1f}]", ohm, "ohm", REQUIRED_TOLERANCE_OHM,
             "our own g_a inverted; 0.04 ohm is 0.05 % strain on the slope of the printed table",
-            "printed", partial(required_ohm, target_pct=target), origin="fitted")
+            "printed", partial(required_ohm, target_pct=target), origin=PREDICTED_OR_LISTED)
         for target, ohm in zip(desired, printed_ohm, strict=True)
     ]  # fmt: skip
     found += branch_checks(table)
     found.append(
         PaperCheck("table2.strain_rms_pct", 0.0, "% strain", STRAIN_RMS_PCT,
             "rms of the twelve differences; 0.02 %: single ones may be off by more, all together may not",
-            "words", strain_rms_pct, "at most", origin="fitted")
+            "words", strain_rms_pct, "at most", origin=PREDICTED_OR_LISTED)
     )  # fmt: skip
     return found
 
@@ -130,7 +130,7 @@ def branch_checks(table: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck(f"table2.strain_{branch}_pct[{target:.1f}]", strain, "% strain", STRAIN_TOLERANCE_PCT,
             "our polynomial at the paper's printed resistance; 0.05 %: a sixth of a step; set before the wire "
             "was fitted",
-            "printed", partial(strain_at_pct, branch=branch, ohm=ohm), origin="fitted")
+            "printed", partial(strain_at_pct, branch=branch, ohm=ohm), origin=PREDICTED_OR_LISTED)
         for branch in ("heating", "cooling")
         for target, ohm, strain in zip(desired, printed_ohm, table[f"strain_{branch}_pct"], strict=True)
     ]  # fmt: skip
@@ -189,7 +189,7 @@ def error_checks(table: dict[str, Any], text: dict[str, Any]) -> list[PaperCheck
                     "that (0.2 to 2.6 %), and it prints neither its rule base nor the unit of its gains; "
                     + AFTER_APPROACH,
                     "printed", partial(step_mae_pct, target_pct=target, direction=direction), "at most",
-                    origin="chosen")
+                    origin=PREDICTED_OR_LISTED)
             )  # fmt: skip
     printed = [*table["mae_rise_pct"], *table["mae_return_pct"]]
     below = text["other_mae_below_pct"]
@@ -199,11 +199,11 @@ def error_checks(table: dict[str, Any], text: dict[str, Any]) -> list[PaperCheck
             "one-sided; 0.9 points: the closed loop was built to stay below 3.5 %, whatever the wire; "
             + AFTER_APPROACH,
             "printed", lambda runs: determined(runs.control_run.metrics.mae_max_approached_pct, "the largest error"),
-            "at most", origin="chosen"),
+            "at most", origin=PREDICTED_OR_LISTED),
         PaperCheck("table2.mae_largest_other_pct", below, "% of target", 0.0,
             f'"for other desired strains, the MAE is less than {below} %": the largest but that of 1.5 % (return); the '
             "paper's own table prints 2.000 there; " + AFTER_APPROACH,
-            "words", largest_other_mae_pct, "at most", origin="chosen"),
+            "words", largest_other_mae_pct, "at most", origin=PREDICTED_OR_LISTED),
         *from_first_target_checks("table2"),
     ]  # fmt: skip
 
@@ -249,13 +249,13 @@ def staircase_checks(paper: dict[str, Any]) -> list[PaperCheck]:
         PaperCheck("fig11.estimate_rms_pct", 0.0, "% strain", near,
             f'rms of resistance-converted less actual strain after the approach; "very close" is read as {near} % '
             f"strain, the largest printed MAE ({largest} % of {lowest} %)",
-            "words", estimate_rms_pct, "at most", origin="predicted"),
+            "words", estimate_rms_pct, "at most", origin=PREDICTED_OR_LISTED),
         PaperCheck("fig12.sample_period_s", paper["controller"]["sample_period_s"], "s", 0.0, SAME, "input",
             lambda runs: float(np.median(np.diff(runs.control_run["time_s"]))), origin="input"),
         PaperCheck("fig12.outside_band_pct", 0.0, "% strain", TRACE_TOLERANCE_PCT,
             "largest distance of a sample of the staircase, noise included, from the band between the loop's branches; "
             '5 % of the largest strain, as "minimal" is read in Fig. 7',
-            "words", outside_band_pct, "at most", origin="predicted"),
+            "words", outside_band_pct, "at most", origin=PREDICTED_OR_LISTED),
     ]  # fmt: skip
 
 
