@@ -26,7 +26,7 @@ from musclewire.wire.constants import WireConstants
 STEP_S, SAMPLE_S = 0.01, 0.05
 SPREAD = 0.02
 # One distribution, whole numbers, and what the correlation of the air is tabulated for stay the same.
-SAME = ("grain_skew", "grain_tail", "legs", "ambient_temperature_k", "diameter_m")
+SAME = ("grain_skew", "grain_tail", "early_fraction", "early_width", "legs", "ambient_temperature_k", "diameter_m")
 SIZES = (100, 1_000, 10_000, 100_000)
 CALLS = 7
 

@@ -115,13 +115,20 @@ def record(names: list[str], **values: float) -> np.ndarray:
     return made
 
 
-def spread_grains(grains: int, skew: float, tail: float) -> Grains:
+def spread_grains(grains: int, material: Mapping[str, float]) -> Grains:
     """Return classes of equal weight as adjacent intervals; the outermost reach as far outwards as inwards."""
-    inner = offsets(ndtri(np.arange(1, grains) / grains), skew, tail)
-    outermost = offsets(ndtri(np.array([0.5, grains - 0.5]) / grains), skew, tail)
+    inner = offsets_of(np.arange(1, grains) / grains, material)
+    outermost = offsets_of(np.array([0.5, grains - 0.5]) / grains, material)
     edges = np.concatenate(([2.0 * outermost[0] - inner[0]], inner, [2.0 * outermost[1] - inner[-1]]))
     phases = (np.zeros(grains), np.zeros(grains))
     return Grains(edges, 0.5 * (edges[1:] + edges[:-1]), np.diff(edges), *phases, np.zeros(7))
+
+
+def offsets_of(quantile: Array, material: Mapping[str, float]) -> Array:
+    """Return offsets of quantiles: a signed power, below which the early fraction lies evenly over its width."""
+    early, width = material["early_fraction"], material["early_width"]
+    power = offsets(ndtri(np.maximum(quantile, early)), material["grain_skew"], material["grain_tail"])
+    return np.array([x - width * (1.0 - u / early) if u < early else x for u, x in zip(quantile, power, strict=True)])
 
 
 def convection_table(diameter_m: float, ambient_temperature_k: float) -> Array:

@@ -112,7 +112,7 @@ def grain_wire(
     wire = GrainWire(
         record(STATE),
         constants,
-        spread_grains(grains, material["grain_skew"], material["grain_tail"]),
+        spread_grains(grains, material),
         convection_table(spool["diameter_m"], bench["ambient_temperature_k"]),
         np.stack((attached.force_n, attached.friction_n)),
     )

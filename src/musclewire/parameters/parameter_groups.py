@@ -49,12 +49,18 @@ class Parameter(BaseModel):
     note: str = ""
 
 
-Range = Literal["positive", "not negative", "any", "whole"]
+Range = Literal["positive", "not negative", "any", "whole", "fraction"]
 
 
-def parameter(unit: str, description: str, allowed: Range = "positive") -> Any:
-    """Return the field of a parameter, with the unit that a file must state and the range allowed."""
-    return Field(description=description, json_schema_extra={"unit": unit, "allowed": allowed})
+def parameter(unit: str, description: str, allowed: Range = "positive", *, absent: Parameter | None = None) -> Any:
+    """Return the field of a parameter, with the unit that a file must state and the range allowed.
+
+    A file must have it unless ``absent`` says what holds for a file without it.
+    """
+    extra: dict[str, Any] = {"unit": unit, "allowed": allowed}
+    if absent is None:
+        return Field(description=description, json_schema_extra=extra)
+    return Field(default=absent, description=description, json_schema_extra=extra)
 
 
 def checked(key: str, item: Parameter, field: FieldInfo) -> None:
@@ -66,6 +72,8 @@ def checked(key: str, item: Parameter, field: FieldInfo) -> None:
         raise ValueError(f"{key} is {item.value:g} {item.unit}, it must be above 0")
     if declared["allowed"] == "not negative" and item.value < 0.0:
         raise ValueError(f"{key} is {item.value:g} {item.unit}, it must be 0 or more")
+    if declared["allowed"] == "fraction" and not 0.0 <= item.value < 1.0:
+        raise ValueError(f"{key} is {item.value:g}, it must be 0 or more and below 1")
     if declared["allowed"] == "whole" and (item.value < 1.0 or item.value % 1.0):
         near = " or ".join(f"{number:g}" for number in whole_numbers_near(item.value))
         raise ValueError(f"{key} is {item.value:g}, it must be a whole number of 1 or more, as {near}")
@@ -105,6 +113,11 @@ def key_hint(key: str, known: Iterable[str]) -> str:
     return f"; {REMOVED[key]}" if key in REMOVED else nearest_hint(key, known)
 
 
+ONE_POPULATION = "no early grains, one population: what a file without this key means"
+NO_EARLY_GRAINS = Parameter(value=0.0, unit="1", kind="assumed", source=ONE_POPULATION)
+ANY_EARLY_WIDTH = Parameter(value=1.0, unit="1", kind="assumed", source=ONE_POPULATION)
+
+
 class Alloy(ParameterGroup):
     """The metal, independent of the wire's size. Symbols as in docs/reference/symbols.md."""
 
@@ -118,6 +131,10 @@ class Alloy(ParameterGroup):
     martensite_spread_per_pa: Parameter = parameter("K/Pa", "growth of w_M with stress", "not negative")
     grain_skew: Parameter = parameter("1", "stretch of the upper against the lower half of the spread", "any")
     grain_tail: Parameter = parameter("1", "power of the tails: 0 is a normal distribution", "not negative")
+    early_fraction: Parameter = parameter(
+        "1", "fraction of the grains spread evenly below all others", "fraction", absent=NO_EARLY_GRAINS
+    )
+    early_width: Parameter = parameter("1", "width of that fraction, in spreads", absent=ANY_EARLY_WIDTH)
     r_phase_temperature_k: Parameter = parameter("K", "T_R0: austenite and R-phase in balance, no stress")
     r_phase_stress_rate_pa_per_k: Parameter = parameter("Pa/K", "C_R: Clausius-Clapeyron slope of the R-phase")
     r_phase_spread_k: Parameter = parameter("K", "w_R: spread of T_R0 over the grains", "not negative")

@@ -15,7 +15,7 @@ from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
 from musclewire.wire.constants import CONVECTION_POINTS, WireConstants
-from musclewire.wire.distribution import ONE_CLASS, BarrierClass, Distribution, of_classes, signed_power_distribution
+from musclewire.wire.distribution import ONE_CLASS, BarrierClass, Distribution, of_classes, two_population_distribution
 from musclewire.wire.loads import ConnectorLoad, spring_load
 from musclewire.wire.prescribed import cool_from_hot, resistance_of, total_strain
 from musclewire.wire.row import Rows
@@ -27,6 +27,8 @@ __all__ = ["constants_from", "constants_of", "cooled_wire", "resting_state", "wi
 # Stresses at which the spreads must be positive: none, and about the strength of the wire.
 STRESSES_PA = (0.0, 1e9)
 MIN_SPREAD_K = 1e-3
+# Numbers of an alloy that say how its grains are distributed.
+SHAPE = ("grain_skew", "grain_tail", "early_fraction", "early_width")
 TABLE_START_K = 200.0
 TABLE_STEP_K = 2.0
 
@@ -79,7 +81,8 @@ def constants_of(
     new_wire
         Whether the shakedown of a new wire is still to come.
     distribution
-        Distribution of the grains' offsets; that of the alloy's ``grain_skew`` and ``grain_tail`` if None.
+        Distribution of the grains' offsets; that of the alloy's ``grain_skew``, ``grain_tail``, ``early_fraction`` and
+        ``early_width`` if None.
     classes
         Grains by their barrier; one class by default.
 
@@ -94,7 +97,7 @@ def constants_of(
     """
     attached = load or spring_load(bench["spring_stiffness_n_per_m"])
     require_a_wire(material, spool, bench)
-    spread = distribution or signed_power_distribution(material["grain_skew"], material["grain_tail"])
+    spread = distribution or two_population_distribution(*(material[name] for name in SHAPE))
     weights, barriers_k = of_classes(classes)
     constants = WireConstants.of(
         len(weights),

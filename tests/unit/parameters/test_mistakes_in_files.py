@@ -149,3 +149,10 @@ def test_a_parameter_cannot_be_changed_afterwards() -> None:
     group = validated(Wire, read_named("wire", "paper-100um"), "wire")
     with pytest.raises(ValueError, match="frozen"):
         group.name = "other"
+
+
+@pytest.mark.parametrize("value", [-0.1, 1.0])
+def test_a_fraction_that_is_none_is_named_with_its_range(value: float) -> None:
+    data = copy.deepcopy(read_named("alloy", "flexinol"))
+    data["early_fraction"]["value"] = value
+    assert complaint(Alloy, data).endswith(f"early_fraction is {value:g}, it must be 0 or more and below 1")

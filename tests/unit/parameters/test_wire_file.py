@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -38,6 +39,17 @@ def test_wire_alloy_and_bench_read_back_as_they_were(name: str, tmp_path: Path) 
     assert load_alloy(found.alloy).items() == load_alloy(wire.alloy).items()
     assert (found.name, found.description) == ("mine", "as found")
     assert bench_known_with(str(path)) == {"guide_friction_n": FRICTION}
+
+
+def test_a_file_without_early_grains_means_one_population(tmp_path: Path) -> None:
+    """Files of earlier versions, which calibrate wrote: what they do not say is assumed, and said to be."""
+    path = tmp_path / "mine.toml"
+    old = re.sub(r"\[alloy\.early_(fraction|width)\]\n(?:.+\n)+\n?", "", text())
+    assert "early" not in old
+    path.write_text(old, "utf-8")
+    alloy = load_alloy(load_wire(str(path)).alloy)
+    assert (alloy.early_fraction.value, alloy.early_width.value) == (0.0, 1.0)
+    assert alloy.early_fraction.kind == alloy.early_width.kind == "assumed"
 
 
 @given(st.text(st.characters(exclude_categories=["Cs"])))

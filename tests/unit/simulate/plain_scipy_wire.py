@@ -9,7 +9,7 @@ function of time and not held, and nothing is predicted from a step before.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -56,14 +56,19 @@ def churchill_chu_w_per_m2_k(wall_k: float, ambient_k: float, diameter_m: float)
     return nusselt * conductivity / diameter_m
 
 
-def class_edges(classes: int, skew: float, tail: float) -> Array:
+def class_edges(classes: int, p: Mapping[str, float]) -> Array:
     """Return the edges of classes of equal share, (n_classes + 1,), in units of the spread.
 
     An offset is z (z^2 + 0.3^2)^(tail/2), z a normal quantile, times 1 + skew above and 1 - skew below the middle.
-    The outermost classes are as wide outwards of their middle quantile as inwards.
+    Early grains lie evenly over their width below the quantile that their fraction is. The outermost classes are as
+    wide outwards of their middle quantile as inwards.
     """
-    z = norm.ppf(np.concatenate(([0.5], np.arange(1, classes), [classes - 0.5])) / classes)
-    edges = np.where(z > 0, 1 + skew, 1 - skew) * z * (z**2 + 0.3**2) ** (tail / 2)
+    early, skew = p["early_fraction"], p["grain_skew"]
+    share = np.concatenate(([0.5], np.arange(1, classes), [classes - 0.5])) / classes
+    z = norm.ppf(np.maximum(share, early))
+    edges = np.where(z > 0, 1 + skew, 1 - skew) * z * (z**2 + 0.3**2) ** (p["grain_tail"] / 2)
+    if early > 0:
+        edges -= p["early_width"] * np.maximum(1 - share / early, 0)
     edges[0], edges[-1] = 2 * edges[0] - edges[1], 2 * edges[-1] - edges[-2]
     return edges
 
@@ -79,7 +84,7 @@ class PlainWire:
 
     def __init__(self, alloy: Alloy, wire: Wire, bench: Bench, classes: int = 640) -> None:
         self.p = p = {**alloy.values(), **wire.values(), **bench.values()}
-        self.edges = class_edges(classes, p["grain_skew"], p["grain_tail"])
+        self.edges = class_edges(classes, p)
         self.area_m2 = math.pi / 4 * p["diameter_m"] ** 2
         self.section_m2 = p["legs"] * self.area_m2
         self.leg_m = p["wire_length_m"] / p["legs"]

@@ -19,9 +19,12 @@ class HardSwitches:
     """Grains of an alloy at one stress, all austenite at the start."""
 
     def __init__(self, numbers: dict[str, float], stress_pa: float, grains: int = 20_000) -> None:
-        z = norm.ppf((np.arange(grains) + 0.5) / grains)
+        share = (np.arange(grains) + 0.5) / grains
+        early = int((share < numbers["early_fraction"]).sum())
+        z = norm.ppf(np.maximum(share, numbers["early_fraction"]))
         stretch = np.where(z > 0, 1 + numbers["grain_skew"], 1 - numbers["grain_skew"])
         delta = stretch * z * (z**2 + 0.3**2) ** (numbers["grain_tail"] / 2)
+        delta[:early] -= numbers["early_width"] * (1.0 - share[:early] / max(numbers["early_fraction"], 1e-9))
         self.middle_m = (
             numbers["martensite_temperature_k"]
             + stress_pa / numbers["martensite_stress_rate_pa_per_k"]

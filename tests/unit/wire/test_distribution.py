@@ -17,6 +17,8 @@ from musclewire.wire.distribution import (
     signed_power,
     signed_power_distribution,
     tabulated_distribution,
+    two_population_distribution,
+    two_populations,
 )
 
 SKEW = st.floats(-0.9, 0.9)
@@ -121,3 +123,78 @@ def test_the_signed_power_always_rises_and_keeps_its_middle(skew: float, tail: f
 def test_a_spread_that_would_fold_back_is_the_callers_error(skew: float, tail: float) -> None:
     with pytest.raises(CallerError, match="grain_tail"):
         signed_power(np.linspace(-1, 1, 3), skew, tail)
+
+
+EARLY = st.floats(1e-4, 0.95)
+WIDTH = st.floats(0.3, 10.0)
+
+
+def test_early_grains_by_hand() -> None:
+    """Half of a normal distribution, and below its middle a half spread evenly over 2 spreads."""
+    table = two_population_distribution(0.0, 0.0, 0.5, 2.0)
+    assert table.cumulative(np.array([-3.0, -2.0, -1.5, -1.0, 0.0])) == pytest.approx(
+        [0, 0, 0.125, 0.25, 0.5], abs=1e-14
+    )
+    assert table.cumulative(np.array([0.5, 1.0, 3.0])) == pytest.approx(norm.cdf([0.5, 1.0, 3.0]), abs=1e-9)
+
+
+@settings(max_examples=100)
+@given(skew=PRIOR_SKEW, tail=PRIOR_TAIL, early=EARLY, width=WIDTH)
+def test_the_table_of_two_populations_is_the_inverse_of_their_quantiles(
+    skew: float, tail: float, early: float, width: float
+) -> None:
+    table = two_population_distribution(skew, tail, early, width)
+    ends = norm.ppf(early) + np.array([-1e-9, 0.0, 1e-9])
+    quantiles = np.concatenate((QUANTILES, ends, norm.ppf(early * np.linspace(0.001, 0.999, 50))))
+    offset = two_populations(quantiles, skew, tail, early, width)
+    # Next to a half, the jump of the density in the middle lies within the cell that begins at the kink.
+    assert table.cumulative(offset) == pytest.approx(norm.cdf(quantiles), abs=3e-3 if 0.48 < early < 0.5 else 5e-5)
+
+
+@settings(max_examples=100)
+@given(skew=SKEW, tail=TAIL, early=st.floats(0.0, 0.999999), width=st.floats(1e-3, 100.0))
+def test_the_table_of_two_populations_rises_from_0_to_1(skew: float, tail: float, early: float, width: float) -> None:
+    """Wherever a file may put them: far narrower than a cell, a millionth of the grains, or all but a millionth."""
+    table = two_population_distribution(skew, tail, early, width)
+    end = float(signed_power(np.array(6.0), skew, tail))
+    values = table.cumulative(np.linspace(table.start - 0.1, max(end, table.core_end), 20_001))
+    assert values[0] == 0.0
+    assert values[-1] == 1.0
+    assert (np.diff(values) >= -1e-15).all()
+    assert table.cells[:-1].sum(axis=1) == pytest.approx(table.cells[1:, 0], abs=1e-14)
+    assert len(table.cells) == len(signed_power_distribution(skew, tail).cells)
+
+
+@settings(max_examples=50)
+@given(skew=SKEW, tail=TAIL, early=EARLY, width=WIDTH)
+def test_early_grains_lie_evenly_below_a_kink_that_ends_a_cell(
+    skew: float, tail: float, early: float, width: float
+) -> None:
+    table = two_population_distribution(skew, tail, early, width)
+    kink = float(signed_power(np.array(norm.ppf(early)), skew, tail))
+    place = np.linspace(0.0, 1.0, 200)
+    assert table.start == pytest.approx(kink - width, abs=1e-9)
+    assert table.cumulative(table.start + width * place) == pytest.approx(early * place, abs=1e-12)
+    after = table.cumulative(kink + 1e-6 * np.array([1.0, 2.0]))
+    slope = (signed_power(norm.ppf(early) + np.array([-1e-5, 1e-5]), skew, tail) - kink) / 1e-5
+    density = norm.pdf(norm.ppf(early)) / (slope[1] if early >= 0.5 else -slope[0])
+    assert np.diff(after)[0] / 1e-6 == pytest.approx(density, rel=0.02)
+
+
+@given(skew=SKEW, tail=TAIL, width=WIDTH)
+def test_no_early_grains_are_one_population_to_the_bit(skew: float, tail: float, width: float) -> None:
+    one, two = signed_power_distribution(skew, tail), two_population_distribution(skew, tail, 0.0, width)
+    assert two is one
+    assert np.array_equal(two_populations(QUANTILES, skew, tail, 0.0, width), signed_power(QUANTILES, skew, tail))
+
+
+@pytest.mark.parametrize("early", [-0.1, 1.0, float("nan")])
+def test_an_early_fraction_that_is_none_is_the_callers_error(early: float) -> None:
+    with pytest.raises(CallerError, match="early_fraction"):
+        two_population_distribution(0.0, 0.5, early, 1.0)
+
+
+@pytest.mark.parametrize("width", [0.0, -1.0, float("inf")])
+def test_an_early_width_that_is_none_is_the_callers_error(width: float) -> None:
+    with pytest.raises(CallerError, match="early_width"):
+        two_populations(QUANTILES, 0.0, 0.5, 0.1, width)

@@ -26,7 +26,8 @@ from musclewire.wire.state import WireState
 Array = NDArray[np.float64]
 
 # Every number that a fit may move, rounded. In "narrow" all grains turn to R-phase at once, in "broad" over a wide
-# range; in "late" R-phase and martensite are harder to reach from each other than by way of austenite.
+# range; in "early" a fifth of the grains transform before the others; in "late" R-phase and martensite are harder to
+# reach from each other than by way of austenite.
 ROUND = {
     "martensite_temperature_k": 342.0,
     "martensite_stress_rate_pa_per_k": 8e6,
@@ -36,6 +37,8 @@ ROUND = {
     "martensite_spread_per_pa": 1e-8,
     "grain_skew": -0.2,
     "grain_tail": 1.0,
+    "early_fraction": 0.0,
+    "early_width": 1.0,
     "r_phase_temperature_k": 350.0,
     "r_phase_stress_rate_pa_per_k": 30e6,
     "r_phase_spread_k": 8.0,
@@ -67,6 +70,7 @@ ALLOYS: dict[str, dict[str, float]] = {
         "r_phase_barrier_k": 1.5,
         "r_to_m_barrier_k": 11.0,
     },
+    "early": {"early_fraction": 0.2, "early_width": 3.0, "grain_tail": 0.5},
     "late": {"r_to_m_barrier_k": 25.0, "r_phase_temperature_k": 360.0},
 }
 
