@@ -29,7 +29,9 @@ EIGHTHS_OF_A_KELVIN = st.integers(295 * 8, 410 * 8)
 HOT_K, COLD_K = 430.0, 290.0
 
 
-@pytest.mark.parametrize(("kind", "stress_pa"), [("round", 50e6), ("round", 120e6), ("narrow", 120e6), ("broad", 50e6)])
+@pytest.mark.parametrize(
+    ("kind", "stress_pa"), [("round", 50e6), ("round", 120e6), ("early", 50e6), ("narrow", 120e6), ("broad", 50e6)]
+)
 def test_the_fractions_agree_with_twenty_thousand_hard_switches(kind: str, stress_pa: float) -> None:
     wire = WIRES[kind]
     temperatures = np.concatenate(
