@@ -314,9 +314,9 @@ def core_cells(bottom: float, top: float) -> tuple[FloatArray, float]:
     below = int(CORE_CELLS * -bottom / (top - bottom))
     if below < 1:  # 0 lies below the core, or in its first cell
         step = (top - bottom) / CORE_CELLS
-        return bottom + step * np.arange(CORE_CELLS + 1), step
+        return np.asarray(bottom + step * np.arange(CORE_CELLS + 1)), step
     step = -bottom / below
-    return step * np.arange(-below, CORE_CELLS - below + 1), step
+    return np.asarray(step * np.arange(-below, CORE_CELLS - below + 1)), step
 
 
 def cells_on_both_sides(reach: FloatArray, cells: int) -> tuple[float, int]:

@@ -22,6 +22,7 @@ def shipped(**changes: float) -> GrainWire:
 KINDS = {
     "shipped": shipped(),
     "preference reversed": shipped(martensite_spread_k=1.0, r_phase_spread_k=40.0),
+    "early grains": shipped(early_fraction=0.2, early_width=4.0),
     "pulled apart by load": shipped(martensite_spread_per_pa=3e-8),
     "preference turns over": shipped(
         martensite_spread_k=1.0, martensite_spread_per_pa=2e-8, r_phase_spread_k=20.0, r_phase_entropy_ratio=0.2
