@@ -266,7 +266,7 @@ def two_population_distribution(skew: float, tail: float, early_fraction: float,
     left[early + 1 :] = (density / np.where(cells.ends[early:] > 0.0, 1.0 + skew, 1.0 - skew))[1:]
     right[early:] = density / np.where(cells.ends[early:] >= 0.0, 1.0 + skew, 1.0 - skew)
     width, most = np.diff(cells.ends), 3.0 * np.diff(cumulative)
-    # Cells too wide for a steep middle, which a very narrow early population leaves, would overshoot (Fritsch and Carlson).
+    # A very narrow early population leaves a steep middle cells too wide, which would overshoot (Fritsch, Carlson).
     rises = np.minimum(right[:-1] * width, most), np.minimum(left[1:] * width, most)
     return Distribution(
         float(cells.ends[0]),
