@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from musclewire.sensing.resistance_maximum import parabola_maximum
 from musclewire.simulate.paths import DrivenPath
 from paper_wires.unknowns import FloatArray
 
@@ -80,9 +81,20 @@ def analysed(path: DrivenPath, pretension_n: float, leg_length_m: float, shunt_o
         force_heating=rising(ohm[up][::-1], force[up][::-1]),
         force_cooling=rising(ohm[down], force[down]),
         stroke=float(strain.max()),
-        segment_ab_pct=100.0 * float(strain[b] / strain.max()),
+        segment_ab_pct=segment_ab_pct(ohm, strain, b, c),
         min_martensite=float(path.martensite_fraction.min()),
     )
+
+
+def segment_ab_pct(ohm: FloatArray, strain: FloatArray, b: int, c: int) -> float:
+    """Return the share of A-B in the strain of a heating branch, as a recording's second cycle shows it [%].
+
+    B is the maximum of resistance as on recordings; A, where the next heating begins, is the path's end: friction and
+    grains that stay austenite leave some strain there which the very first heating does not start from.
+    """
+    at_b = float(np.interp(parabola_maximum(ohm, b).place, np.arange(strain.size), strain))
+    cold = float(strain[-1])
+    return 100.0 * (at_b - cold) / (float(strain[c]) - cold)
 
 
 def rising(ohm: FloatArray, values: FloatArray) -> Curve:
