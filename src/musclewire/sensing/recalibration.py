@@ -12,7 +12,9 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.sensing.branch_equations import check_resistance_range
 from musclewire.sensing.branches import MAX_WINDOW_FRACTION
+from musclewire.sensing.loop_points import fall_from_b_to_c
 from musclewire.sensing.model import SensingModel
+from musclewire.sensing.resistance_maximum import ResistanceMaximum, resistance_maximum
 from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
 __all__ = ["ResistanceExtremes", "find_resistance_extremes", "recalibrated"]
@@ -40,7 +42,7 @@ class ResistanceExtremes(NamedTuple):
     resistance_max_ohm
         Resistance at B [ohm].
     index_b
-        Sample of B.
+        Sample next to B.
     index_c
         Sample of C.
     saw_b
@@ -65,7 +67,7 @@ def find_resistance_extremes(
 ) -> ResistanceExtremes:
     """Find R_max (B) and R_min (C) of one slow heating sweep from the resistance alone.
 
-    The two span the largest fall of the smoothed resistance.
+    The two span the main fall of the resistance; B is found as on a loop (:func:`find_segments`).
 
     Parameters
     ----------
@@ -92,7 +94,8 @@ def find_resistance_extremes(
     """
     place, measured = _heating(resistance_ohm, drive_voltage_v, valid)
     resistance, left = _smoothed(measured)
-    b, c = _largest_fall(resistance)
+    rough = max(BUMP_NOISES * left, BUMP_FRACTION * float(np.ptp(resistance)))
+    b, c = fall_from_b_to_c(resistance, rough)
     fall = float(resistance[b] - resistance[c])
     if fall < max(MIN_FALL_FRACTION * float(resistance[b]), MIN_FALL_NOISES * left):
         raise RecordingError(
@@ -100,12 +103,16 @@ def find_resistance_extremes(
             f"{left:.2g} ohm; {100 * MIN_FALL_FRACTION:g} % and ten times the noise are needed): heat further"
         )
     bump = max(BUMP_NOISES * left, BUMP_FRACTION * fall)
+    saw_b = float(resistance[b] - resistance[: b + 1].min()) > bump
+    at_b = ResistanceMaximum(float(b), float(resistance[b]))
+    if saw_b:
+        at_b = resistance_maximum(measured[:c], resistance[:c], b, fall, left)
     return ResistanceExtremes(
         resistance_min_ohm=float(resistance[c]),
-        resistance_max_ohm=float(resistance[b]),
-        index_b=int(place[b]),
+        resistance_max_ohm=at_b.resistance_ohm,
+        index_b=int(place[round(at_b.place)]),
         index_c=int(place[c]),
-        saw_b=float(resistance[b] - resistance[: b + 1].min()) > bump,
+        saw_b=saw_b,
         saw_c=float(resistance[c:].max() - resistance[c]) > bump,
     )
 
@@ -150,13 +157,6 @@ def recalibrated(model: SensingModel, resistance_min_ohm: float, resistance_max_
         heating_samples=(),
         cooling_samples=(),
     )
-
-
-def _largest_fall(resistance: FloatArray) -> tuple[int, int]:
-    """Return the two samples between which the resistance falls most."""
-    highest = np.maximum.accumulate(resistance)
-    c = int(np.argmax(highest - resistance))
-    return int(np.flatnonzero(resistance[: c + 1] == highest[c])[-1]), c
 
 
 def _smoothed(measured: FloatArray) -> tuple[FloatArray, float]:

@@ -25,8 +25,8 @@ NARROWER = 0.7
 CERTAIN = 0.99
 # but not one that is hardly higher than the noise,
 MIN_NOISES = 3.0
-# nor one in which a quintic would have no degree of freedom left to tell noise from bends.
-MIN_SAMPLES = 8
+# nor one in which a quintic would have too few degrees of freedom left to part noise from bends.
+MIN_SAMPLES = 12
 CUBIC, QUINTIC = 3, 5
 # Moves of a window around the maximum of the cubic through it: where the first one lies is still up to the noise.
 MOVES = 2

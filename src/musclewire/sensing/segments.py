@@ -12,6 +12,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.sensing.branches import Branch
 from musclewire.sensing.curve import SHOWN_AS
+from musclewire.sensing.loop_points import LoopPoints, points_of
 from musclewire.sensing.smoothing import noise_level
 from musclewire.sensing.turning_points import (
     MIN_SWING,
@@ -49,20 +50,22 @@ class LoopSegments:
     """Points A, B, C of one loop, as indices into the recording, and its branches from B to C.
 
     On heating the wire passes A (coldest), B (most resistance) and C (least resistance) in this order, on
-    cooling C, B, A.
+    cooling C, B, A. B is the maximum of the cubic through the samples around it
+    (:func:`musclewire.sensing.resistance_maximum.resistance_maximum`); if the loop does not return to cold, B is where
+    it turns.
 
     Parameters
     ----------
     heating_a
         Sample of A on heating; that of B if the loop does not return to cold.
     heating_b
-        Sample of B on heating.
+        Sample next to B on heating.
     heating_c
         Sample of C on heating; the turning point if the transformation was not completed.
     cooling_c
         Sample of C on cooling.
     cooling_b
-        Sample of B on cooling.
+        Sample next to B on cooling.
     cooling_a
         Sample of A on cooling.
     heating
@@ -72,13 +75,15 @@ class LoopSegments:
     resistance_min_ohm
         Resistance at C on heating [ohm], after smoothing.
     resistance_max_ohm
-        Resistance at B on heating [ohm], after smoothing.
+        Resistance at B on heating [ohm], of the cubic.
     strain_cold
         Smoothed strain (or displacement [m], force [N]) at A.
     strain_max
         Its maximum on heating, smoothed.
     transformation_fraction
-        Fraction of this stroke from B to C on heating; about 0.85 in the paper.
+        Fraction of the stroke from A to C that lies from B to C on heating; about 0.85 in the paper.
+    cooling_transformation_fraction
+        The same of the way back from C to A on cooling.
     returns_cold
         Whether the loop returns to cold.
     complete
@@ -106,23 +111,13 @@ class LoopSegments:
     strain_cold: float
     strain_max: float
     transformation_fraction: float
+    cooling_transformation_fraction: float
     returns_cold: bool
     complete: bool
     resistance_noise_ohm: float
     strain_noise: float
     cycle: int
     cycles_found: int
-
-
-@dataclass(frozen=True)
-class _SegmentPoints:
-    """A, B, C of one half cycle as indices into the usable samples, from cold to hot."""
-
-    a: int
-    b: int
-    c: int
-    returns_cold: bool
-    complete: bool
 
 
 def find_segments(
@@ -241,11 +236,9 @@ class _Signals:
         """Return the points and branches of a cycle."""
         heating, cooling = pairs[number]
         curves, place = self.curves, self.place
-        up, down = _points(heating, curves), _points(cooling, curves)
+        up, down = (points_of(half, self.resistance_ohm, curves) for half in (heating, cooling))
         for half, points in ((heating, up), (cooling, down)):
             _check_branch(half, points, curves, self.quantity)
-        cold, at_b = float(curves.strain[up.a]), float(curves.strain[up.b])
-        warm = float(curves.strain[up.c])
         return LoopSegments(
             heating_a=int(place[up.a]),
             heating_b=int(place[up.b]),
@@ -256,10 +249,11 @@ class _Signals:
             heating=self._branch(up.b, up.c),
             cooling=self._branch(down.c, down.b),
             resistance_min_ohm=float(curves.resistance_ohm[up.c]),
-            resistance_max_ohm=float(curves.resistance_ohm[up.b]),
-            strain_cold=cold,
+            resistance_max_ohm=up.at_b.resistance_ohm,
+            strain_cold=float(curves.strain[up.a]),
             strain_max=float(curves.strain[heating.first : heating.last + 1].max()),
-            transformation_fraction=(warm - at_b) / (warm - cold),
+            transformation_fraction=_fraction_from_b(up, curves.strain),
+            cooling_transformation_fraction=_fraction_from_b(down, curves.strain),
             returns_cold=up.returns_cold,
             complete=up.complete or down.complete,
             resistance_noise_ohm=noise_level(self.resistance_ohm),
@@ -404,28 +398,14 @@ def _chosen(cycle: str | int, pairs: list[tuple[HalfCycle, HalfCycle]], curves: 
     return cycle % len(pairs)
 
 
-def _points(half: HalfCycle, curves: SmoothedRecording) -> _SegmentPoints:
-    """Return A, B, C of a half cycle: B and C span the largest fall of resistance, A is the last cold sample before B.
-
-    A cooling half cycle read backwards is like a heating one, so that both are treated alike.
-    """
-    inside = slice(half.first, half.last + 1)
-    resistance = curves.resistance_ohm[inside] if half.rising else curves.resistance_ohm[inside][::-1]
-    highest = np.maximum.accumulate(resistance)
-    c = int(np.argmax(highest - resistance))
-    b = int(np.flatnonzero(resistance[: c + 1] == highest[c])[-1])
-    coldest = float(resistance[: b + 1].min())
-    rise = float(resistance[b]) - coldest
-    tolerance = min(3.0 * curves.resistance_noise_ohm, 0.02 * rise)
-    a = int(np.flatnonzero(resistance[: b + 1] <= coldest + tolerance)[-1])
-    returns_cold = rise > curves.min_bump_ohm
-    complete = float(resistance[c:].max() - resistance[c]) > curves.min_bump_ohm
-    origin, step = (half.first, 1) if half.rising else (half.last, -1)
-    at_a, at_b, at_c = (origin + step * index for index in (a if returns_cold else b, b, c))
-    return _SegmentPoints(at_a, at_b, at_c, returns_cold, complete)
+def _fraction_from_b(points: LoopPoints, strain: FloatArray) -> float:
+    """Return the fraction of the strain from A to C that lies from B to C."""
+    cold, warm = float(strain[points.a]), float(strain[points.c])
+    at_b = float(np.interp(points.at_b.place, np.arange(strain.size), strain))
+    return (warm - at_b) / (warm - cold)
 
 
-def _check_branch(half: HalfCycle, points: _SegmentPoints, curves: SmoothedRecording, quantity: str) -> None:
+def _check_branch(half: HalfCycle, points: LoopPoints, curves: SmoothedRecording, quantity: str) -> None:
     """Raise RecordingError unless resistance falls well above its noise, with enough strain, over enough samples."""
     resistance, strain = curves.resistance_ohm, curves.strain
     name = "heating" if half.rising else "cooling"

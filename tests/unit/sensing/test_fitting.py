@@ -20,7 +20,8 @@ def test_sixth_order_follows_a_clean_loop_to_a_hundredth_percent_strain() -> Non
     assert model.rmse_cooling < 1e-4
     assert model.strain_gap == pytest.approx(MAKER.exact_gap(), rel=0.005)
     assert model.warnings == ()
-    assert (model.normalised_min, model.normalised_max) == (0.0, 1.0)
+    # B lies between two samples.
+    assert (model.normalised_min, model.normalised_max) == (0.0, pytest.approx(1.0, abs=1e-4))
 
 
 def test_the_average_splits_the_gap() -> None:

@@ -156,10 +156,7 @@ def segment_ab_pct(runs: Runs) -> float:
 
 def segment_bc_cooling_pct(runs: Runs) -> float:
     """Return the fraction of the strain from C to B on cooling [%]."""
-    loop = runs.main_loop()
-    found, strain = loop.gaps.segments, loop.quantity("strain")
-    at_a, at_b, at_c = strain[[found.cooling_a, found.cooling_b, found.cooling_c]]
-    return float(100.0 * (at_c - at_b) / (at_c - at_a))
+    return 100.0 * runs.main_loop().gaps.segments.cooling_transformation_fraction
 
 
 def gap_ratio(runs: Runs) -> float:
