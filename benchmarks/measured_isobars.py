@@ -109,3 +109,14 @@ def steepest_rates_per_k(loop: Isobar, over_k: float = RATE_OVER_K) -> tuple[flo
         fall = np.interp(low, kelvin, strain) - np.interp(low + over_k, kelvin, strain)
         found.append(float(fall.max()) / over_k / float(np.ptp(loop.strain)))
     return found[0], found[1]
+
+
+def austenite_start_k(loop: Isobar, over_k: float = RATE_OVER_K) -> float:
+    """Return where the tangent to the steepest part of heating meets the line through its first 20 K."""
+    kelvin, strain = branches(loop)[0]
+    low = np.linspace(kelvin[0], kelvin[-1] - over_k, 2000)
+    fall = (np.interp(low, kelvin, strain) - np.interp(low + over_k, kelvin, strain)) / over_k
+    middle_k = float(low[np.argmax(fall)] + 0.5 * over_k)
+    rate, offset = np.polyfit(*branches(loop)[0][:, kelvin < kelvin[0] + 20.0], 1)
+    steepest = float(fall.max())
+    return float((np.interp(middle_k, kelvin, strain) + steepest * middle_k - offset) / (steepest + rate))
