@@ -4,6 +4,8 @@ After a change of the shipped parameters or of the physics, run it once and comm
 
 - README.md's pictures, from a run of the demo (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
+- the picture of docs/explanation/turns_and_minor_loops.md and the numbers in it
+  (``python docs/images/draw.py turns`` draws and writes these alone),
 - the Bode plot of docs/how-to/linearise_a_wire.md (``python docs/images/draw.py margins`` draws it alone),
 - docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md and python.md, and
   the column "Compared" of paper_map.md
@@ -27,6 +29,8 @@ import physics_runs
 import protection_page
 import python_page
 import rig_keys_page
+import turns_numbers
+import turns_pictures
 import wire_row_page
 
 from musclewire.app.report.figures import STYLE, loops_figure, staircase_figure
@@ -35,6 +39,7 @@ from musclewire.interfaces.control_systems import bode_axes, linearise
 
 HERE = Path(__file__).parent
 PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"
+TURNS_PAGE = HERE.parent / "explanation" / "turns_and_minor_loops.md"
 PARAMETER_PAGE = HERE.parent / "reference" / "parameters.md"
 PROTECTION_PAGE = HERE.parent / "reference" / "protection.md"
 FAULTS_PAGE = HERE.parent / "reference" / "faults.md"
@@ -72,6 +77,13 @@ def draw_margins() -> None:
         bode_axes(linearise(MARGINS_AT_M)).figure.savefig(HERE / "margins.png", dpi=DPI)
 
 
+def draw_turns() -> None:
+    """Write the picture of docs/explanation/turns_and_minor_loops.md into this folder, and the page's numbers."""
+    with mpl.rc_context(STYLE):
+        turns_pictures.branches_figure().savefig(HERE / "isobar_branches.png", dpi=DPI)
+    TURNS_PAGE.write_text(with_blocks(TURNS_PAGE.read_text("utf-8"), turns_numbers.blocks()), encoding="utf-8")
+
+
 def with_blocks(text: str, blocks: dict[str, str]) -> str:
     """Return a page with new text between its markers."""
     return BLOCK.sub(lambda found: f"{found[1]}\n{blocks[found[2]]}\n\n{found[3]}", text)
@@ -80,10 +92,11 @@ def with_blocks(text: str, blocks: dict[str, str]) -> str:
 def main() -> None:
     """Draw and write everything; with ``physics`` all but the demo's pictures, with ``pages`` the pages alone.
 
-    With ``margins`` the Bode plot alone.
+    With ``margins`` the Bode plot alone, with ``turns`` the page on turns alone.
     """
-    if sys.argv[1:] == ["margins"]:
-        draw_margins()
+    alone = {"margins": draw_margins, "turns": draw_turns}
+    if len(sys.argv) == 2 and sys.argv[1] in alone:
+        alone[sys.argv[1]]()
         return
     write_pages()
     if sys.argv[1:] == ["pages"]:
@@ -92,6 +105,7 @@ def main() -> None:
         draw_readme_pictures()
     loops = physics_runs.loops_of_the_sweep()
     draw_physics_pictures(loops)
+    draw_turns()
     draw_margins()
     page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_numbers.blocks(loops))
     PHYSICS_PAGE.write_text(page, encoding="utf-8")

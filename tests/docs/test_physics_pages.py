@@ -16,6 +16,7 @@ from musclewire.parameters import load_alloy, load_bench, load_wire
 
 FOLDER = ROOT / "docs" / "images"
 PHYSICS = ROOT / "docs" / "explanation" / "physics.md"
+TURNS = ROOT / "docs" / "explanation" / "turns_and_minor_loops.md"
 PARAMETERS = ROOT / "docs" / "reference" / "parameters.md"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
 AGAIN = "run python docs/images/draw.py and commit what it changes"
@@ -76,7 +77,18 @@ def test_every_parameter_of_the_alloy_the_wires_and_the_bench_is_on_the_page() -
 @pytest.mark.documented
 def test_the_simulated_numbers_on_the_page_are_those_of_the_shipped_wire(draw: ModuleType) -> None:
     text = PHYSICS.read_text("utf-8")
-    fresh = draw.with_blocks(text, draw.physics_numbers.blocks(draw.physics_runs.loops_of_the_sweep()))
+    require_same_numbers(
+        text, draw.with_blocks(text, draw.physics_numbers.blocks(draw.physics_runs.loops_of_the_sweep()))
+    )
+
+
+@pytest.mark.documented
+def test_the_numbers_of_isobars_and_turns_are_those_of_the_measured_and_the_shipped_wire(draw: ModuleType) -> None:
+    text = TURNS.read_text("utf-8")
+    require_same_numbers(text, draw.with_blocks(text, draw.turns_numbers.blocks()))
+
+
+def require_same_numbers(text: str, fresh: str) -> None:
     text, fresh = " ".join(text.split()), " ".join(fresh.split())
     assert NUMBER.sub("#", fresh) == NUMBER.sub("#", text), AGAIN
     # Another machine may round the last bit otherwise: a unit of the last digit printed is no other result.
@@ -118,3 +130,8 @@ def test_every_source_of_an_equation_stands_at_its_function_too() -> None:
 def test_every_picture_is_on_the_page(name: str) -> None:
     assert f"](../images/{name}.png)" in PHYSICS.read_text("utf-8")
     assert (FOLDER / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_picture_of_the_branches_is_on_the_page_on_turns() -> None:
+    assert "](../images/isobar_branches.png)" in TURNS.read_text("utf-8")
+    assert (FOLDER / "isobar_branches.png").read_bytes().startswith(b"\x89PNG")

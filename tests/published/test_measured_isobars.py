@@ -4,6 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from benchmarks.isobar_branches import (
+    CLASSES_APART_K,
+    MINOR_LOOP_PA,
+    ONE_CLASS,
+    TWO_CLASSES,
+    isobar_with,
+    rests_after_turns,
+    sample_with,
+)
 from benchmarks.measured_isobars import (
     STRESSES_MPA,
     branches,
@@ -78,3 +87,16 @@ def test_a_strain_linear_in_temperature_is_found_and_taken_off(per_k: float) -> 
 
 def test_the_steepest_rate_is_that_of_the_straight_line() -> None:
     assert steepest_rates_per_k(straight_loop(20.0)) == pytest.approx((1.0 / 30.0, 1.0 / 30.0))
+
+
+def test_two_classes_of_barrier_show_after_a_turn_and_hardly_in_the_isobar() -> None:
+    """Sums of a grain's temperature with a symmetric, independent barrier of either sign are of one shape."""
+    constants = sample_with(ONE_CLASS)
+    barrier_k = constants.martensite_barrier_k + constants.martensite_barrier_per_pa * MINOR_LOOP_PA
+    assert barrier_k > CLASSES_APART_K
+    one, two = (distances_k(isobar_with(classes)) for classes in (ONE_CLASS, TWO_CLASSES))
+    assert np.abs(two - one).max() < 0.2 * CLASSES_APART_K
+    rests = {(each.classes, each.branch, each.left): each.kelvin[0] for each in rests_after_turns()}
+    for (classes, branch, left), rest_k in rests.items():
+        if classes == "two":
+            assert rest_k < rests["one", branch, left] - CLASSES_APART_K
