@@ -9,7 +9,7 @@ medians, and the limits. Two ways of counting are printed: whether a row holds o
 list of known failures, and the three verdicts apart ("holds", "at the bar", "fails"). Exit code 1 if fewer than 99 % of
 either agree.
 
-``--keep`` writes all numbers as JSON, and reads them again if the file is there.
+``--keep`` writes all numbers as JSON after each set, and goes on from them if the file is there.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from musclewire.experiment.reproduce import DEFAULT_SEEDS, PaperCheck, Reproduct
 from musclewire.experiment.reproduce.paper_checks import Measured, bars
 from musclewire.experiment.reproduce.seed_numbers import Watching, numbers_of_seeds
 from musclewire.experiment.worker_process import cores
+from musclewire.signals.whole_files import write_text_whole
 
 AGREEING = 0.99
 SMALLER = (5, 11, 21, 31, 41, 61, 81, 101, 151, 201)
@@ -40,23 +41,24 @@ class Agreement(NamedTuple):
     verdict: float
 
 
-def measured_numbers(checks: Sequence[PaperCheck], count: int, keep: Path | None) -> Numbers:
-    """Return what each of so many seeds gives for each check, from a file if it is there."""
+def measured_numbers(checks: Sequence[PaperCheck], seeds: int, sets: int, keep: Path | None) -> Numbers:
+    """Return what each seed of all sets gives for each check; what a file has is not measured again."""
+    numbers: Numbers = {check.name: [] for check in checks}
     if keep is not None and keep.exists():
-        known = {name: [Measured(*one) for one in found] for name, found in json.loads(keep.read_text()).items()}
-        short = [check.name for check in checks if len(known.get(check.name, [])) < count]
-        if short:
-            raise SystemExit(f"{keep} has fewer than {count} seeds of {short[0]}: delete it, or ask for less")
-        return known
-
-    def told(done: int, total: int) -> None:
-        if done % 50 == 0 or done == total:
-            print(f"{done} of {total} seeds", file=sys.stderr, flush=True)
-
-    found = numbers_of_seeds(checks, tuple(range(1, count + 1)), workers=cores(), watching=Watching(told, lambda: None))
-    numbers = {check.name: found.of(check.name) for check in checks}
-    if keep is not None:
-        keep.write_text(json.dumps(numbers))
+        kept = json.loads(keep.read_text())
+        if set(kept) != set(numbers):
+            raise SystemExit(f"{keep} is of other rows: name another file, or ask for the same rows")
+        numbers = {name: [Measured(*one) for one in kept[name]] for name in numbers}
+    done = len(numbers[checks[0].name])
+    while done < seeds * sets:
+        chosen = tuple(range(done + 1, min(done + seeds, seeds * sets) + 1))
+        found = numbers_of_seeds(checks, chosen, workers=cores(), watching=Watching())
+        for check in checks:
+            numbers[check.name] += found.of(check.name)
+        done += len(chosen)
+        print(f"{done} of {seeds * sets} seeds", file=sys.stderr, flush=True)
+        if keep is not None:
+            write_text_whole(keep, json.dumps(numbers))
     return numbers
 
 
@@ -91,10 +93,10 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=DEFAULT_SEEDS, help=f"seeds of a set (default {DEFAULT_SEEDS})")
     parser.add_argument("--sets", type=int, default=10, help="how many disjoint sets (default 10)")
     parser.add_argument("--only", help="only rows whose names begin so")
-    parser.add_argument("--keep", type=Path, help="write all numbers to this file, or read them from it")
+    parser.add_argument("--keep", type=Path, help="write all numbers to this file, and go on from it")
     arguments = parser.parse_args()
     checks = selected(all_checks(), arguments.only)
-    numbers = measured_numbers(checks, arguments.seeds * arguments.sets, arguments.keep)
+    numbers = measured_numbers(checks, arguments.seeds, arguments.sets, arguments.keep)
     print(f"{len(checks)} rows, {arguments.sets} disjoint sets; agreeing with the most frequent verdict of their row:")
     print(f"{'seeds of a set':>16}{'holding or not':>16}{'three verdicts':>16}")
     for seeds in sorted({*(count for count in SMALLER if count < arguments.seeds), arguments.seeds}):
