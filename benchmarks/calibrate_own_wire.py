@@ -1,6 +1,6 @@
 """Does calibrate find a simulated wire from that wire's own noisy recording, and are its intervals honest?
 
-For each seed a wire is drawn from the priors (30 parameters), run through the slow sine on the simulated rig with all
+For each seed a wire is drawn from the priors (32 parameters), run through the slow sine on the simulated rig with all
 its noise, and calibrated from that recording alone. Bars: strain against resistance within 0.05 % strain rms; at least
 90 % of the parameters called identifiable inside their stated 95 % intervals, which are at most half their prior's; at
 most 120 s a wire on two cores. Exit 1 where one fails.

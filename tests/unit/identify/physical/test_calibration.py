@@ -81,6 +81,39 @@ def test_the_wire_is_found_again_and_its_intervals_hold_it(names: tuple[str, ...
     assert off.max() < 4.0
 
 
+EARLY = ("early_fraction", "early_width")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("early", [(0.25, 4.0), (0.1, 6.0), (0.15, 3.0)])
+def test_isobars_tell_early_grains_apart(early: tuple[float, float]) -> None:
+    """A quarter of the grains over 4 spreads, a tenth over 6, a seventh over 3: each is found within its interval."""
+    truth = dict(zip(EARLY, early, strict=True))
+    recording = isobars(TRUTH._replace(alloy={**TRUTH.alloy, **truth}))
+    calibration = calibrate(recording, settings=settings_of_effort("quick"))
+    items = {item.name: item for item in calibration.estimates}
+    for name, value in truth.items():
+        assert items[name].std < 0.8 * items[name].prior_std
+        assert abs(items[name].value - value) < 2.5 * items[name].std
+    assert items["early_fraction"].identifiable
+    assert calibration.alloy.early_fraction.kind == "fitted"
+
+
+@pytest.mark.slow
+def test_isobars_that_end_before_the_early_grains_leave_them_to_their_prior() -> None:
+    """They would turn to martensite in colder air than was recorded: the file says that they are assumed."""
+    whole = isobars(TRUTH)
+    seen = whole["wire_temperature_k"] > TRUTH.alloy["martensite_temperature_k"] + whole["stress_pa"] / 8e6 - 5.0
+    hot = Recording({name: values[seen] for name, values in whole.columns.items()}, whole.metadata)
+    calibration = calibrate(hot, settings=settings_of_effort("quick"))
+    for item in calibration.estimates:
+        if item.name in EARLY:
+            assert not item.identifiable
+            assert abs(item.value - item.prior_mean) < item.prior_std
+            assert getattr(calibration.alloy, item.name).kind == "assumed"
+            assert "prior" in getattr(calibration.alloy, item.name).source
+
+
 def log_ratio(calibration: Calibration, above: str, below: str) -> tuple[float, float]:
     """The logarithm of one parameter over another, and its standard deviation (first order)."""
     items = {item.name: item for item in calibration.estimates}
