@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import ceil, floor
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
 from musclewire.errors import nearest_hint
 
-__all__ = ["Alloy", "Kind", "Parameter", "ParameterGroup", "Bench", "Wire", "checked", "key_hint"]
+__all__ = ["Alloy", "GrainQuantiles", "Kind", "Parameter", "ParameterGroup", "Bench", "Wire", "checked", "key_hint"]
 
 Kind = Literal["measured", "datasheet", "fitted", "derived", "assumed"]
 
@@ -113,6 +113,55 @@ def key_hint(key: str, known: Iterable[str]) -> str:
     return f"; {REMOVED[key]}" if key in REMOVED else nearest_hint(key, known)
 
 
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class GrainQuantiles(BaseModel):
+    """Measured quantiles of the grains, in place of the family of distributions.
+
+    Parameters
+    ----------
+    fraction
+        Fractions of the grains, ascending from 0 to 1, first those that transform first on heating; two or more.
+    offset
+        Offset below which each fraction lies, in units of the spread, ascending; as many.
+    kind
+        "measured", "datasheet", "fitted", "derived" or "assumed".
+    source
+        Their source, in words.
+    note
+        Remarks.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    fraction: tuple[Finite, ...] = Field(min_length=2)
+    offset: tuple[Finite, ...] = Field(min_length=2)
+    kind: Kind
+    source: str = Field(min_length=3)
+    note: str = ""
+
+    @model_validator(mode="after")
+    def _they_are_a_distribution(self) -> GrainQuantiles:
+        if len(self.fraction) != len(self.offset):
+            raise ValueError(
+                f"fraction has {len(self.fraction)} numbers and offset {len(self.offset)}: give one for each fraction"
+            )
+        if self.fraction[0] != 0.0 or self.fraction[-1] != 1.0:
+            raise ValueError(
+                f"fraction goes from {self.fraction[0]:g} to {self.fraction[-1]:g}: let it begin with 0 and end with 1"
+            )
+        for key in ("fraction", "offset"):
+            values = getattr(self, key)
+            place = next((place for place in range(1, len(values)) if values[place] <= values[place - 1]), None)
+            if place is not None:
+                raise ValueError(
+                    f"{key} must ascend, and {values[place]:g} comes after {values[place - 1]:g}: sort the table by "
+                    "fraction and leave out points with the same value"
+                )
+        return self
+
+
 ONE_POPULATION = "no early grains, one population: what a file without this key means"
 NO_EARLY_GRAINS = Parameter(value=0.0, unit="1", kind="assumed", source=ONE_POPULATION)
 ANY_EARLY_WIDTH = Parameter(value=1.0, unit="1", kind="assumed", source=ONE_POPULATION)
@@ -135,6 +184,9 @@ class Alloy(ParameterGroup):
         "1", "fraction of the grains spread evenly below all others", "fraction", absent=NO_EARLY_GRAINS
     )
     early_width: Parameter = parameter("1", "width of that fraction, in spreads", absent=ANY_EARLY_WIDTH)
+    grain_quantiles: GrainQuantiles | None = Field(
+        default=None, description="measured quantiles of the grains, in place of skew, tail and early grains"
+    )
     r_phase_temperature_k: Parameter = parameter("K", "T_R0: austenite and R-phase in balance, no stress")
     r_phase_stress_rate_pa_per_k: Parameter = parameter("Pa/K", "C_R: Clausius-Clapeyron slope of the R-phase")
     r_phase_spread_k: Parameter = parameter("K", "w_R: spread of T_R0 over the grains", "not negative")

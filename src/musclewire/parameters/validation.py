@@ -37,6 +37,7 @@ IN_WORDS = {
     "literal_error": "must be {expected}",
     "too_short": "must have at least {min_length} entries",
     "too_long": "must have at most {max_length} entries",
+    "tuple_type": "must be a list of numbers",
     "dict_type": "must be a table, [{key}] in TOML",
 }
 # Names of the tables in a list, by the key that names their kind; other tables have the name of the list.
@@ -179,11 +180,17 @@ def place_of(model: type[BaseModel], place: Iterable[Any]) -> Place:
         if kinds is not None:
             annotation = kinds.model_of(str(next(parts, "")))
         if get_origin(annotation) in (Union, UnionType):
-            annotation = tagged(get_args(annotation), str(next(parts, "")))
+            annotation = only_table(annotation) or tagged(get_args(annotation), str(next(parts, "")))
         if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
             return Place(current, None)
         current = annotation
     return Place(current, current.model_fields.get(str(keys[-1])) if keys else None)
+
+
+def only_table(annotation: Any) -> Any:
+    """Return the model of a key that holds a table or is left out; None for a key with several kinds of tables."""
+    found = [item for item in get_args(annotation) if item is not type(None)]
+    return found[0] if len(found) == 1 else None
 
 
 def tagged(models: Iterable[Any], tag: str) -> Any:

@@ -13,6 +13,11 @@ source = "calliper"
 
 [alloy.martensite_temperature_k]        all numbers of an alloy
 ...
+[alloy.grain_quantiles]                 and, if they were measured, quantiles of its grains
+fraction = [0.0, 0.5, 1.0]
+offset = [-5.0, 0.0, 5.0]
+kind = "measured"
+source = "an isobar"
 [bench.guide_friction_n]                those of a bench that are known, if any
 ...
 """
@@ -26,7 +31,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, model_validator
 
-from musclewire.parameters.parameter_groups import Alloy, Bench, Parameter, Wire, checked, key_hint
+from musclewire.parameters.parameter_groups import Alloy, Bench, GrainQuantiles, Parameter, Wire, checked, key_hint
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 
@@ -88,7 +93,20 @@ def wire_file_text(name: str, description: str, wire: Wire, alloy: Alloy, bench:
     for group, items in (("wire", dict(wire.items())), ("alloy", dict(alloy.items())), ("bench", dict(bench))):
         for key, item in items.items():
             lines += ["", f"[{group}.{key}]", *parameter_lines(item)]
+    if alloy.grain_quantiles is not None:
+        lines += ["", "[alloy.grain_quantiles]", *quantile_lines(alloy.grain_quantiles)]
     return "\n".join(lines) + "\n"
+
+
+def quantile_lines(item: GrainQuantiles) -> list[str]:
+    """Return measured quantiles as lines of TOML."""
+    lines = [
+        f"fraction = {list(item.fraction)!r}",
+        f"offset = {list(item.offset)!r}",
+        f"kind = {quoted(item.kind)}",
+        f"source = {quoted(item.source)}",
+    ]
+    return [*lines, f"note = {quoted(item.note)}"] if item.note else lines
 
 
 def parameter_lines(item: Parameter) -> list[str]:

@@ -20,8 +20,9 @@ from musclewire.rigs.simulated_building import require_allowed_pull
 from musclewire.rigs.simulated_configuration import RigConfiguration, changed_group
 from musclewire.rigs.simulated_opening import device_of, parameters_of
 from musclewire.rigs.wire_keys import SETTINGS
-from musclewire.wire.building import constants_of
+from musclewire.wire.building import SHAPE, constants_of, measured_grains
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.distribution import Distribution
 from musclewire.wire.loads import spring_load
 
 __all__ = ["Value", "VariedKey", "VariedRig", "VariedWire", "key_unit", "keys_of"]
@@ -97,6 +98,7 @@ class Base(NamedTuple):
     configuration: RigConfiguration
     groups: Mapping[str, ParameterGroup]
     numbers: Mapping[str, dict[str, float]]
+    grains: Distribution | None
 
 
 def keys_of(configuration: RigConfiguration) -> dict[str, VariedKey]:
@@ -197,7 +199,11 @@ class VariedRig:
         configuration = changed_file(self.configuration, changed, self.where)
         alloy, wire, bench = parameters_of(configuration, self.where, None, None, {})
         groups: dict[str, ParameterGroup] = {"wire": wire, "alloy": alloy, "bench": bench}
-        return Base(configuration, groups, {group: item.values() for group, item in groups.items()})
+        grains = measured_grains(alloy)
+        shape = [name for name, key in self.keys.items() if key.place[0] in SHAPE]
+        if grains is not None and shape:
+            raise CallerError(f"{self.where}: '{shape[0]}' has no effect: the alloy's [grain_quantiles] replaces it")
+        return Base(configuration, groups, {group: item.values() for group, item in groups.items()}, grains)
 
     def _numbers(self, values: Mapping[str, Value], base: Base) -> dict[str, dict[str, float]]:
         """Return the numbers of wire, alloy and bench for a set of values. Raises CallerError for one out of range."""
@@ -245,6 +251,7 @@ class VariedRig:
             {**bench, "pretension_n": cold_n},
             load=mechanism.load,
             new_wire=base.configuration.new_wire,
+            distribution=base.grains,
         )
         return VariedWire(name, constants, spool, bench, mechanism.tendon)
 

@@ -15,14 +15,29 @@ from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
 from musclewire.wire.constants import CONVECTION_POINTS, WireConstants
-from musclewire.wire.distribution import ONE_CLASS, BarrierClass, Distribution, of_classes, two_population_distribution
+from musclewire.wire.distribution import (
+    ONE_CLASS,
+    BarrierClass,
+    Distribution,
+    of_classes,
+    quantile_distribution,
+    two_population_distribution,
+)
 from musclewire.wire.loads import ConnectorLoad, spring_load
 from musclewire.wire.prescribed import cool_from_hot, resistance_of, total_strain
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 from musclewire.wire.step import RunningWire
 
-__all__ = ["constants_from", "constants_of", "cooled_wire", "resting_state", "with_pretension"]
+__all__ = [
+    "SHAPE",
+    "constants_from",
+    "constants_of",
+    "cooled_wire",
+    "measured_grains",
+    "resting_state",
+    "with_pretension",
+]
 
 # Stresses at which the spreads must be positive: none, and about the strength of the wire.
 STRESSES_PA = (0.0, 1e9)
@@ -57,7 +72,17 @@ def constants_from(
     ``load`` replaces the rig's bias spring. The shakedown of a new wire is still to come; otherwise it is over and has
     no effect. Raises CallerError if the numbers cannot describe a wire (no length, no grains).
     """
-    return constants_of(alloy.values(), wire.values(), rig.values(), load=load, new_wire=new_wire)
+    grains = measured_grains(alloy)
+    return constants_of(alloy.values(), wire.values(), rig.values(), load=load, new_wire=new_wire, distribution=grains)
+
+
+def measured_grains(alloy: Alloy) -> Distribution | None:
+    """Return the distribution through an alloy's measured quantiles; None for one described by numbers alone.
+
+    ``Alloy.values`` does not hold them: whoever goes on with plain numbers takes this along.
+    """
+    table = alloy.grain_quantiles
+    return None if table is None else quantile_distribution(table.offset, table.fraction)
 
 
 def constants_of(

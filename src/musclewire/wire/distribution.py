@@ -18,6 +18,7 @@ __all__ = [
     "BarrierClass",
     "Distribution",
     "of_classes",
+    "quantile_distribution",
     "signed_power",
     "signed_power_distribution",
     "tabulated_distribution",
@@ -389,3 +390,9 @@ def tabulated_distribution(offset: FloatArray, cumulative: FloatArray, *, cells:
     value = np.clip(curve(ends), 0.0, 1.0)
     value[0], value[-1] = 0.0, 1.0
     return Distribution(float(ends[0]), step, cubic_cells(value, slope[:-1], slope[1:]))
+
+
+@lru_cache(maxsize=64)
+def quantile_distribution(offset: tuple[float, ...], fraction: tuple[float, ...]) -> Distribution:
+    """Return the distribution through measured quantiles, the same table for the same numbers: batches share it."""
+    return tabulated_distribution(np.array(offset), np.array(fraction))

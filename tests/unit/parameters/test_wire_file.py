@@ -52,6 +52,52 @@ def test_a_file_without_early_grains_means_one_population(tmp_path: Path) -> Non
     assert alloy.early_fraction.kind == alloy.early_width.kind == "assumed"
 
 
+QUANTILES = """
+[alloy.grain_quantiles]
+fraction = [0.0, 0.17, 0.5, 1.0]
+offset = [-4.7, -1.0, 0.1, 4.0]
+kind = "measured"
+source = "an isobar"
+"""
+
+
+def test_measured_quantiles_read_back_as_they_were(tmp_path: Path) -> None:
+    path, again = tmp_path / "mine.toml", tmp_path / "again.toml"
+    path.write_text(text() + QUANTILES, "utf-8")
+    found = read_wire_file(path)
+    assert found.alloy.grain_quantiles is not None
+    assert found.alloy.grain_quantiles.offset == (-4.7, -1.0, 0.1, 4.0)
+    again.write_text(wire_file_text("mine", "", found.wire, found.alloy, {}), "utf-8")
+    assert read_wire_file(again).alloy.grain_quantiles == found.alloy.grain_quantiles
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("0.17, 0.5, 1.0", "0.17, 1.0", "fraction has 3 numbers and offset 4: give one for each fraction"),
+        ("0.5, 1.0", "0.5, 0.9", "fraction goes from 0 to 0.9: let it begin with 0 and end with 1"),
+        ("0.17, 0.5", "0.5, 0.17", "fraction must ascend, and 0.17 comes after 0.5: sort the table"),
+        ("-1.0, 0.1", "-1.0, -1.0", "offset must ascend, and -1 comes after -1: sort the table"),
+        ("0.1, 4.0", "nan, 4.0", "grain_quantiles.offset.2: must be a finite number"),
+        ("0.1, 4.0", "'x', 4.0", "grain_quantiles.offset.2: must be a number, not 'x'"),
+        ("[-4.7, -1.0, 0.1, 4.0]", "1.0", "grain_quantiles.offset: must be a list of numbers"),
+        ("offset", "offsett", "unknown key 'alloy.grain_quantiles.offsett'; did you mean 'offset'?"),
+        ('source = "an isobar"', "", "the key 'alloy.grain_quantiles.source' is missing"),
+        ("grain_quantiles", "grain_quantile", "did you mean 'grain_quantiles'?"),
+    ],
+)
+def test_quantiles_that_are_none_are_one_line_that_says_what_to_do(
+    tmp_path: Path, old: str, new: str, words: str
+) -> None:
+    path = tmp_path / "mine.toml"
+    assert old in QUANTILES
+    path.write_text(text() + QUANTILES.replace(old, new), "utf-8")
+    with pytest.raises(CallerError) as caught:
+        read_wire_file(path)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
 @given(st.text(st.characters(exclude_categories=["Cs"])))
 def test_any_text_survives_toml(given_text: str) -> None:
     assert tomllib.loads(f"x = {quoted(given_text)}") == {"x": given_text}

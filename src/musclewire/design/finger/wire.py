@@ -17,7 +17,7 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.parameters.finger_file import FingerCurve
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.simulate.paths import drive_path
-from musclewire.wire.building import constants_of, resting_state
+from musclewire.wire.building import constants_of, measured_grains, resting_state
 from musclewire.wire.constants import WireConstants
 
 __all__ = ["WireOnFinger", "wire_on_finger"]
@@ -65,11 +65,13 @@ def wire_on_finger(
     named = load_wire(wire)
     changed = {"wire_length_m": wire_length_m, "legs": 2.0, "pretension_n": pretension_n}
     bench = {**load_bench("finger").values(), **changed}
-    alloy, spool = load_alloy(named.alloy).values(), named.values()
+    metal, spool = load_alloy(named.alloy), named.values()
+    alloy, grains = metal.values(), measured_grains(metal)
 
     def stroke(travel_m: float, current_a: float | None = None) -> tuple[float, float]:
         secant = pretensioner_n_per_m + float(np.interp(travel_m, travels, pulling)) / travel_m
-        return heated_stroke(constants_of(alloy, spool, {**bench, "spring_stiffness_n_per_m": secant}), current_a)
+        around = {**bench, "spring_stiffness_n_per_m": secant}
+        return heated_stroke(constants_of(alloy, spool, around, distribution=grains), current_a)
 
     free, current = stroke(needed_travel_m)
     if free < needed_travel_m:

@@ -254,7 +254,7 @@ def as_measured(name: str, values: FloatArray) -> RawChannel:
 
 def isobars_experiment(values: WireValues) -> IsobaricObservation:
     """Return three simulated isobars of the fitted wire as an observation."""
-    constants = candidate_constants(values.alloy, values.wire, values.bench)
+    constants = candidate_constants(values, values.wire, values.bench)
     loops = []
     for stress in ISOBAR_STRESSES_PA:
         middle = constants.martensite_temperature_k + stress / constants.martensite_stress_rate_pa_per_k
@@ -266,7 +266,7 @@ def isobars_experiment(values: WireValues) -> IsobaricObservation:
 
 def cooling_experiment(values: WireValues, bench: Mapping[str, float]) -> CoolingObservation:
     """Return a simulated cooling curve of the fitted wire as an observation, with typical noise."""
-    constants = candidate_constants(values.alloy, values.wire, bench)
+    constants = candidate_constants(values, values.wire, bench)
     stress = bench["pretension_n"] / (constants.legs * constants.area_m2)
     start_k = (
         constants.martensite_temperature_k

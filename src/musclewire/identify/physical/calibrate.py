@@ -85,6 +85,8 @@ def calibrate(
     named = named_recordings(recordings)
     given = {key: item.value for key, item in bench_known_with(wire).items()} | checked_settings(bench or {})
     start, notes = start_of(named, wire, given)
+    if start.alloy.grain_quantiles is not None:
+        notes.append(f"kept: the grains' quantiles of {wire}, in place of skew, tail and early grains")
     observations, more_notes = observations_of(named, given | {"diameter_m": start.wire.diameter_m.value})
     prior_set = priors if isinstance(priors, PriorSet) else load_priors(priors)
     problem = PosteriorProblem(

@@ -9,16 +9,19 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.priors import Prior, PriorSet
+from musclewire.wire.building import SHAPE, measured_grains
+from musclewire.wire.distribution import Distribution
 
 __all__ = ["Candidates", "WireValues"]
 
 
 class WireValues(NamedTuple):
-    """The bare numbers of a wire on a bench, by name, in SI."""
+    """The bare numbers of a wire on a bench, by name, in SI; and its grains, if they were measured."""
 
     alloy: dict[str, float]
     wire: dict[str, float]
     bench: dict[str, float]
+    grains: Distribution | None = None
 
 
 class Candidates:
@@ -29,11 +32,16 @@ class Candidates:
     """
 
     def __init__(self, priors: PriorSet, alloy: Alloy, wire: Wire, bench: Bench, only: list[str] | None = None) -> None:
-        """Take the priors, or those of them in ``only``."""
-        chosen = {name: prior for name, prior in priors.parameters.items() if only is None or name in only}
+        """Take the priors, or those of them in ``only``; measured quantiles of the grains leave their shape known."""
+        known = SHAPE if alloy.grain_quantiles is not None else ()
+        chosen = {
+            name: prior
+            for name, prior in priors.parameters.items()
+            if (only is None or name in only) and name not in known
+        }
         self.names: tuple[str, ...] = tuple(chosen)
         self.priors: tuple[Prior, ...] = tuple(chosen.values())
-        self._base = WireValues(alloy.values(), wire.values(), bench.values())
+        self._base = WireValues(alloy.values(), wire.values(), bench.values(), measured_grains(alloy))
         self._mean = np.array([prior.mean for prior in self.priors])
         self._std = np.array([prior.std for prior in self.priors])
         self.low: FloatArray = (np.array([prior.low for prior in self.priors]) - self._mean) / self._std
@@ -53,7 +61,7 @@ class Candidates:
 
     def wire_values(self, coordinates: FloatArray) -> WireValues:
         """Return the wire that a vector describes."""
-        values = WireValues(dict(self._base.alloy), dict(self._base.wire), dict(self._base.bench))
+        values = WireValues(dict(self._base.alloy), dict(self._base.wire), dict(self._base.bench), self._base.grains)
         for name, prior, number in zip(self.names, self.priors, self.numbers(coordinates), strict=True):
             getattr(values, prior.group)[name] = float(number)
         return values

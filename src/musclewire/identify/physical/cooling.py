@@ -100,7 +100,7 @@ class CoolingObservation:
     def columns(self, values: WireValues) -> Mapping[str, FloatArray]:
         """Return the simulated channels of this wire, sample by sample."""
         wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
-        constants = candidate_constants(values.alloy, wire, {**values.bench, **self._bench})
+        constants = candidate_constants(values, wire, {**values.bench, **self._bench})
         start = heated_state(constants, self._start_k)
         steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
         path, _ = drive_path(

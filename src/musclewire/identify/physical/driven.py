@@ -113,7 +113,7 @@ class DrivenObservation:
     def path(self, values: WireValues) -> DrivenPath:
         """Return the simulated path of the wire under the recording's drive, sample by sample."""
         wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
-        constants = candidate_constants(values.alloy, wire, {**values.bench, **self._bench, **self._circuit})
+        constants = candidate_constants(values, wire, {**values.bench, **self._bench, **self._circuit})
         steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
         path, _ = drive_path(
             constants, self._drive, sample_s=self._period_s, stepping=fixed_steps(self._period_s / steps)

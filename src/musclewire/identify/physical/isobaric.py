@@ -73,7 +73,7 @@ class IsobaricObservation:
 
     def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
         """Return the strain of this wire along each isobar's temperatures, on the extensometer's zero."""
-        constants = candidate_constants(values.alloy, values.wire, values.bench)
+        constants = candidate_constants(values, values.wire, values.bench)
         strains = [isobaric_path(constants, item.stress_pa, item.temperature_k).strain for item in self._isobars]
         zero = float(np.mean(np.concatenate([item.strain for item in self._isobars]) - np.concatenate(strains)))
         return {channel.name: strain + zero for channel, strain in zip(self._channels, strains, strict=True)}

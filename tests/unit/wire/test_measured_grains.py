@@ -1,0 +1,97 @@
+"""Measured quantiles of the grains go wherever an alloy goes: wires, candidates of a search, studies, files."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from wire_makers import alloy, bench, wire_100um
+
+from musclewire.errors import CallerError
+from musclewire.identify.physical.candidate import candidate_constants
+from musclewire.identify.physical.candidates import Candidates
+from musclewire.parameters import Alloy
+from musclewire.parameters.parameter_groups import GrainQuantiles
+from musclewire.parameters.priors import load_priors
+from musclewire.simulate.paths import isobaric_path
+from musclewire.wire.building import constants_from, constants_of
+from musclewire.wire.distribution import tabulated_distribution, two_population_distribution, two_populations
+
+FRACTION = (0.0, 0.17, 0.5, 0.9, 1.0)
+OFFSET = (-4.7, -1.0, 0.0, 1.4, 4.0)
+
+
+def measured(fraction: tuple[float, ...] = FRACTION, offset: tuple[float, ...] = OFFSET) -> Alloy:
+    table = GrainQuantiles(fraction=fraction, offset=offset, kind="measured", source="an isobar")
+    return alloy().model_copy(update={"grain_quantiles": table})
+
+
+def test_a_wire_has_the_distribution_through_its_quantiles() -> None:
+    table = tabulated_distribution(np.array(OFFSET), np.array(FRACTION))
+    given_in_python = constants_of(alloy().values(), wire_100um().values(), bench().values(), distribution=table)
+    found = constants_from(measured(), wire_100um(), bench())
+    assert np.array_equal(found.distribution_cells, given_in_python.distribution_cells)
+    assert np.array_equal(found.numbers, given_in_python.numbers)
+
+
+def test_two_wires_of_one_table_share_it_and_a_pickled_one_is_the_same() -> None:
+    """A batch joins wires by their table's place in memory; a study sends wires to other processes."""
+    one, two = (constants_from(measured(), wire_100um(), bench()) for _ in range(2))
+    assert one.distribution_cells.ctypes.data == two.distribution_cells.ctypes.data
+    again = pickle.loads(pickle.dumps(one))
+    assert np.array_equal(again.distribution_cells, one.distribution_cells)
+
+
+def test_a_search_keeps_them_and_leaves_alone_what_they_replace() -> None:
+    candidates = Candidates(load_priors(), measured(), wire_100um(), bench())
+    assert not {"grain_skew", "grain_tail", "early_fraction", "early_width"} & set(candidates.names)
+    values = candidates.wire_values(np.zeros(len(candidates)))
+    found = candidate_constants(values, values.wire, values.bench)
+    own = constants_from(measured(), wire_100um(), bench())
+    assert np.array_equal(found.distribution_cells, own.distribution_cells)
+
+
+@settings(max_examples=15, deadline=None)
+@given(early=st.floats(0.05, 0.4), width=st.floats(1.0, 6.0))
+def test_quantiles_of_two_populations_make_their_isobar(early: float, width: float) -> None:
+    """A fine table of the family's own quantiles is the family: martensite agrees to 0.2 %."""
+    z = np.linspace(-4.5, 4.5, 2001)
+    cumulative = two_population_distribution(-0.2, 0.5, early, width).cumulative
+    offset = two_populations(z, -0.2, 0.5, early, width)
+    offset = np.unique(np.concatenate((offset, [offset[0] - 1e-3, offset[-1] + 1e-3])))
+    fraction = cumulative(offset)
+    fraction[0], fraction[-1] = 0.0, 1.0
+    rising = np.flatnonzero(np.diff(fraction, prepend=-1.0) > 0.0)
+    table = measured(tuple(fraction[rising].tolist()), tuple(offset[rising].tolist()))
+    family = alloy(grain_skew=-0.2, grain_tail=0.5, early_fraction=early, early_width=width)
+    kelvin = np.concatenate((np.linspace(280.0, 430.0, 300), np.linspace(430.0, 280.0, 300)))
+    tabulated, formula = (
+        isobaric_path(constants_from(each, wire_100um(), bench()), 120e6, kelvin).martensite_fraction
+        for each in (table, family)
+    )
+    assert tabulated == pytest.approx(formula, abs=2e-3)
+
+
+def test_an_alloy_with_quantiles_that_are_none_is_refused() -> None:
+    with pytest.raises(ValueError, match="fraction must ascend"):
+        measured((0.0, 0.5, 0.4, 1.0), (-1.0, 0.0, 0.5, 1.0))
+
+
+def test_varying_what_they_replace_is_an_error(tmp_path: Path) -> None:
+    from musclewire.parameters.wire_file import wire_file_text
+    from musclewire.rigs.simulated_configuration import RigConfiguration
+    from musclewire.rigs.varied_rig import VariedRig
+
+    path = tmp_path / "mine.toml"
+    path.write_text(wire_file_text("mine", "", wire_100um(), measured(), {}), "utf-8")
+    configuration = RigConfiguration(kind="simulated", wire=str(path))
+    own = VariedRig(configuration, "mine", ["martensite_barrier_k"]).wire({"martensite_barrier_k": 10.0})
+    assert np.array_equal(
+        own.constants.distribution_cells, constants_from(measured(), wire_100um(), bench()).distribution_cells
+    )
+    with pytest.raises(CallerError, match="'grain_skew' has no effect"):
+        VariedRig(configuration, "mine", ["grain_skew"]).wire({"grain_skew": 0.1})
