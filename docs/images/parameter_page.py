@@ -19,7 +19,8 @@ from musclewire.parameters.published_ranges import (
     spool_ranges,
     spool_values,
 )
-from musclewire.wire.distribution import signed_power
+from musclewire.wire.building import SHAPE
+from musclewire.wire.distribution import two_populations
 
 ALLOY, BENCH = "flexinol", "paper"
 WIRES = ("paper-100um", "paper-125um", "paper-200um", "finger-100um", "isobar-sample")
@@ -204,7 +205,7 @@ def derived(alloy: Alloy) -> list[tuple[str, str, float, str, str]]:
     )
     barrier = a["martensite_barrier_k"] + a["martensite_barrier_per_pa"] * stress
     spread = a["martensite_spread_k"] + a["martensite_spread_per_pa"] * stress
-    tails = signed_power(ndtri(np.array([0.1, 0.9])), a["grain_skew"], a["grain_tail"])
+    tails = two_populations(ndtri(np.array([0.1, 0.9])), *(a[name] for name in SHAPE))
     of_slope = a["martensite_stress_rate_pa_per_k"] * strain * a["martensite_temperature_k"] / a["density_kg_per_m3"]
     of_r = a["r_phase_stress_rate_pa_per_k"] * a["r_phase_strain"] * a["r_phase_temperature_k"] / a["density_kg_per_m3"]
     latent_r = a["r_phase_entropy_ratio"] * a["latent_heat_j_per_kg"]

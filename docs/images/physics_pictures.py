@@ -23,9 +23,9 @@ from musclewire.identify.isobaric_loops import Isobar, IsobarSummary, simulated_
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.library import read_published
 from musclewire.simulate.paths import isobaric_path
-from musclewire.wire.building import cooled_wire
+from musclewire.wire.building import SHAPE, cooled_wire
 from musclewire.wire.constants import WireConstants
-from musclewire.wire.distribution import signed_power
+from musclewire.wire.distribution import two_populations
 from musclewire.wire.fronts import thresholds_at
 
 if TYPE_CHECKING:
@@ -195,11 +195,10 @@ def grains_figure() -> Figure:
     """Draw how the temperatures of balance spread over the grains, and what that makes of a heating wire."""
     constants = constants_of_wire(ISOBAR_WIRE)
     alloy = load_alloy(load_wire(ISOBAR_WIRE).alloy).values()
-    skew, tail = alloy["grain_skew"], alloy["grain_tail"]
     figure = Figure(figsize=(10.4, 4.1), layout="constrained")
     left, right = figure.subplots(1, 2)
     quantile = np.linspace(-3.2, 3.2, 4001)
-    offset = signed_power(quantile, skew, tail)
+    offset = two_populations(quantile, *(alloy[name] for name in SHAPE))
     density = np.exp(-0.5 * quantile**2) / np.sqrt(2.0 * np.pi) / np.gradient(offset, quantile)
     for stress_mpa, colour in ((0.0, "#b9a6d9"), (100.0, "#8a5fbf"), (200.0, "#4b2a7b")):
         spread = constants.martensite_spread_k + constants.martensite_spread_per_pa * MPA * stress_mpa
@@ -228,7 +227,7 @@ def draw_transformed_fraction(axes: Axes, normal_k: float) -> None:
     """Draw the fraction of its strain that a heated wire has lost at 100 MPa, with its grains and with normal ones."""
     wire = load_wire(ISOBAR_WIRE)
     alloy, bench = load_alloy(wire.alloy), load_bench("dead-weight")
-    plain = {"grain_skew": 0.0, "grain_tail": 0.0, "martensite_spread_k": normal_k}
+    plain = {"grain_skew": 0.0, "grain_tail": 0.0, "early_fraction": 0.0, "martensite_spread_k": normal_k}
     normal = alloy.model_copy(
         update={name: getattr(alloy, name).model_copy(update={"value": value}) for name, value in plain.items()}
     )
