@@ -74,6 +74,16 @@ def test_every_parameter_of_the_alloy_the_wires_and_the_bench_is_on_the_page() -
     assert {name for group in groups for name, _ in group.items()} <= listed
 
 
+def test_the_check_of_published_ranges_counts_what_the_page_counts(capsys: pytest.CaptureFixture[str]) -> None:
+    from checks.published_ranges import main
+
+    code = main()
+    found = re.search(r"parameters outside their published range: (\d+)", capsys.readouterr().out)
+    assert found is not None
+    assert code == (1 if int(found[1]) else 0)
+    assert f"counts: **{found[1]}** outside" in PARAMETERS.read_text("utf-8")
+
+
 @pytest.mark.documented
 def test_the_simulated_numbers_on_the_page_are_those_of_the_shipped_wire(draw: ModuleType) -> None:
     text = PHYSICS.read_text("utf-8")

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
 __all__ = ["FIGURES", "drawn"]
 
 ZERO_CELSIUS_K = 273.15
+HELD_OUT = "#3f8f4f"
 
 
 def drawn(subject: str, runs: Runs) -> str:
@@ -420,22 +421,37 @@ def fig12(runs: Runs) -> Figure:
 
 
 def isobars(runs: Runs) -> Figure:
-    """Draw the simulated isobars with the published 10, 50 and 90 % points."""
+    """Draw the simulated isobars with the published 10, 50 and 90 % points, those that no search has used dashed."""
     figure, axes = one_panel()
     published = read_published("flexinol_isobars")
-    for index, (stress, shade) in enumerate(zip(published["stress_mpa"], SHADES, strict=True)):
-        loop = runs.isobar(stress)
-        lost = 100 * (loop.strain.max() - loop.strain)
-        axes.plot(loop.temperature_k - ZERO_CELSIUS_K, lost, color=shade, label=f"ours, {stress:.0f} MPa")
-        levels = np.array([0.1, 0.5, 0.9]) * published["stroke_pct"][index]
-        for temperatures, order in ((published["heating_degc"][index], 1), (published["cooling_degc"][index], -1)):
-            axes.plot(temperatures, levels[::order], "D", color=shade, markeredgecolor=PAPER, markersize=6,
-                      markeredgewidth=1.5)  # fmt: skip
+    for stress, shade, points in zip(published["stress_mpa"], SHADES, isobar_points(published), strict=True):
+        draw_isobar(axes, runs, stress, points, {"color": shade})
+    held_out = published["held_out"]
+    for stress, points in zip(held_out["stress_mpa"], isobar_points(held_out), strict=True):
+        draw_isobar(axes, runs, stress, points, {"color": HELD_OUT, "linestyle": "--", "linewidth": 1.1})
     axes.plot([], [], "D", color="none", markeredgecolor=PAPER, markeredgewidth=1.5,
               label="measured: 10, 50, 90 % of the stroke")  # fmt: skip
     axes.set(xlabel="temperature [C]", ylabel="contraction [% strain]")
     axes.legend(loc="lower right", fontsize=8.5)
     return figure
+
+
+def isobar_points(published: dict[str, Any]) -> list[tuple[list[float], list[float]]]:
+    """Return temperatures [C] and strains [%] of the published points of each isobar, heating and then cooling."""
+    rows = zip(published["stroke_pct"], published["heating_degc"], published["cooling_degc"], strict=True)
+    done = [0.1, 0.5, 0.9, 0.9, 0.5, 0.1]
+    return [([*heating, *cooling], [part * stroke for part in done]) for stroke, heating, cooling in rows]
+
+
+def draw_isobar(
+    axes: Axes, runs: Runs, stress_mpa: float, points: tuple[list[float], list[float]], style: dict[str, Any]
+) -> None:
+    """Draw one simulated isobar and the published points on it."""
+    loop = runs.isobar(stress_mpa)
+    lost = 100 * (loop.strain.max() - loop.strain)
+    words = ", held out" if "linestyle" in style else ""
+    axes.plot(loop.temperature_k - ZERO_CELSIUS_K, lost, label=f"ours, {stress_mpa:.0f} MPa{words}", **style)
+    axes.plot(*points, "D", color=style["color"], markeredgecolor=PAPER, markersize=6, markeredgewidth=1.5)
 
 
 FIGURES: dict[str, Callable[[Runs], Figure]] = {
