@@ -7,6 +7,7 @@ After a change of the shipped parameters or of the physics, run it once and comm
 - the picture of docs/explanation/turns_and_minor_loops.md and the numbers in it
   (``python docs/images/draw.py turns`` draws and writes these alone),
 - the Bode plot of docs/how-to/linearise_a_wire.md (``python docs/images/draw.py margins`` draws it alone),
+- point B on docs/explanation/why_resistance_tells_strain.md (``python docs/images/draw.py point_b`` draws it alone),
 - docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md and python.md, and
   the column "Compared" of paper_map.md
   (``python docs/images/draw.py pages`` writes these alone, in seconds).
@@ -26,6 +27,7 @@ import parameter_page
 import physics_numbers
 import physics_pictures
 import physics_runs
+import point_b_picture
 import protection_page
 import python_page
 import rig_keys_page
@@ -84,6 +86,12 @@ def draw_turns() -> None:
     TURNS_PAGE.write_text(with_blocks(TURNS_PAGE.read_text("utf-8"), turns_numbers.blocks()), encoding="utf-8")
 
 
+def draw_point_b() -> None:
+    """Write the picture of point B into this folder."""
+    with mpl.rc_context(STYLE):
+        point_b_picture.point_b_figure().savefig(HERE / "point_b.png", dpi=DPI)
+
+
 def with_blocks(text: str, blocks: dict[str, str]) -> str:
     """Return a page with new text between its markers."""
     return BLOCK.sub(lambda found: f"{found[1]}\n{blocks[found[2]]}\n\n{found[3]}", text)
@@ -92,9 +100,10 @@ def with_blocks(text: str, blocks: dict[str, str]) -> str:
 def main() -> None:
     """Draw and write everything; with ``physics`` all but the demo's pictures, with ``pages`` the pages alone.
 
-    With ``margins`` the Bode plot alone, with ``turns`` the page on turns alone.
+    With ``margins`` the Bode plot alone, with ``turns`` the page on turns alone, with ``point_b`` the
+    picture of point B.
     """
-    alone = {"margins": draw_margins, "turns": draw_turns}
+    alone = {"margins": draw_margins, "turns": draw_turns, "point_b": draw_point_b}
     if len(sys.argv) == 2 and sys.argv[1] in alone:
         alone[sys.argv[1]]()
         return
@@ -107,6 +116,7 @@ def main() -> None:
     draw_physics_pictures(loops)
     draw_turns()
     draw_margins()
+    draw_point_b()
     page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_numbers.blocks(loops))
     PHYSICS_PAGE.write_text(page, encoding="utf-8")
 
