@@ -184,7 +184,7 @@ def by_continuation(half: Half, low: float, high: float) -> float:
 
 
 DEFINITIONS: dict[str, Callable[[Half], float]] = {
-    "cubic as wide as it follows (in use)": by_musclewire,
+    "polynomial that suffices (in use)": by_musclewire,
     "largest smoothed sample (before)": by_largest_sample,
     "parabola within 3 % of the fall": lambda half: by_polynomial(half, 2, 0.03),
     "cubic within 1 % of the fall": lambda half: by_polynomial(half, 3, 0.01),

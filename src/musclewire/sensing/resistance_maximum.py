@@ -15,19 +15,22 @@ __all__ = ["ResistanceMaximum", "parabola_maximum", "resistance_maximum"]
 
 
 # The widest window: where the resistance is within this fraction of the fall from B to C below its maximum. A wider
-# one gains little, as a cubic follows the curve's bends over a part of it only.
+# one gains little, as a polynomial follows the curve's bends over a part of it only.
 APEX_FRACTION = 0.03
 # It is also this many times the noise left in the smoothed curve high, in which its ends are looked for.
 BUMP_NOISES = 6.0
-# A window is narrowed by this factor while a cubic misses bends of the curve that are certain at this level (F-test
-# of the two coefficients more of a quintic), so that a clean curve's own maximum is found and a noisy one's averaged,
+# Polynomials tried in a window, the simplest first: a broad top with a corner needs more than a cubic.
+ORDERS = (3, 5, 7)
+CUBIC, MORE, HIGHEST = ORDERS[0], 2, ORDERS[-1] + 2
+# A window is narrowed by this factor while all of them miss bends of the curve that are certain at this level (F-test
+# of two coefficients more), so that a clean curve's own maximum is found and a noisy one's averaged,
 NARROWER = 0.7
 CERTAIN = 0.99
 # but not one that is hardly higher than the noise,
 MIN_NOISES = 3.0
-# nor one in which a quintic would have too few degrees of freedom left to part noise from bends.
-MIN_SAMPLES = 12
-CUBIC, QUINTIC = 3, 5
+# nor one in which the test would have fewer degrees of freedom left to part noise from bends.
+MIN_SPARE = 6
+MIN_SAMPLES = CUBIC + MORE + 1 + MIN_SPARE
 # Moves of a window around the maximum of the cubic through it: where the first one lies is still up to the noise.
 MOVES = 2
 
@@ -50,7 +53,7 @@ class ResistanceMaximum(NamedTuple):
 def resistance_maximum(
     measured_ohm: FloatArray, smoothed_ohm: FloatArray, near: int, fall_ohm: float, noise_ohm: float
 ) -> ResistanceMaximum:
-    """Return the maximum around a sample: that of the cubic through as many samples as one cubic can follow.
+    """Return the maximum around a sample: that of the polynomial that suffices through the samples around it.
 
     Parameters
     ----------
@@ -74,12 +77,14 @@ def resistance_maximum(
     window = widest
     while window.samples >= MIN_SAMPLES:
         window = moved(measured_ohm, window, widest, height_ohm)
-        cubic = _Cubic.through(measured_ohm, window)
-        found = cubic.maximum()
-        if found is not None and (height_ohm < MIN_NOISES * cubic.noise_ohm or cubic.suffices()):
-            return found
+        fits = _Fits.through(measured_ohm, window)
+        for order in ORDERS:
+            found = fits.maximum(order)
+            if found is not None and (height_ohm < MIN_NOISES * fits.noise_ohm(order) or fits.suffices(order)):
+                return found
         height_ohm *= NARROWER
-        window = narrower(window, near if found is None else round(found.place))
+        middle = fits.maximum(CUBIC)
+        window = narrower(window, near if middle is None else round(middle.place))
     return parabola_maximum(smoothed_ohm, near)
 
 
@@ -120,61 +125,69 @@ class Window(NamedTuple):
         return self.last - self.first + 1
 
 
-class _Cubic(NamedTuple):
-    """The cubic of least squares through a window: in powers of the place from -1 to 1, and what it leaves."""
+class _Fits(NamedTuple):
+    """Polynomials of least squares through a window, by their parts in orthonormal ones, (10,) or fewer."""
 
     window: Window
-    powers_ohm: FloatArray
-    missed_by_cubic: float
-    noise_ohm: float
+    basis: FloatArray
+    level_ohm: float
+    parts_ohm: FloatArray
+    squares: float
 
     @classmethod
-    def through(cls, measured: FloatArray, window: Window) -> _Cubic:
-        """Return the cubic; the noise is what a quintic leaves."""
-        basis, to_powers = orthonormal_powers(window.samples)
+    def through(cls, measured: FloatArray, window: Window) -> _Fits:
+        """Return the fits of all orders at once."""
+        basis = orthonormal(window.samples)[0]
         values = measured[window.first : window.last + 1]
         level = float(values.mean())  # subtracted so that a small bend on a large level keeps its digits
-        parts = basis.T @ (values - level)
-        left = values - level - basis @ parts
-        powers = to_powers @ parts[: CUBIC + 1]
-        powers[0] += level
-        noise = sqrt(float(left @ left) / (window.samples - QUINTIC - 1))
-        return cls(window, powers, float(np.sum(parts[CUBIC + 1 :] ** 2)), noise)
+        away = values - level
+        return cls(window, basis, level, basis.T @ away, float(away @ away))
 
-    def suffices(self) -> bool:
-        """Return whether the quintic follows the samples no better than noise lets it (F-test)."""
-        more = QUINTIC - CUBIC
-        largest = fdtri(more, self.window.samples - QUINTIC - 1, CERTAIN)
-        return bool(self.missed_by_cubic <= more * largest * self.noise_ohm**2)
+    def left(self, order: int) -> float:
+        """Return the sum of squares that an order leaves of the samples."""
+        return max(self.squares - float(np.sum(self.parts_ohm[: order + 1] ** 2)), 0.0)
 
-    def maximum(self) -> ResistanceMaximum | None:
-        """Return the maximum if it lies inside the window."""
-        _, slope, bend, third = (float(power) for power in self.powers_ohm)
-        square = bend * bend - 3.0 * third * slope
-        if square <= 0.0:
+    def spare(self, order: int) -> int:
+        """Return the degrees of freedom that are left beyond a test of an order."""
+        return self.window.samples - order - MORE - 1
+
+    def noise_ohm(self, order: int) -> float:
+        """Return the standard deviation that two coefficients more leave [ohm]; 0 with too few samples."""
+        spare = self.spare(order)
+        return sqrt(self.left(order + MORE) / spare) if spare >= MIN_SPARE else 0.0
+
+    def suffices(self, order: int) -> bool:
+        """Return whether two coefficients more follow the samples no better than noise lets them (F-test)."""
+        spare = self.spare(order)
+        if spare < MIN_SPARE:
+            return False
+        missed = float(np.sum(self.parts_ohm[order + 1 : order + MORE + 1] ** 2))
+        return bool(missed <= MORE * fdtri(MORE, spare, CERTAIN) * self.noise_ohm(order) ** 2)
+
+    def maximum(self, order: int) -> ResistanceMaximum | None:
+        """Return the maximum of an order if it lies inside the window."""
+        fitted = self.level_ohm + self.basis[:, : order + 1] @ self.parts_ohm[: order + 1]
+        peak = int(np.argmax(fitted))
+        if not 0 < peak < fitted.size - 1:
             return None
-        # Where the derivative is 0 and the second one negative, in the form that holds for a vanishing cube, too.
-        divisor = sqrt(square) - bend
-        place = slope / divisor if divisor > 0.0 else 2.0
-        if not -1.0 < place < 1.0:
-            return None
-        middle, half = 0.5 * (self.window.first + self.window.last), 0.5 * (self.window.samples - 1)
-        return ResistanceMaximum(middle + half * place, float(self.at(np.array([middle + half * place]))[0]))
+        found = parabola_maximum(fitted, peak)
+        return found._replace(place=self.window.first + found.place)
 
-    def at(self, places: FloatArray) -> FloatArray:
-        """Return the cubic at places in samples, of any shape."""
+    def cubic_at(self, places: FloatArray) -> FloatArray:
+        """Return the cubic at places in samples, inside the window or not, of any shape."""
         middle, half = 0.5 * (self.window.first + self.window.last), 0.5 * (self.window.samples - 1)
-        return np.asarray(np.polynomial.polynomial.polyval((places - middle) / half, self.powers_ohm))
+        powers = orthonormal(self.window.samples)[1] @ self.parts_ohm[: CUBIC + 1]
+        return np.asarray(self.level_ohm + np.polynomial.polynomial.polyval((places - middle) / half, powers))
 
 
 @lru_cache(maxsize=32)
-def orthonormal_powers(samples: int) -> tuple[FloatArray, FloatArray]:
-    """Return polynomials to the quintic that are orthonormal on evenly spaced places, and a cubic's powers from them.
+def orthonormal(samples: int) -> tuple[FloatArray, FloatArray]:
+    """Return polynomials that are orthonormal on evenly spaced places, and a cubic's powers from its parts in them.
 
-    The first has shape (samples, 6), the second (4, 4).
+    The first has shape (samples, n_orders), n_orders at most 10, the second (4, 4).
     """
-    vandermonde = np.vander(np.linspace(-1.0, 1.0, samples), QUINTIC + 1, increasing=True)
-    basis, triangle = np.linalg.qr(vandermonde)
+    columns = min(HIGHEST + 1, samples)
+    basis, triangle = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, samples), columns, increasing=True))
     return basis, np.linalg.inv(triangle[: CUBIC + 1, : CUBIC + 1])
 
 
@@ -190,11 +203,11 @@ def above(values: FloatArray, peak: int, level: float) -> Window:
 def moved(measured: FloatArray, window: Window, widest: Window, height_ohm: float) -> Window:
     """Return the window in which the cubic through it is at most a height below its maximum."""
     for _ in range(MOVES):
-        cubic = _Cubic.through(measured, window)
-        found = cubic.maximum()
+        fits = _Fits.through(measured, window)
+        found = fits.maximum(CUBIC)
         if found is None:
             return window
-        curve = cubic.at(np.arange(widest.first, widest.last + 1, dtype=np.float64))
+        curve = fits.cubic_at(np.arange(widest.first, widest.last + 1, dtype=np.float64))
         part = above(curve, round(found.place) - widest.first, found.resistance_ohm - height_ohm)
         if part.samples < MIN_SAMPLES:
             return window

@@ -50,7 +50,7 @@ class LoopSegments:
     """Points A, B, C of one loop, as indices into the recording, and its branches from B to C.
 
     On heating the wire passes A (coldest), B (most resistance) and C (least resistance) in this order, on
-    cooling C, B, A. B is the maximum of the cubic through the samples around it
+    cooling C, B, A. B is the maximum of a polynomial through the samples around it
     (:func:`musclewire.sensing.resistance_maximum.resistance_maximum`); if the loop does not return to cold, B is where
     it turns.
 
@@ -75,7 +75,7 @@ class LoopSegments:
     resistance_min_ohm
         Resistance at C on heating [ohm], after smoothing.
     resistance_max_ohm
-        Resistance at B on heating [ohm], of the cubic.
+        Resistance at B on heating [ohm], of that polynomial.
     strain_cold
         Smoothed strain (or displacement [m], force [N]) at A.
     strain_max

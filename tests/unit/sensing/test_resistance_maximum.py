@@ -71,6 +71,18 @@ def test_noise_moves_it_less_than_the_largest_smoothed_sample() -> None:
     assert abs(np.mean(fitted) - 0.4 * 1999) < np.std(fitted)
 
 
+def test_a_broad_top_with_a_corner_is_read_near_the_corner() -> None:
+    """As an early population of grains makes it: a long gentle rise, a corner, a steep fall."""
+    place = np.arange(2000) / 1999
+    clean = TOP_OHM + np.where(place < 0.5, 0.06 * (place - 0.5), -FALL_OHM * (place - 0.5))
+    clean -= np.where(place < 0.2, 20.0 * (0.2 - place) ** 2, 0.0)
+    draw = np.random.default_rng(11)
+    found = [maximum_of(clean + 0.0066 * draw.standard_normal(clean.size)) for _ in range(30)]
+    assert np.mean([one.place for one in found]) == pytest.approx(0.5 * 1999, abs=0.03 * 1999)
+    assert np.std([one.place for one in found]) < 0.02 * 1999
+    assert np.mean([one.resistance_ohm for one in found]) == pytest.approx(TOP_OHM, abs=0.004)
+
+
 def test_a_maximum_at_an_end_is_the_end() -> None:
     falling = np.linspace(17.0, 15.0, 300)
     assert maximum_of(falling).place <= 1.0
