@@ -11,7 +11,7 @@ Each mutant is then judged in a process of its own by the tests that run its sta
 fails or the next would exceed ``--budget`` seconds of processor time for all. A mutant of compiled code is judged with
 compilation off, and so are constants that compiled code copies. A mutant whose tests do not end counts as killed; one
 that no test runs counts as survived. Verdicts are written to a journal in ``--folder`` as they come: the same command
-goes on after an interruption.
+goes on after an interruption. A test that fails in such a process without any change does not judge.
 
 Mutants that no test can find are listed in ``mutants/equivalents.toml`` with the reason. Ends with exit code 1 if less
 than 85 % of the others are killed.
@@ -33,7 +33,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from queue import Empty, Queue
-from typing import Any
+from typing import Any, ClassVar
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
@@ -49,7 +49,7 @@ EQUIVALENTS = Path(__file__).parent / "mutants" / "equivalents.toml"
 MIN_KILLED = 0.85
 SAMPLE, SEED = 300, 1
 # Tests in the processor time that a mutant may take [s]; a survivor takes all of it.
-BUDGET_S = 15.0
+BUDGET_S = 10.0
 # A mutant may be slower than what was measured, and its process begins by importing the tests [s].
 SLOWER, BEGIN_S = 5.0, 20.0
 QUICK_FILES = ("controllers/protection/protect.py", "sensing/gaps.py")
@@ -184,6 +184,9 @@ class Journal:
 class Judges:
     """The processes of one thread that judge mutants, one with compilation on and one with it off, when needed."""
 
+    # Whether a test fails without any change, by mode and name; for all threads.
+    known: ClassVar[dict[tuple[str, str], bool]] = {}
+
     def __init__(self, tree: Path, folder: Path) -> None:
         """Take the copy of the tree and a folder for what tests write."""
         self.tree, self._folder = tree, folder
@@ -206,6 +209,13 @@ class Judges:
         running.stdin.write(json.dumps(job) + "\n")
         running.stdin.flush()
         return self._answer(mode)
+
+    def fails_unchanged(self, mode: str, test: str, job: Mapping[str, Any]) -> bool:
+        """Return whether a test fails in such a process without any change; each is tried once."""
+        if (mode, test) not in self.known:
+            said = self.verdict(mode, {**job, "tests": [[test]]})
+            self.known[mode, test] = bool(said["timed_out"] or said["by"])
+        return self.known[mode, test]
 
     def _answer(self, mode: str) -> dict[str, Any]:
         """Return the next line of a process. RuntimeError if it has ended."""
@@ -272,7 +282,7 @@ def judge_all(
 def judged(
     mutant: Mutant, sources: Sources, measured: Mapping[str, Measured], judges: Judges, budget_s: float
 ) -> dict[str, Any]:
-    """Return the journal's entry of a mutant."""
+    """Return the journal's entry of a mutant; a test that fails without the change, too, does not judge."""
     mode = sources.mode_of(mutant)
     tests = measured[mode].chosen(mutant, budget_s)
     entry = {
@@ -280,18 +290,25 @@ def judged(
         "text": mutant.text, "change": mutant.change, "mode": mode, "by": "", "tests_cpu_s": tests.cpu_s,
         "tests": sum(map(len, tests.stages)),
     }  # fmt: skip
-    if not tests.stages:
-        return {**entry, "verdict": NOT_COVERED}
     source = (judges.tree / mutant.path).read_text(encoding="utf-8")
-    job = {
-        "path": mutant.path,
-        "text": mutant.applied(source),
-        "tests": tests.stages,
-        "limit_s": SLOWER * tests.cpu_s + BEGIN_S,
-    }
-    said = judges.verdict(mode, job)
-    verdict = TIMED_OUT if said["timed_out"] else KILLED if said["by"] else SURVIVED
-    return {**entry, **said, "verdict": verdict}
+    job = {"path": mutant.path, "text": mutant.applied(source), "limit_s": SLOWER * tests.cpu_s + BEGIN_S}
+    stages = tests.stages
+    while stages:
+        said = judges.verdict(mode, {**job, "tests": stages})
+        if said["timed_out"] or not said["by"]:
+            return {**entry, **said, "verdict": TIMED_OUT if said["timed_out"] else SURVIVED}
+        suspect = suspect_of(said["by"], stages)
+        if not judges.fails_unchanged(mode, suspect, {**job, "text": source}):
+            return {**entry, **said, "verdict": KILLED}
+        stages = [left for left in ([name for name in stage if name != suspect] for stage in stages) if left]
+    return {**entry, "verdict": NOT_COVERED}
+
+
+def suspect_of(by: str, stages: Sequence[Sequence[str]]) -> str:
+    """Return the test that a verdict names, or the first one of the file that it names, or the first of all."""
+    every = [name for stage in stages for name in stage]
+    file = by.split(": ")[0]
+    return next((name for name in every if name == by or name.split("::")[0] == file), every[0])
 
 
 def report(chosen: Sequence[Mutant], journal: Journal) -> int:

@@ -19,13 +19,21 @@ __all__ = ["measured_tests"]
 TESTS = {
     "compiled": (
         "tests/unit/wire", "tests/unit/simulate", "tests/unit/sensing", "tests/unit/controllers", "tests/unit/rigs",
-        "tests/unit/identify", "tests/unit/experiment", "tests/contract", "tests/faults",
+        "tests/unit/identify", "tests/unit/experiment", "tests/unit/studies/test_wires_of_a_study.py",
+        "tests/contract", "tests/faults",
         "tests/export/test_c_equals_python.py", "tests/export/test_protection_in_c.py",
     ),
+    # Of the rooms with the wire's kernels those of few steps: the others would take minutes only to be left out.
     "plain": (
-        "tests/unit/wire", "tests/unit/simulate", "tests/unit/sensing", "tests/unit/controllers", "tests/unit/rigs",
-        "tests/unit/identify", "tests/contract/test_estimator_contract.py",
-        "tests/contract/test_controller_contract.py",
+        "tests/unit/wire/test_slopes.py", "tests/unit/wire/test_distribution.py", "tests/unit/wire/test_building.py",
+        "tests/unit/wire/test_fronts_along_temperature_walks.py", "tests/unit/wire/test_hysteresis_memory.py",
+        "tests/unit/simulate/test_single_steps.py", "tests/unit/simulate/test_single_steps_of_pairs.py",
+        "tests/unit/simulate/test_cycles.py", "tests/unit/simulate/test_advance.py",
+        "tests/unit/simulate/test_warming.py", "tests/unit/simulate/test_paths.py",
+        "tests/unit/simulate/test_loads.py", "tests/unit/sensing", "tests/unit/controllers",
+        "tests/unit/rigs/test_instruments.py", "tests/unit/rigs/test_compiled_loop.py",
+        "tests/unit/rigs/test_faults.py", "tests/unit/rigs/test_simulated.py",
+        "tests/contract/test_estimator_contract.py", "tests/contract/test_controller_contract.py",
     ),
 }  # fmt: skip
 # A test that takes longer judges nothing [s of processor time].

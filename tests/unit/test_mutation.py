@@ -9,7 +9,16 @@ from pathlib import Path
 import pytest
 from checks.mutants.choosing import Measured, Sources
 from checks.mutants.operators import OPERATORS, Mutant, mutants_of
-from checks.mutation import EQUIVALENTS, PACKAGE, ROOT, equivalent_entries, mutants_of_rooms, sample_of, share
+from checks.mutation import (
+    EQUIVALENTS,
+    PACKAGE,
+    ROOT,
+    equivalent_entries,
+    mutants_of_rooms,
+    sample_of,
+    share,
+    suspect_of,
+)
 
 CASES = [
     ("x = a + b", "arithmetic", "(a - b)"),
@@ -148,3 +157,10 @@ def test_the_tests_that_run_a_line_judge_it_the_quickest_first_within_the_budget
     assert measured.tests_of(mutant(folder, "room.py", "return kernel(x) * 2")) == {"t.py::other", "u.py::made"}
     # A constant is judged by the tests of the functions that mention it.
     assert measured.tests_of(mutant(folder, "room.py", "STEP = 3")) == {"t.py::quick", "t.py::slow"}
+
+
+def test_what_is_tried_without_the_change_is_the_test_that_failed_or_the_first_of_its_file() -> None:
+    stages = [["a.py::one", "b.py::two"], ["b.py::three"]]
+    assert suspect_of("b.py::three", stages) == "b.py::three"
+    assert suspect_of("b.py: import", stages) == "b.py::two"
+    assert suspect_of("MemoryError outside of any test", stages) == "a.py::one"

@@ -9,7 +9,16 @@ import math
 
 import pytest
 
-from musclewire.controllers.protection import Event, ProtectionLimits, State, armed, protect_command, protect_reading
+from musclewire.controllers.protection import (
+    Event,
+    ProtectionLimits,
+    State,
+    armed,
+    protect_command,
+    protect_missing,
+    protect_reading,
+    protection_table,
+)
 from musclewire.controllers.protection.protect import CONDITION_EVENTS, ProtectionState
 from musclewire.controllers.protection.sound import packed_limits, packed_memory, sound_reading
 
@@ -121,3 +130,13 @@ def test_the_maximum_voltage_is_followed_as_it_may_have_been_rounded(volts: floa
     after = protect_command(armed(LIMITS), LIMITS, volts)
     assert (after.state is State.RUN) == followed
     assert (after.event is Event.COMMAND_REFUSED) != followed
+
+
+def test_what_is_missing_for_exactly_its_time_degrades_and_trips_whatever_a_sum_has_rounded() -> None:
+    table, run = protection_table(), protect_command(armed(LIMITS), LIMITS, 2.0)
+    states = []
+    for exact_s in (table.sense_after_s, table.trip_after_s):
+        for missing_s in (exact_s - 1e-5, exact_s - 1e-9, exact_s):
+            states.append(protect_missing(run, Event.SAMPLE_LATE, missing_s).state)
+    hold, degraded, tripped = State.HOLD, State.DEGRADED, State.TRIPPED
+    assert states == [hold, degraded, degraded, degraded, tripped, tripped]

@@ -127,6 +127,7 @@ def test_once_found_contact_stays_found() -> None:
     "wrong",
     [
         {"normalised_noise": 0.0},
+        {"normalised_noise": 1.0},
         {"thermal_time_s": 0.0},
         {"normalised_min": 0.96},
         {"holding_power_w": ()},
