@@ -8,6 +8,7 @@ import numpy as np
 
 from musclewire.sensing.resistance_maximum import parabola_maximum
 from musclewire.simulate.paths import DrivenPath
+from musclewire.wire.constants import WireConstants
 from paper_wires.unknowns import FloatArray
 
 Curve = tuple[FloatArray, FloatArray]
@@ -46,6 +47,14 @@ class Loop:
         """Eq. 2, of the contraction force."""
         return gap_pct(self.force_heating, self.force_cooling)
 
+    @property
+    def largest_distance_pct(self) -> float:
+        """Largest distance of heating and cooling branch at equal resistance, in percent of the stroke."""
+        low, high = max(self.heating[0][0], self.cooling[0][0]), min(self.heating[0][-1], self.cooling[0][-1])
+        ohm = np.linspace(low, high, POINTS)
+        apart = np.abs(np.interp(ohm, *self.heating) - np.interp(ohm, *self.cooling)).max()
+        return 100.0 * float(apart) / self.stroke
+
     def polynomial_misfit_pct(self, branch: str) -> float:
         """Return what a sixth-order polynomial leaves of a branch, rms in percent strain (Eq. 4)."""
         ohm, strain = getattr(self, branch)
@@ -61,13 +70,13 @@ class Loop:
         return 100.0 * float(apart) / max(self.stroke, other.stroke)
 
 
-def analysed(path: DrivenPath, pretension_n: float, leg_length_m: float, shunt_ohm: float) -> Loop:
-    """Return the loop of a path that went once from cold to hot and back.
+def analysed(path: DrivenPath, quantity: FloatArray, pretension_n: float, constants: WireConstants) -> Loop:
+    """Return the loop of a path that went once from cold to hot and back, for strain or a displacement, (n_samples,).
 
     Resistance is from the voltages, means over a sample as displacement and force are: that at a sample's end would be
     ahead of them by half a sample, which the gap of two close branches shows.
     """
-    ohm, strain = path.wire_voltage_v / path.shunt_voltage_v * shunt_ohm, path.displacement_m / leg_length_m
+    ohm = path.wire_voltage_v / path.shunt_voltage_v * constants.shunt_resistance_ohm
     force = path.force_n - pretension_n
     hottest = int(np.argmax(path.temperature_k))
     b = int(np.argmax(ohm[: hottest + 1]))
@@ -76,12 +85,12 @@ def analysed(path: DrivenPath, pretension_n: float, leg_length_m: float, shunt_o
     b_cooling = c_cooling + int(np.argmax(ohm[c_cooling:]))
     up, down = slice(b, c + 1), slice(c_cooling, b_cooling + 1)
     return Loop(
-        heating=rising(ohm[up][::-1], strain[up][::-1]),
-        cooling=rising(ohm[down], strain[down]),
+        heating=rising(ohm[up][::-1], quantity[up][::-1]),
+        cooling=rising(ohm[down], quantity[down]),
         force_heating=rising(ohm[up][::-1], force[up][::-1]),
         force_cooling=rising(ohm[down], force[down]),
-        stroke=float(strain.max()),
-        segment_ab_pct=segment_ab_pct(ohm, strain, b, c),
+        stroke=float(quantity.max()),
+        segment_ab_pct=segment_ab_pct(ohm, quantity, b, c),
         min_martensite=float(path.martensite_fraction.min()),
     )
 
