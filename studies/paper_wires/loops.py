@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,6 +62,24 @@ class Loop:
         rows = np.linspace(0, ohm.size - 1, 150).astype(int)
         normalised = ((ohm - ohm[0]) / (ohm[-1] - ohm[0]))[rows]
         return 100.0 * float(np.std(strain[rows] - np.polyval(np.polyfit(normalised, strain[rows], 6), normalised)))
+
+    def off_average(self, values: Sequence[float]) -> list[tuple[float, float]]:
+        """Return how far both branches are from the averaged polynomial where that has these values, relative to them.
+
+        The model of Eqs. 3 to 5 is inverted for each value; the branches are read at the resistance found.
+        """
+        low, high = float(self.heating[0][0]), float(self.heating[0][-1])
+        normalised = np.linspace(0.0, 1.0, 2 * POINTS)
+        average = np.zeros_like(normalised)
+        for ohm, value in (self.heating, self.cooling):
+            rows = np.linspace(0, ohm.size - 1, 120).astype(int)
+            average += 0.5 * np.polyval(np.polyfit((ohm[rows] - low) / (high - low), value[rows], 6), normalised)
+        found = []
+        for value in values:
+            ohm_there = low + (high - low) * normalised[int(np.argmin(np.abs(average - value)))]
+            up, down = (float(np.interp(ohm_there, *branch)) for branch in (self.heating, self.cooling))
+            found.append((up / value - 1.0, down / value - 1.0))
+        return found
 
     def distance_pct(self, other: Loop, branch: str) -> float:
         """Return the largest distance of two loops' branches where they overlap, in percent of the larger stroke."""

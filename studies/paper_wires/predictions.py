@@ -69,5 +69,7 @@ def of_finger(wires: PaperWires) -> list[Prediction]:
     printed = PAPER["displacement_gap"]
     return [
         Prediction("gap at 0.71 N, %", gaps[CHOSEN_FINGER], printed["displacement_gap_pct"], 0.7),
-        Prediction("place of the least gap, N", lowest_place(PRETENSIONS_FINGER_N, gaps), printed["pretension_n"], 0.15),
+        Prediction(
+            "place of the least gap, N", lowest_place(PRETENSIONS_FINGER_N, gaps), printed["pretension_n"], 0.15
+        ),
     ]

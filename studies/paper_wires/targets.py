@@ -19,9 +19,14 @@ Targets = dict[str, float]
 PRETENSIONS_125UM_N = (1.70, 2.20, 2.71, 3.22, 3.70, 4.20, 4.67)
 PRETENSIONS_FINGER_N = (0.15, 0.37, 0.59, 0.71, 0.83, 1.15, 1.7)
 CHOSEN_FINGER = PRETENSIONS_FINGER_N.index(0.71)
+# Levels of Table 3 [mm], and how far heating and cooling branch may lie from their average there, in percent of the
+# level: what the staircase can hardly correct. Larger where the branches are steep.
+FINGER_LEVELS = ((2.5, 5.5, 7.0), (3.0, 2.6, 4.5), (3.5, 2.2, 2.6), (4.0, 1.8, 1.8), (4.5, 1.8, 1.8), (5.0, 1.8, 2.0))
 MAXIMUM_FORCE_N = {"100um": 4.601, "125um": 7.220, "200um": 18.247}
-# A recording's least resistance is the least of many noisy readings at C: by about this much below the wire's own.
-MIN_OF_NOISY_OHM = 0.011
+# Gaps read from a recording lie higher than a curve without noise has them, by about this much.
+GAP_OF_NOISE_PCT = 0.05
+# And A-B from a recording is that much shorter, by the definition of B that noise moves least (benchmarks/point_b.py).
+AB_OF_NOISE_PCT = 1.0
 # What a gap must fall by from one pretension to the next, so that the noise of a recording does not turn the order.
 CLEARLY_PCT = 0.06
 PAPER, ISOBARS = read_published("lan_fan_2010"), read_published("flexinol_isobars")
@@ -30,7 +35,10 @@ PAPER, ISOBARS = read_published("lan_fan_2010"), read_published("flexinol_isobar
 FREE_FRACTION, MISSED, BEYOND, SQUARES, PULLING = 0.78, 30.0, 15.0, 0.2, 0.3
 LARGEST_COUNTED = 20.0
 # Targets that count more than one row or bar, and less.
-WEIGHTS = {"table2 rms": 1.5, "segment A-B": 2.0, "gap 100um": 1.5, "stiffness": 1.5}
+WEIGHTS = {"table2 rms": 2.5, "segment A-B": 4.0, "gap 100um": 2.0, "stiffness": 2.0}
+# Given up: what lets the 100 um wire's gap fall to the largest pretension narrows its hysteresis there to half of what
+# the isobars measure, and breaks their rows (studies/alternative_fits.py).
+GIVEN_UP = ("gap falls 100um", "smallest gap 100um")
 LIGHT = ("hot end", "smallest minor loop", "polynomial", "slope", "heating tail", "cooling tail")
 
 
@@ -44,10 +52,10 @@ def main_loop_targets(wires: PaperWires) -> Targets:
     loop = slow_loop(wires, "100um", 1.9)
     printed = PAPER["loop_100um"]
     found = table2_targets(loop)
-    found["R_min"] = (loop.min_ohm - MIN_OF_NOISY_OHM - printed["resistance_min_ohm"]) / 0.02
+    found["R_min"] = (loop.min_ohm - printed["resistance_min_ohm"]) / 0.02
     found["R_max"] = (loop.largest_ohm - printed["resistance_max_ohm"]) / 0.02
-    found["gap 100um"] = (loop.strain_gap_pct - printed["strain_gap_pct"]) / 0.25
-    found["segment A-B"] = (loop.segment_ab_pct - 15.0) / 4.0
+    found["gap 100um"] = (loop.strain_gap_pct + GAP_OF_NOISE_PCT - printed["strain_gap_pct"]) / 0.25
+    found["segment A-B"] = (loop.segment_ab_pct - AB_OF_NOISE_PCT - 15.0) / 4.0
     found["hot end"] = above(loop.min_martensite - 0.15) / 0.05
     stroke = loop.stroke
     for amplitude, max_fraction in ((2.9, 0.94), (2.75, 0.92)):
@@ -103,6 +111,7 @@ def pretension_targets(wires: PaperWires) -> Targets:
         "gap 125um 1.70 N": (strain[0] - low) / 0.5,
         "gap 125um 4.67 N": (strain[-1] - high) / 0.5,
         "force gap 3.22 N": (force[3] - PAPER["force_gap_125um"]["force_gap_pct"]) / 0.5,
+        "largest distance 125um": loops[-1].largest_distance_pct / 5.0,
         "hot end 125um": above(max(loop.min_martensite for loop in loops) - 0.18) / 0.05,
     }
     for index in range(6):
@@ -162,7 +171,9 @@ def isobar_targets(wires: PaperWires, without_mpa: float | None = None) -> Targe
     for index, mpa in enumerate(ISOBARS["stress_mpa"]):
         if mpa == without_mpa:
             continue
-        summary = summarize_isobar(simulated_isobar(wires.alloy, wires.isobar_sample, wires.bench, mpa * 1e6, points=111))
+        summary = summarize_isobar(
+            simulated_isobar(wires.alloy, wires.isobar_sample, wires.bench, mpa * 1e6, points=111)
+        )
         summaries.append(summary)
         found[f"stroke {mpa:g} MPa"] = (100.0 * summary.stroke - ISOBARS["stroke_pct"][index]) / 0.3
         for branch in ("heating", "cooling"):
@@ -190,6 +201,16 @@ def finger_targets(wires: PaperWires) -> Targets:
     }
     for index in range(CHOSEN_FINGER):
         found[f"finger falls {index}"] = above(gaps[index + 1] - gaps[index] + 0.08) / 0.1
+    return found | level_targets(chosen)
+
+
+def level_targets(loop: Loop) -> Targets:
+    """Return how far the branches lie from the averaged polynomial at the levels of Table 3."""
+    off = loop.off_average([1e-3 * level for level, _, _ in FINGER_LEVELS])
+    found = {}
+    for (level, heating, cooling), (up, down) in zip(FINGER_LEVELS, off, strict=True):
+        found[f"finger level heating {level:g} mm"] = 100.0 * up / heating
+        found[f"finger level cooling {level:g} mm"] = 100.0 * down / cooling
     return found
 
 
@@ -227,6 +248,8 @@ def targets(vector: FloatArray, held_out: str | None = None) -> Targets:
 
 def weight(name: str) -> float:
     """Return how much a target counts."""
+    if name.startswith(GIVEN_UP):
+        return 0.12
     return WEIGHTS.get(name, 0.6 if name.startswith(LIGHT) else 1.0)
 
 
