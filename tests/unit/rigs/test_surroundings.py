@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from musclewire.parameters import load_wire
 from musclewire.rigs.abilities import true_state_of
 from musclewire.rigs.air import Air, AirModel, Surroundings
 from musclewire.rigs.configuration import RigConfiguration, open_rig
@@ -90,11 +91,12 @@ def test_weather_leaves_the_noise_of_the_instruments_as_it_was() -> None:
 
 
 def test_a_draught_moves_a_warm_wire_and_one_seed_moves_it_the_same_way() -> None:
-    """By more than the micron of the LVDT, and by a few kelvins: 15 % of what convection carries away from 40 K."""
+    """By more than the micron of the LVDT, on the way through whatever temperatures the wire transforms at."""
     air = Surroundings(draught=0.15, draught_time=1.0)
-    moved = [sample.displacement_m for sample in samples(air, [2.2] * 400)]
-    still = [sample.displacement_m for sample in samples(Surroundings(), [2.2] * 400)]
-    assert moved == [sample.displacement_m for sample in samples(air, [2.2] * 400)]
+    warming_v = np.linspace(0.3, load_wire("paper-100um").drive_amplitude_v.value, 400).tolist()
+    moved = [sample.displacement_m for sample in samples(air, warming_v)]
+    still = [sample.displacement_m for sample in samples(Surroundings(), warming_v)]
+    assert moved == [sample.displacement_m for sample in samples(air, warming_v)]
     assert np.abs(np.subtract(moved, still)).max() > 1e-5
 
 

@@ -93,7 +93,7 @@ def bench(**values: float) -> Bench:
 
 
 def wire_100um() -> Wire:
-    """Return the wire of 100 um at the alloy's own temperatures: a spool's shifts, too, are numbers that a fit moves."""
+    """Return the wire of 100 um at the alloy's own temperatures: a spool's shifts are numbers that a fit moves."""
     spool = {"temperature_shift_k": 0.0, "r_phase_shift_k": 0.0, "martensite_barrier_shift_k": 0.0}
     return changed(load_wire("paper-100um"), convection_factor=0.9, resistivity_factor=1.0, **spool)
 
