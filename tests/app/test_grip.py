@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from musclewire.parameters.library import load_bench
 from musclewire.signals import read_recording
 
 
@@ -129,7 +130,7 @@ def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[...
         "control", "simulated", model, "--quantity", "force", "--known-stiffness", "588.6 N/m", "--json"
     ).json
     assert said["known_stiffness_n_per_m"] == 588.6
-    assert said["known_friction_n"] == pytest.approx(0.056, abs=0.002)
+    assert said["known_friction_n"] == pytest.approx(load_bench("paper").guide_friction_n.value, abs=0.002)
     assert said["mae_max_approached_pct"] <= 5.0
     assert len(said["steps"]) == 11
     without = musclewire("control", "simulated", model, "--quantity", "force")

@@ -20,6 +20,7 @@ from musclewire.experiment.gripper_training import (
 )
 from musclewire.identify.contact_fitting import KnownGrip, fit_free_closing, fit_grip_curve, thermal_time_s
 from musclewire.parameters.finger_file import load_finger
+from musclewire.parameters.library import load_alloy
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.signals import Recording
 from musclewire.wire.loads import ElasticObject
@@ -133,8 +134,10 @@ def test_what_was_learned_agrees_with_the_finger_and_the_wire(knowledge: Gripper
 
 
 def test_the_thermal_time_is_that_of_a_thin_wire_in_still_air() -> None:
-    # rho c d / (4 h) with 6450 kg/m3, 543 J/(kg K) and the 151 W/(m2 K) of the convection's own doctest.
-    assert thermal_time_s(1e-4) == pytest.approx(6450 * 543 * 1e-4 / (4 * 151), rel=0.01)
+    # rho c d / (4 h) with rho and c of the alloy's file and the 151 W/(m2 K) of the convection's own doctest.
+    alloy = load_alloy("flexinol")
+    heat = alloy.density_kg_per_m3.value * alloy.specific_heat_j_per_kg_k.value
+    assert thermal_time_s(1e-4) == pytest.approx(heat * 1e-4 / (4 * 151), rel=0.01)
     assert thermal_time_s(2e-4) > 2 * thermal_time_s(1e-4)
 
 
