@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from benchmarks.isobar_branches import (
@@ -10,6 +12,7 @@ from benchmarks.isobar_branches import (
     ONE_CLASS,
     TWO_CLASSES,
     isobar_with,
+    rest_after_turn_k,
     rests_after_turns,
     sample_with,
 )
@@ -28,6 +31,9 @@ from scipy.special import ndtr
 
 from musclewire.identify.isobaric_loops import Isobar
 from musclewire.parameters.library import read_published
+from musclewire.simulate.paths import isobaric_path
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.distribution import BarrierClass
 
 PUBLISHED = read_published("flexinol_isobars")
 # Three isobars were read off 500 points; where strain falls slowly a step of the extensometer is a kelvin.
@@ -89,14 +95,53 @@ def test_the_steepest_rate_is_that_of_the_straight_line() -> None:
     assert steepest_rates_per_k(straight_loop(20.0)) == pytest.approx((1.0 / 30.0, 1.0 / 30.0))
 
 
-def test_two_classes_of_barrier_show_after_a_turn_and_hardly_in_the_isobar() -> None:
+# Grains of two phases that all have one expansion: what is left of the sample is its martensite and its barriers.
+TWO_PHASES = {"r_phase_temperature_k": 100.0, "austenite_expansion_per_k": 0.0, "martensite_expansion_per_k": 0.0}
+
+
+def of_two_phases(classes: Sequence[BarrierClass]) -> tuple[WireConstants, Isobar]:
+    """Return the simulated sample of two phases with classes of barrier, and its isobar."""
+    constants, kelvin = sample_with(classes).replace(**TWO_PHASES), isobar_with(classes).temperature_k
+    return constants, Isobar(MINOR_LOOP_PA, kelvin, isobaric_path(constants, MINOR_LOOP_PA, kelvin).strain)
+
+
+def rest_after_half_of_heating_k(classes: Sequence[BarrierClass]) -> float:
+    """Return over how many kelvin of cooling the sample of two phases is at rest, half transformed before."""
+    constants, loop = of_two_phases(classes)
+    stroke = float(np.ptp(loop.strain))
+    way_k = loop.temperature_k[: int(np.argmax(loop.strain - loop.strain.min() <= 0.5 * stroke)) + 1]
+    return float(rest_after_turn_k(constants, way_k, way_k[::-1][1:], stroke)[0])
+
+
+def test_of_two_phases_two_classes_of_barrier_show_after_a_turn_and_not_in_the_isobar() -> None:
     """Sums of a grain's temperature with a symmetric, independent barrier of either sign are of one shape."""
+    one, two = (distances_k(of_two_phases(classes)[1]) for classes in (ONE_CLASS, TWO_CLASSES))
+    assert np.abs(two - one).max() < 0.01
+    assert rest_after_half_of_heating_k(TWO_CLASSES) < rest_after_half_of_heating_k(ONE_CLASS) - CLASSES_APART_K
+
+
+def rests_of_the_sample() -> list[tuple[float, float]]:
+    """Return how long the sample's strain rests after each turn, with one class of barrier and with two [K]."""
+    rests = {(each.classes, each.branch, each.left): each.kelvin[0] for each in rests_after_turns()}
+    return [(rest_k, rests["two", *turn]) for (classes, *turn), rest_k in rests.items() if classes == "one"]
+
+
+def test_of_the_sample_two_classes_of_barrier_show_after_a_turn_and_hardly_in_the_isobar() -> None:
+    """With R-phase on the way in cooling the distances differ, by less than those of the measured isobar vary."""
     constants = sample_with(ONE_CLASS)
     barrier_k = constants.martensite_barrier_k + constants.martensite_barrier_per_pa * MINOR_LOOP_PA
     assert barrier_k > CLASSES_APART_K
     one, two = (distances_k(isobar_with(classes)) for classes in (ONE_CLASS, TWO_CLASSES))
-    assert np.abs(two - one).max() < 0.2 * CLASSES_APART_K
-    rests = {(each.classes, each.branch, each.left): each.kelvin[0] for each in rests_after_turns()}
-    for (classes, branch, left), rest_k in rests.items():
-        if classes == "two":
-            assert rest_k < rests["one", branch, left] - CLASSES_APART_K
+    assert np.abs(two - one).max() < 2.0 * levelled(measured_isobar(1e-6 * MINOR_LOOP_PA)).spread_k
+    for one_k, two_k in rests_of_the_sample():
+        assert two_k < one_k
+
+
+@pytest.mark.xfail(
+    strict=True,
+    reason="0.3 to 1.6 K at four of the six turns: R-phase and expansion move the strain by a hundredth of the stroke "
+    "before any martensite turns back, whatever its barrier",
+)
+def test_of_the_sample_every_turn_shows_two_classes_by_their_distance() -> None:
+    for one_k, two_k in rests_of_the_sample():
+        assert two_k < one_k - CLASSES_APART_K
