@@ -9,7 +9,6 @@ import pytest
 from benchmarks.isobar_branches import (
     CLASSES_APART_K,
     MINOR_LOOP_PA,
-    ONE_CLASS,
     TWO_CLASSES,
     isobar_with,
     rest_after_turn_k,
@@ -33,7 +32,7 @@ from musclewire.identify.isobaric_loops import Isobar
 from musclewire.parameters.library import read_published
 from musclewire.simulate.paths import isobaric_path
 from musclewire.wire.constants import WireConstants
-from musclewire.wire.distribution import BarrierClass
+from musclewire.wire.distribution import ONE_CLASS, BarrierClass
 
 PUBLISHED = read_published("flexinol_isobars")
 # Three isobars were read off 500 points; where strain falls slowly a step of the extensometer is a kelvin.
@@ -123,7 +122,8 @@ def test_of_two_phases_two_classes_of_barrier_show_after_a_turn_and_not_in_the_i
 def rests_of_the_sample() -> list[tuple[float, float]]:
     """Return how long the sample's strain rests after each turn, with one class of barrier and with two [K]."""
     rests = {(each.classes, each.branch, each.left): each.kelvin[0] for each in rests_after_turns()}
-    return [(rest_k, rests["two", *turn]) for (classes, *turn), rest_k in rests.items() if classes == "one"]
+    turns = [(branch, left) for classes, branch, left in rests if classes == "one"]
+    return [(rests["one", branch, left], rests["two", branch, left]) for branch, left in turns]
 
 
 def test_of_the_sample_two_classes_of_barrier_show_after_a_turn_and_hardly_in_the_isobar() -> None:
