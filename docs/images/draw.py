@@ -4,6 +4,8 @@ After a change of the shipped parameters or of the physics, run it once and comm
 
 - README.md's pictures, from a run of the demo (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
+- the tables of docs/explanation/parameters.md from the vectors in studies/vectors
+  (``python docs/images/draw.py alternatives`` writes these alone, ``pages`` too),
 - the picture of docs/explanation/turns_and_minor_loops.md and the numbers in it
   (``python docs/images/draw.py turns`` draws and writes these alone),
 - the Bode plot of docs/how-to/linearise_a_wire.md (``python docs/images/draw.py margins`` draws it alone),
@@ -20,6 +22,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+import alternatives_page
+import balance_numbers
+import balance_picture
 import faults_page
 import matplotlib as mpl
 import paper_map_page
@@ -42,6 +47,7 @@ from musclewire.interfaces.control_systems import bode_axes, linearise
 HERE = Path(__file__).parent
 PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"
 TURNS_PAGE = HERE.parent / "explanation" / "turns_and_minor_loops.md"
+FOUND_PAGE = HERE.parent / "explanation" / "parameters.md"
 PARAMETER_PAGE = HERE.parent / "reference" / "parameters.md"
 PROTECTION_PAGE = HERE.parent / "reference" / "protection.md"
 FAULTS_PAGE = HERE.parent / "reference" / "faults.md"
@@ -68,6 +74,7 @@ def draw_physics_pictures(loops: tuple[physics_runs.LoopTruth, ...]) -> None:
     """Write the pictures of the page on physics into this folder."""
     with mpl.rc_context(STYLE):
         physics_pictures.pretension_figure(loops).savefig(HERE / "phases_over_strain.png", dpi=DPI)
+        balance_picture.balance_figure().savefig(HERE / "gap_balance.png", dpi=DPI)
         physics_pictures.isobar_figure().savefig(HERE / "isobars.png", dpi=DPI)
         physics_pictures.grains_figure().savefig(HERE / "grains.png", dpi=DPI)
         physics_pictures.diagram_figure(loops).savefig(HERE / "phase_diagram.png", dpi=DPI)
@@ -92,6 +99,17 @@ def draw_point_b() -> None:
         point_b_picture.point_b_figure().savefig(HERE / "point_b.png", dpi=DPI)
 
 
+def write_alternatives() -> None:
+    """Write what held-out fits predict, and what published values cost, into docs/explanation/parameters.md."""
+    page = with_blocks(FOUND_PAGE.read_text("utf-8"), {"alternatives": alternatives_page.block()})
+    FOUND_PAGE.write_text(page, encoding="utf-8")
+
+
+def physics_blocks(loops: tuple[physics_runs.LoopTruth, ...]) -> dict[str, str]:
+    """Return every generated text of docs/explanation/physics.md."""
+    return physics_numbers.blocks(loops) | balance_numbers.blocks()
+
+
 def with_blocks(text: str, blocks: dict[str, str]) -> str:
     """Return a page with new text between its markers."""
     return BLOCK.sub(lambda found: f"{found[1]}\n{blocks[found[2]]}\n\n{found[3]}", text)
@@ -101,9 +119,14 @@ def main() -> None:
     """Draw and write everything; with ``physics`` all but the demo's pictures, with ``pages`` the pages alone.
 
     With ``margins`` the Bode plot alone, with ``turns`` the page on turns alone, with ``point_b`` the
-    picture of point B.
+    picture of point B, with ``alternatives`` the tables of how the parameters were found.
     """
-    alone = {"margins": draw_margins, "turns": draw_turns, "point_b": draw_point_b}
+    alone = {
+        "margins": draw_margins,
+        "turns": draw_turns,
+        "point_b": draw_point_b,
+        "alternatives": write_alternatives,
+    }
     if len(sys.argv) == 2 and sys.argv[1] in alone:
         alone[sys.argv[1]]()
         return
@@ -117,12 +140,12 @@ def main() -> None:
     draw_turns()
     draw_margins()
     draw_point_b()
-    page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_numbers.blocks(loops))
+    page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_blocks(loops))
     PHYSICS_PAGE.write_text(page, encoding="utf-8")
 
 
 def write_pages() -> None:
-    """Write the pages that follow from data files, schemas and docstrings alone: a matter of seconds."""
+    """Write the pages that follow from data files, schemas, docstrings and vectors alone: a matter of seconds."""
     PARAMETER_PAGE.write_text(parameter_page.page(), encoding="utf-8")
     PROTECTION_PAGE.write_text(protection_page.page(), encoding="utf-8")
     FAULTS_PAGE.write_text(faults_page.page(), encoding="utf-8")
@@ -130,6 +153,7 @@ def write_pages() -> None:
     WIRE_ROW_PAGE.write_text(wire_row_page.page(), encoding="utf-8")
     PYTHON_PAGE.write_text(python_page.page(), encoding="utf-8")
     PAPER_MAP_PAGE.write_text(paper_map_page.page(PAPER_MAP_PAGE.read_text("utf-8")), encoding="utf-8")
+    write_alternatives()
 
 
 if __name__ == "__main__":

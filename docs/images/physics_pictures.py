@@ -88,7 +88,7 @@ def label_phases(first: Axes, last: Axes, loop: LoopTruth) -> None:
         path_effects=[withStroke(linewidth=3.0, foreground="white")],
     )  # fmt: skip
     last.text(0.22, 0.90, "martensite", color=MARTENSITE, fontweight="bold", transform=last.transAxes)
-    last.text(0.99, 0.60, "austenite", color=AUSTENITE, fontweight="bold", transform=last.transAxes, ha="right")
+    last.text(0.99, 0.93, "austenite", color=AUSTENITE, fontweight="bold", transform=last.transAxes, ha="right")
 
 
 def draw_resistance(axes: Axes, loop: LoopTruth) -> None:

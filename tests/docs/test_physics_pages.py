@@ -16,6 +16,7 @@ from musclewire.parameters import load_alloy, load_bench, load_wire
 
 FOLDER = ROOT / "docs" / "images"
 PHYSICS = ROOT / "docs" / "explanation" / "physics.md"
+FOUND = ROOT / "docs" / "explanation" / "parameters.md"
 TURNS = ROOT / "docs" / "explanation" / "turns_and_minor_loops.md"
 PARAMETERS = ROOT / "docs" / "reference" / "parameters.md"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
@@ -87,15 +88,19 @@ def test_the_check_of_published_ranges_counts_what_the_page_counts(capsys: pytes
 @pytest.mark.documented
 def test_the_simulated_numbers_on_the_page_are_those_of_the_shipped_wire(draw: ModuleType) -> None:
     text = PHYSICS.read_text("utf-8")
-    require_same_numbers(
-        text, draw.with_blocks(text, draw.physics_numbers.blocks(draw.physics_runs.loops_of_the_sweep()))
-    )
+    require_same_numbers(text, draw.with_blocks(text, draw.physics_blocks(draw.physics_runs.loops_of_the_sweep())))
 
 
 @pytest.mark.documented
 def test_the_numbers_of_isobars_and_turns_are_those_of_the_measured_and_the_shipped_wire(draw: ModuleType) -> None:
     text = TURNS.read_text("utf-8")
     require_same_numbers(text, draw.with_blocks(text, draw.turns_numbers.blocks()))
+
+
+@pytest.mark.documented
+def test_the_tables_of_alternative_fits_are_what_their_vectors_give(draw: ModuleType) -> None:
+    text = FOUND.read_text("utf-8")
+    require_same_numbers(text, draw.with_blocks(text, {"alternatives": draw.alternatives_page.block()}))
 
 
 def require_same_numbers(text: str, fresh: str) -> None:
@@ -117,6 +122,24 @@ def test_the_parts_of_a_difference_add_up_to_it(draw: ModuleType) -> None:
     assert abs(parts.rest).max() < 0.5 * abs(parts.hotter).max()
 
 
+@pytest.mark.parametrize("wire", ["paper-100um", "paper-125um"])
+def test_the_balance_adds_up_to_the_difference_of_the_branches(draw: ModuleType, wire: str) -> None:
+    runs = importlib.import_module("balance_runs")
+    row = runs.balance_of(runs.loop_at_ratio(wire, 0.45), 0.45)
+    parts = draw.physics_runs.parts_of_the_difference(row.loop)
+    assert row.whole == pytest.approx(parts.whole.mean(), abs=1e-12)
+    assert row.hotter + row.r_phase + row.small == pytest.approx(row.whole, abs=1e-12)
+    assert (row.hotter, row.r_phase) == pytest.approx((parts.hotter.mean(), parts.r_phase.mean()), abs=1e-12)
+
+
+def test_without_temperature_coefficients_only_phases_and_geometry_part_the_branches(draw: ModuleType) -> None:
+    runs = importlib.import_module("balance_runs")
+    none = {f"{phase}_resistivity_per_k": 0.0 for phase in draw.physics_runs.PHASES}
+    row = runs.balance_of(runs.loop_at_ratio("paper-125um", 0.45, **none), 0.45)
+    assert row.hotter == pytest.approx(0.0, abs=1e-15)
+    assert row.hotter_k > 5.0
+
+
 def test_every_equation_of_the_page_leads_to_code() -> None:
     text = PHYSICS.read_text("utf-8")
     names = re.findall(r"`([\w.]+:[\w.]+)`", text)
@@ -136,7 +159,7 @@ def test_every_source_of_an_equation_stands_at_its_function_too() -> None:
         assert doi in source + elsewhere, doi
 
 
-@pytest.mark.parametrize("name", ["phases_over_strain", "phase_diagram", "grains", "isobars"])
+@pytest.mark.parametrize("name", ["phases_over_strain", "gap_balance", "phase_diagram", "grains", "isobars"])
 def test_every_picture_is_on_the_page(name: str) -> None:
     assert f"](../images/{name}.png)" in PHYSICS.read_text("utf-8")
     assert (FOLDER / f"{name}.png").read_bytes().startswith(b"\x89PNG")

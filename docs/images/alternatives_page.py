@@ -1,0 +1,69 @@
+"""The tables of docs/explanation/parameters.md: what fits predict that did not see all, and what published values cost.
+
+The fits are those of studies/alternative_fits.py; their numbers follow from the vectors in studies/vectors.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from parameter_page import table
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "studies"))
+
+from alternative_fits import FITS, FloatArray, cost, predictions, read, shipped_vector, targets
+
+NOT_SEARCHED = "not searched yet"
+
+
+def block() -> str:
+    """Return both tables."""
+    return f"{held_out_table()}\n\n{held_inside_table()}"
+
+
+def held_out_table() -> str:
+    """Return what each fit predicts of what it did not see, next to what was measured."""
+    rows = []
+    for name, fit in FITS.items():
+        if fit.held_out is None:
+            continue
+        vector = read(name)
+        if vector is None:
+            rows.append([name, NOT_SEARCHED, "", "", ""])
+            continue
+        for row in predictions(vector, fit.held_out):
+            verdict = row.verdict.lower() or "not judged"
+            within = f"{row.tolerance:g}" if row.tolerance else ""
+            rows.append([name, row.what, f"{row.ours:.2f}", f"{row.measured:.2f}", within, verdict])
+    rows = [[*row, *[""] * (6 - len(row))] for row in rows]
+    return table(["search", "predicted, not seen", "predicted", "measured", "may differ by", "verdict"], rows)
+
+
+def held_inside_table() -> str:
+    """Return the targets that the shipped set or a fit held inside misses, in tolerances; what is met has a dash."""
+    vectors: dict[str, FloatArray | None] = {"shipped": shipped_vector()}
+    vectors |= {name: read(name) for name, fit in FITS.items() if fit.held_out is None}
+    off = {name: targets(vector) for name, vector in vectors.items() if vector is not None}
+    missed = [key for key in off["shipped"] if any(abs(each[key]) > 1.0 for each in off.values())]
+    rows = [["cost", *(price(vector) for vector in vectors.values())]]
+    rows.append(["targets met", *(met(off.get(name)) for name in vectors)])
+    rows += [[f"`{key}`", *(tolerances(off.get(name), key) for name in vectors)] for key in missed]
+    return table(["missed by how many tolerances", *vectors], rows)
+
+
+def price(vector: FloatArray | None) -> str:
+    """Return what the search makes small, of a vector."""
+    return NOT_SEARCHED if vector is None else f"{cost(vector):.0f}"
+
+
+def met(off: dict[str, float] | None) -> str:
+    """Return how many targets are met."""
+    return "" if off is None else f"{sum(abs(value) <= 1.0 for value in off.values())} of {len(off)}"
+
+
+def tolerances(off: dict[str, float] | None, key: str) -> str:
+    """Return by how many tolerances a target is missed; a dash where it is met."""
+    if off is None:
+        return ""
+    return f"{off[key]:+.1f}" if abs(off[key]) > 1.0 else "–"

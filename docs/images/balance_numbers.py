@@ -1,0 +1,153 @@
+"""The numbers of "What closes it in a wire with 20 K of hysteresis" in docs/explanation/physics.md."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from balance_runs import (
+    BALANCE_WIRES,
+    FORCE_RATIOS,
+    STRESSES_MPA,
+    Balance,
+    balances,
+    changed_wires,
+    half_hysteresis_k,
+    loop_at_ratio,
+    measured_distance_k,
+    measured_distances_k,
+    other_spool,
+    published_coefficients,
+)
+from parameter_page import paragraphs, table
+
+from musclewire.parameters import load_alloy
+from musclewire.parameters.published_ranges import published_ranges
+
+ZERO_DEGC_K = 273.15
+PHASES = ("austenite", "r_phase", "martensite")
+
+
+def blocks() -> dict[str, str]:
+    """Return the text between the section's markers, by their names."""
+    found = {wire: balances(wire) for wire in BALANCE_WIRES}
+    return {
+        "balance_temperature": paragraphs(temperature_text(found)),
+        "balance": "\n\n".join(f"{title(wire)}:\n\n{balance_table(found[wire])}" for wire in BALANCE_WIRES),
+        "balance_reading": paragraphs("\n\n".join(reading(wire, found[wire]) for wire in BALANCE_WIRES)),
+        "balance_r_phase": paragraphs(r_phase_text()),
+        "balance_barrier": barrier_table(),
+        "balance_without": "\n\n".join(f"{title(wire)}:\n\n{changes_table(wire)}" for wire in BALANCE_WIRES),
+    }
+
+
+def title(wire: str) -> str:
+    """Return a wire's name as the page has it."""
+    return f"{wire.removeprefix('paper-').removesuffix('um')} µm wire"
+
+
+def header(first: str) -> list[str]:
+    """Return the heads of a table over force ratio."""
+    return [first, *(f"{ratio:.2f}" for ratio in FORCE_RATIOS)]
+
+
+def balance_table(rows: Sequence[Balance]) -> str:
+    """Return signed gap, distance in temperature and every part of the difference in resistance, over force ratio."""
+    lines: list[tuple[str, Callable[[Balance], str]]] = [
+        ("strain gap (Eq. 2)", lambda row: f"{100.0 * row.loop.strain_gap:.2f} %"),
+        ("the same with its sign, heating less cooling", lambda row: f"{100.0 * row.loop.signed_gap:+.2f} %"),
+        ("heating is hotter by", lambda row: f"{row.hotter_k:.1f} K"),
+        ("more resistance, as hotter austenite has it", lambda row: mohm(row.hotter_austenite)),
+        ("as hotter martensite has it", lambda row: mohm(row.hotter_martensite)),
+        ("as hotter R-phase has it", lambda row: mohm(row.hotter_r_phase)),
+        ("temperature, all phases", lambda row: mohm(row.hotter)),
+        ("R-phase in place of austenite", lambda row: mohm(row.r_phase)),
+        ("martensite in place of austenite", lambda row: mohm(row.martensite)),
+        ("geometry", lambda row: mohm(row.geometry)),
+        ("all together", lambda row: mohm(row.whole)),
+        ("all together, of the range of resistance", lambda row: f"{100.0 * row.whole / row.range_ohm:+.2f} %"),
+    ]
+    return table(header("force ratio"), [[words, *(of(row) for row in rows)] for words, of in lines])
+
+
+def mohm(ohm: float) -> str:
+    """Return a resistance in milliohm."""
+    return f"{1e3 * ohm:+.0f} mohm"
+
+
+def temperature_text(found: dict[str, list[Balance]]) -> str:
+    """Return what temperature makes with published and with the shipped coefficients."""
+    alloy = load_alloy("flexinol").values()
+    austenite, martensite = published_coefficients()
+    ours = ", ".join(
+        f"{1e4 * alloy[f'{phase}_resistivity_per_k']:+.2f}e-4 /K ({words})"
+        for phase, words in zip(PHASES, ("austenite", "R-phase", "martensite"), strict=True)
+    )
+    published, shipped = [], []
+    for wire, rows in found.items():
+        published.append(f"{span(rows, lambda row: row.published_hotter)} in the {title(wire)}")
+        shipped.append(f"{span(rows, lambda row: row.hotter)}")
+    return (
+        f"With the published {1e4 * austenite:.0f}e-4 /K of austenite and {1e4 * martensite:.0f}e-4 /K of martensite, "
+        f"R-phase counted as austenite, and the {measured_distance_k():.1f} K between the branches of the isobars "
+        f"(median of five stresses), this would be {' and '.join(published)}, nearly the same at every load. "
+        f"The shipped alloy has {ours}, and branches that come nearer with load: {' and '.join(shipped)}."
+    )
+
+
+def span(rows: Sequence[Balance], part: Callable[[Balance], float]) -> str:
+    """Return the range of a part over the force ratios, in milliohm and of the range of resistance."""
+    ohm = [part(row) for row in rows]
+    percent = [100.0 * part(row) / row.range_ohm for row in rows]
+    return (
+        f"{1e3 * min(ohm):+.0f} to {1e3 * max(ohm):+.0f} mohm ({min(percent):.1f} to {max(percent):.1f} % of the range)"
+    )
+
+
+def reading(wire: str, rows: Sequence[Balance]) -> str:
+    """Return what the balance of a wire says, from the numbers."""
+    first, last = rows[0], rows[-1]
+    least = int(np.argmin([row.loop.strain_gap for row in rows]))
+    says = (
+        f"{title(wire)}: from a force ratio of {first.force_ratio:.2f} to {last.force_ratio:.2f} R-phase goes from "
+        f"{mohm(first.r_phase)} to {mohm(last.r_phase)}, temperature from {mohm(first.hotter)} to "
+        f"{mohm(last.hotter)}. "
+    )
+    if least == len(rows) - 1:
+        return f"{says}The gap falls to the largest pretension, where R-phase still has the larger part."
+    return (
+        f"{says}The gap is least at {rows[least].force_ratio:.2f} and **rises again**, to "
+        f"{100.0 * last.loop.strain_gap:.2f} %: beyond, temperature has nothing against it."
+    )
+
+
+def r_phase_text() -> str:
+    """Return where the shipped alloy's R-phase is in balance without load, and where it is published to be."""
+    published = published_ranges().parameters["r_phase_temperature_k"]
+    ours = load_alloy("flexinol").values()["r_phase_temperature_k"]
+    low, high = (each - ZERO_DEGC_K for each in (published.low, published.high))
+    side = "outside" if published.beyond(ours) else "inside"
+    return (
+        f"Without load the shipped alloy's R-phase is in balance with austenite at {ours - ZERO_DEGC_K:.0f} °C, {side} "
+        f"the {low:.0f} to {high:.0f} °C published for binary NiTi."
+    )
+
+
+def barrier_table() -> str:
+    """Return half the distance of the branches over stress: the shipped alloy's barrier next to the isobars."""
+    measured = measured_distances_k()
+    rows = [
+        ["shipped", *(f"{half_hysteresis_k(mpa):.1f} K" for mpa in STRESSES_MPA)],
+        ["measured isobars", *(f"{0.5 * measured[mpa]:.1f} K" for mpa in STRESSES_MPA)],
+        ["less than measured by", *(f"{0.5 * measured[mpa] - half_hysteresis_k(mpa):.1f} K" for mpa in STRESSES_MPA)],
+    ]
+    return table(["half the hysteresis", *(f"{mpa:g} MPa" for mpa in STRESSES_MPA)], rows)
+
+
+def changes_table(wire: str) -> str:
+    """Return the signed gap over force ratio of the shipped wire and of wires that differ from it in one thing."""
+    rows = [
+        [words, *(f"{100.0 * loop_at_ratio(wire, ratio, **changed).signed_gap:+.2f} %" for ratio in FORCE_RATIOS)]
+        for words, changed in (*changed_wires().items(), ("temperatures of the other wire", other_spool(wire)))
+    ]
+    return table(header("signed gap at force ratio"), rows)
