@@ -16,6 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from kernel_courses import (
     COURSES,
+    GRAINS,
+    GRAINS_OF,
     OUTPUTS,
     SAMPLE_S,
     Array,
@@ -67,14 +69,14 @@ def walks(quick: bool) -> Iterator[Bar]:
 
 
 def beside_grains(_quick: bool) -> Iterator[Bar]:
-    """Courses in steps of 1 ms beside 2560 grains at 0.1 ms: no further from it than its own error."""
+    """Courses in steps of 1 ms beside thousands of grains at 0.1 ms: no further from it than its own error."""
     for name, course in COURSES.items():
         wanted = reference(name)
         run, end = kernel_run(course.drive_v, fixed(1e-3))
         off = distance(run, wanted.run)
         for n, output in enumerate(OUTPUTS):
             unit, scale = UNITS[output]
-            what = f"{name}, 1 ms, {output} from 2560 grains"
+            what = f"{name}, 1 ms, {output} from {GRAINS_OF.get(name, GRAINS)} grains"
             yield Bar(f"{what}, largest", scale * off.largest[n], scale * wanted.largest[n], unit)
             yield Bar(f"{what}, rms", scale * off.rms[n], scale * wanted.rms[n], unit)
         yield Bar(f"{name}, 1 ms, unsolved steps", end.unsolved_steps, 0.0, "1")
