@@ -43,7 +43,8 @@ def main(paths: list[Path]) -> int:
         ends = recorded(path)
         run = [name for name, end in ends.items() if end != "skipped"]
         ran.update(run)
-        print(f"{len(run):6d} ran, {len(ends) - len(run)} skipped: {path.stem}")
+        marked = sum(end == "failed as marked" for end in ends.values())
+        print(f"{len(run):6d} ran, {marked} of them failed as marked, {len(ends) - len(run)} skipped: {path.stem}")
     every = collected()
     missing = sorted(every - set(ran))
     print(f"{len(every):6d} tests there are, {len(every) - len(missing)} of them ran, {ran.total()} runs of a test")

@@ -86,7 +86,9 @@ class Groups:
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Note how a test ended; with xdist, what its workers ran is reported here, too."""
         if self._ends.get(report.nodeid, "passed") == "passed" and (report.when == "call" or not report.passed):
-            self._ends[report.nodeid] = report.outcome
+            # pytest calls a test that fails as its mark says "skipped"; but it has run, and strictly.
+            failed_as_marked = report.when == "call" and report.skipped and hasattr(report, "wasxfail")
+            self._ends[report.nodeid] = "failed as marked" if failed_as_marked else report.outcome
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_testnodedown(self, node: Any) -> None:
