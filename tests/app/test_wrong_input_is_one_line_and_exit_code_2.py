@@ -36,6 +36,8 @@ def test_a_wire_measured_with_voltage_and_current_is_fitted(musclewire: Callable
     estimated = musclewire("estimate", tmp_path / "m.json", path, "--leg-length", "70 mm", "--json")
     assert estimated.code == 0, estimated.err
     assert estimated.json["rms_pct"] < 5.0
+    for name in ("rms_pct", "max_pct", "valid_share"):
+        assert answer.json[name] == estimated.json[name], "fit and estimate say the same of the same file"
 
 
 def without(column: int, rows: list[list[float]]) -> list[list[float]]:

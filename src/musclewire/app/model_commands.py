@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,6 +13,9 @@ from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, P
 from musclewire.app.output import emit_json, show
 from musclewire.app.recording_options import ReadingOptions
 from musclewire.errors import CallerError
+
+if TYPE_CHECKING:
+    from musclewire.identify.sensing_model import EstimateReport
 
 __all__ = ["add_model_commands"]
 
@@ -65,25 +68,25 @@ def fit(
     json: Json = False,
 ) -> None:
     """Fit the self-sensing model to a slow loop; prints gap, residuals, validity range."""
+    from musclewire.identify import estimate as run_estimate
     from musclewire.identify import fit as run_fit
 
     require_figure_file(plot)
     if output is not None:
         require_model_file(output)
-    model = run_fit(
-        reading.read(recording),
-        order=whole_number_or(order, "auto"),
-        quantity=quantity,
-        cycle=whole_number_or(cycle),
-    )
+    data = reading.read(recording)
+    model = run_fit(data, order=whole_number_or(order, "auto"), quantity=quantity, cycle=whole_number_or(cycle))
+    on_recording = None if data.is_branch_table else run_estimate(model, data)
     if output is not None:
         model.save(output)
     if plot is not None:
         save_figure(model.plot(), plot)
     if json:
-        emit_json({**model.report(), "model": None if output is None else str(output)})
+        emit_json({**model.report(), **error_numbers(on_recording), "model": None if output is None else str(output)})
         return
     show(model.summary())
+    if on_recording is not None:
+        show(f"estimate of this recording: {error_text(on_recording)}")
     if output is not None:
         show(f"model written to {output}")
 
@@ -105,21 +108,28 @@ def estimate(
     if output is not None:
         require_free(output, overwrite)
         report.recording.save(output)
-    answer = {
-        "samples": len(report.recording),
-        "valid_share": report.valid_share,
-        "rms_pct": report.rms_pct,
-        "max_pct": report.max_pct,
-    }
     if json:
-        emit_json(answer)
+        emit_json({"samples": len(report.recording), **error_numbers(report)})
         return
+    show(error_text(report))
+
+
+def error_numbers(report: EstimateReport | None) -> dict[str, Any]:
+    """Return the errors of an estimate, as both ``fit`` and ``estimate`` print them with --json.
+
+    All are None without an estimate: a printed table of branches is no recording to estimate from.
+    """
+    return {name: getattr(report, name, None) for name in ("valid_share", "rms_pct", "max_pct", "no_reference")}
+
+
+def error_text(report: EstimateReport) -> str:
+    """Return the errors of an estimate in words, as both ``fit`` and ``estimate`` print them."""
     errors = (
-        "no reference to compare with"
+        f"nothing to compare with: {report.no_reference}"
         if report.rms_pct is None
         else f"error {report.rms_pct:.3f} % rms, {report.max_pct:.3f} % largest, of stroke"
     )
-    show(f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in range and between B and C; {errors}")
+    return f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in range and between B and C; {errors}"
 
 
 def rules(

@@ -16,6 +16,7 @@ __all__ = [
     "reference_quantity",
     "required_quantity",
     "resistance_reading",
+    "why_no_reference",
     "without_loop",
 ]
 
@@ -127,18 +128,23 @@ def required_quantity(recording: Recording, quantity: str = "strain") -> FloatAr
         For an unknown quantity.
     """
     found = reference_quantity(recording, quantity)
-    if found is not None:
-        return found
+    if found is None:
+        raise RecordingError(why_no_reference(recording, quantity))
+    return found
+
+
+def why_no_reference(recording: Recording, quantity: str) -> str:
+    """Return why a recording gives no strain, displacement or force, with what is missing; "" if it gives it."""
+    if reference_quantity(recording, quantity) is not None:
+        return ""
     if quantity == "strain" and "displacement_m" in recording:
-        raise RecordingError(
-            "displacement_m gives strain only with the wire's length: give --leg-length, or leg_length_m in the file"
-        )
+        return "displacement_m gives strain only with the wire's length: give --leg-length, or leg_length_m in the file"
     needed = {
         "strain": "reference_strain or displacement_m",
         "displacement": "endpoint_displacement_m or displacement_m",
         "force": "force_n",
     }
-    raise RecordingError(
+    return (
         f"this recording has no {quantity}: it needs the column {needed[quantity]}; it has {', '.join(recording.names)}"
     )
 

@@ -15,13 +15,14 @@ from musclewire.identify.recordings import (
     reference_quantity,
     required_quantity,
     resistance_reading,
+    why_no_reference,
     without_loop,
 )
+from musclewire.identify.sensing_segment import in_sensing_segment
 from musclewire.physics.resistance import ArrayReading
 from musclewire.sensing.estimator import ESTIMATORS, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
-from musclewire.sensing.polynomial_estimator import AMBIGUOUS_ABOVE, SegmentTracker
 from musclewire.sensing.slow_corrections import estimates
 from musclewire.signals.exchange import WireSample
 from musclewire.signals.recording import Recording
@@ -150,20 +151,6 @@ def loop_notes(recording: Recording) -> dict[str, str | float]:
     return wire_notes(recording) | ({} if friction_n is None else {"guide_friction_n": friction_n})
 
 
-def in_sensing_segment(model: SensingModel, recording: Recording, reading: ArrayReading) -> NDArray[np.bool_]:
-    """Return the samples in which the wire is between B and C, (n_times,).
-
-    Without a voltage there is no power to locate B by; then only resistances that no cold wire has count.
-    """
-    if "wire_voltage_v" not in recording:
-        span = model.resistance_max_ohm - model.resistance_min_ohm
-        return reading.resistance_ohm < model.resistance_min_ohm + AMBIGUOUS_ABOVE * span
-    some_ohm = np.where(reading.valid, reading.resistance_ohm, 1.0)
-    power_w = recording["wire_voltage_v"] ** 2 / some_ohm
-    tracker = SegmentTracker(model.resistance_min_ohm, model.resistance_max_ohm)
-    return tracker.track(reading.resistance_ohm, power_w, reading.valid)
-
-
 @dataclass(frozen=True)
 class EstimateReport:
     """An estimate over a recording, and its errors in percent of stroke if the recording has a reference.
@@ -178,12 +165,15 @@ class EstimateReport:
         Root mean square error [%] of the stroke; None without a reference.
     max_pct
         Largest error [%] of the stroke; None without a reference.
+    no_reference
+        Why there is no reference to compare with, and what would give one; "" with a reference.
     """
 
     recording: Recording
     valid_share: float
     rms_pct: float | None
     max_pct: float | None
+    no_reference: str = ""
 
 
 def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
@@ -250,6 +240,7 @@ def estimate(
         valid_share=float(valid.mean()),
         rms_pct=None if errors is None else float(np.sqrt(np.mean(errors**2))),
         max_pct=None if errors is None else float(np.abs(errors).max()),
+        no_reference=why_no_reference(recording, model.quantity),
     )
 
 

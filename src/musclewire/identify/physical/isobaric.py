@@ -22,9 +22,14 @@ __all__ = ["IsobaricObservation", "counts_contraction", "in_elongation", "isobar
 
 # Error expected of a model of this kind in the strain of an isobar.
 ISOBAR_ERROR = 2e-4
-# Stress that varies by less than this fraction belongs to one isobar.
-SAME_STRESS = 0.03
+# Stress whose means differ by less than this fraction, and this much [Pa], belongs to one isobar.
+SAME_STRESS, SAME_STRESS_PA = 0.03, 1e5
 MIN_POINTS, MIN_STROKE = 20, 1e-3
+# A load cell scatters: stress is judged by means over this many rows, and means that differ by less than this many of
+# their standard deviations may be equal. The largest of some hundred differences exceeds 4 about once in two hundred.
+MEAN_ROWS, SAME_BY_SCATTER = MIN_POINTS // 2, 5.0
+# Within an isobar, means over this fraction of its rows show whether stress drifts or follows the wire.
+STRETCH_FRACTION = 0.1
 # A smaller range of temperature shows no loop; a wire breaks far below this stress.
 MIN_RANGE_K, MAX_STRESS_PA = 5.0, 3e9
 
@@ -96,6 +101,7 @@ def in_elongation(isobars: Sequence[Isobar]) -> list[Isobar]:
 def isobars_in(recording: Recording) -> list[Isobar]:
     """Return the isobars of a recording with temperature, strain and stress, with the recording's sign of strain.
 
+    The stress may scatter about its mean, as a load cell's does; it may not move slowly with time or with the wire.
     Raises RecordingError if temperature is constant, or stress is not constant over a loop.
     """
     temperature_k, stress_pa = recording["wire_temperature_k"], recording["stress_pa"]
@@ -103,23 +109,61 @@ def isobars_in(recording: Recording) -> list[Isobar]:
         raise RecordingError(
             f"the temperature changes by {np.ptp(temperature_k):.2g} K: an isobar goes from cold to hot and back"
         )
-    if not (stress_pa.min() >= 0.0 and stress_pa.max() < MAX_STRESS_PA):
+    scatter_pa = noise_level(stress_pa)
+    if not (stress_pa.min() >= -SAME_BY_SCATTER * scatter_pa and stress_pa.max() < MAX_STRESS_PA):
         raise RecordingError(
             f"stress goes from {stress_pa.min() / 1e6:.4g} to {stress_pa.max() / 1e6:.4g} MPa: it must be tension, "
             "positive, and below what breaks a wire; check its unit and sign"
         )
     strain = recording["reference_strain"]
     found = []
-    starts = [0, *(np.flatnonzero(np.abs(np.diff(stress_pa)) > SAME_STRESS * np.abs(stress_pa[1:]) + 1e5) + 1)]
+    starts = [0, *changes_of_level(stress_pa, scatter_pa)]
     for start, stop in zip(starts, [*starts[1:], len(recording)], strict=True):
-        part = slice(int(start), int(stop))
         if stop - start < MIN_POINTS:
             raise RecordingError(
-                f"stress changes at row {int(stop) + 1} after {int(stop - start)} rows: an isobar needs at "
+                f"stress changes at row {stop + 1} after {stop - start} rows: an isobar needs at "
                 f"least {MIN_POINTS} points at one stress, over heating and cooling"
             )
+        part = slice(start, stop)
+        refuse_moving(stress_pa[part], scatter_pa, start)
         found.append(Isobar(float(np.median(stress_pa[part])), temperature_k[part], strain[part]))
     return found
+
+
+def changes_of_level(stress_pa: FloatArray, scatter_pa: float) -> list[int]:
+    """Return the rows at which a stress, (n,), steps to another level.
+
+    Means over the rows before and after are compared, so that a step counts from the scatter of a mean, not of a row;
+    the step is where they differ most.
+    """
+    rows = np.arange(1, stress_pa.size)
+    total = np.concatenate([[0.0], np.cumsum(stress_pa)])
+    first, last = np.maximum(rows - MEAN_ROWS, 0), np.minimum(rows + MEAN_ROWS, stress_pa.size)
+    before, after = (total[rows] - total[first]) / (rows - first), (total[last] - total[rows]) / (last - rows)
+    scatter = scatter_pa * np.sqrt(1.0 / (rows - first) + 1.0 / (last - rows))
+    excess = np.abs(after - before) - same_stress(after, scatter)
+    stretches = np.flatnonzero(np.diff(np.concatenate([[False], excess > 0.0, [False]]).astype(np.int8)))
+    return [int(rows[begin + np.argmax(excess[begin:end])]) for begin, end in stretches.reshape(-1, 2)]
+
+
+def same_stress(stress_pa: FloatArray, scatter_pa: FloatArray | float) -> FloatArray:
+    """Return by how much [Pa] two means near ``stress_pa`` may differ if the difference scatters so."""
+    return np.asarray(SAME_STRESS * np.abs(stress_pa) + SAME_STRESS_PA + SAME_BY_SCATTER * np.asarray(scatter_pa))
+
+
+def refuse_moving(stress_pa: FloatArray, scatter_pa: float, first_row: int) -> None:
+    """Raise RecordingError if the stress of an isobar, (n,), moves slowly instead of scattering about one value."""
+    count = int(min(round(1.0 / STRETCH_FRACTION), stress_pa.size // 4))
+    stretches = np.array_split(stress_pa, count)
+    means = np.array([stretch.mean() for stretch in stretches])
+    rows = min(stretch.size for stretch in stretches)
+    if np.ptp(means) <= same_stress(means.mean(), scatter_pa * np.sqrt(2.0 / rows)):
+        return
+    raise RecordingError(
+        f"stress is not constant: from row {first_row + 1} to {first_row + stress_pa.size} it moves slowly between "
+        f"{means.min() / 1e6:.4g} and {means.max() / 1e6:.4g} MPa, while it scatters by {scatter_pa / 1e6:.2g} MPa "
+        "about its trend: an isobar is taken under a weight; a wire on a spring is a recording of a drive"
+    )
 
 
 def observe_isobars(isobars: Sequence[Isobar], title: str) -> IsobaricObservation:
