@@ -13,6 +13,14 @@ from musclewire.parameters.validation import unit_of
 from musclewire.rigs.mounted_wire import LimitsTable, MountedWire
 from musclewire.rigs.nidaq.configuration import DisplacementInput, ForceInput, NiDaqConfiguration, Output, VoltageInput
 from musclewire.rigs.replay import ReplayConfiguration
+from musclewire.rigs.segmented.configuration import (
+    AgeingTable,
+    BarrierTable,
+    ConditionsTable,
+    GrainsTable,
+    InstrumentsTable,
+    SegmentedConfiguration,
+)
 from musclewire.rigs.serial.configuration import SerialConfiguration
 from musclewire.rigs.simulated_faults import SimulatedFault
 
@@ -47,6 +55,18 @@ SECTIONS = {
         "where the recording's metadata lack them.",
     ),
 }
+SEGMENTED = {
+    '`kind = "segmented"`': (
+        SegmentedConfiguration,
+        "A simulated wire in segments: [how to](../how-to/simulate_a_wire_in_segments.md). It has the keys of wire and "
+        "circuit, too, each by default that of wire or bench.",
+    ),
+    "`[[grains]]` of a wire in segments": (GrainsTable, ""),
+    "`[[barriers]]` of a wire in segments": (BarrierTable, ""),
+    "`[ageing]` of a wire in segments": (AgeingTable, ""),
+    "`[conditions]` of a wire in segments": (ConditionsTable, ""),
+    "`[instruments]` of a wire in segments": (InstrumentsTable, ""),
+}
 FAULTS_HEAD = """## `[[fault]]` of a simulated rig
 
 What may go wrong, at a time, to see what the protection and your script do:
@@ -58,7 +78,7 @@ What may go wrong, at a time, to see what the protection and your script do:
 
 def page() -> str:
     """Return the whole page."""
-    sections = [f"## {title}\n\n{keys_section(*content)}" for title, content in SECTIONS.items()]
+    sections = [f"## {title}\n\n{keys_section(*content)}" for title, content in {**SECTIONS, **SEGMENTED}.items()]
     return "\n".join([HEAD, *sections, FAULTS_HEAD + "\n".join(fault_rows()) + "\n"])
 
 
@@ -103,9 +123,9 @@ def unit_of_note(note: Any) -> str:
 def default_of(field: FieldInfo) -> str:
     """Return a key's default as a rig file would have it."""
     value: Any = field.default
-    if value is PydanticUndefined:
+    if field.is_required():
         return "needed"
-    if value is None or isinstance(value, BaseModel):
+    if value is None or value is PydanticUndefined or isinstance(value, BaseModel):
         return "none"
     return {True: "true", False: "false"}[value] if isinstance(value, bool) else f"{value}"
 

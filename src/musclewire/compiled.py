@@ -27,6 +27,9 @@ ROOMS_WITH_KERNELS = ("physics", "wire", "simulate", "controllers", "sensing", "
 # Of a room of which few files hold kernels only these count, so that an edit of the others costs no compilation.
 FILES_WITH_KERNELS = (
     "rigs/simulated.py",
+    "rigs/segmented/kernel.py",
+    "rigs/segmented/solution.py",
+    "rigs/segmented/state.py",
     "interfaces/control_systems/heating.py",
     "interfaces/environments/kernels.py",
     "interfaces/environments/random_numbers.py",

@@ -22,6 +22,7 @@ from musclewire.rigs.abilities import stage_of
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.protocol import Rig
+from musclewire.rigs.segmented.configuration import SegmentedConfiguration
 from musclewire.signals.exchange import REFERENCE_COLUMNS, RawSample
 
 
@@ -40,6 +41,7 @@ RIGS: dict[str, Callable[[], Rig]] = {
     "antagonist": pulling({"part": "antagonist", "voltage": "0.3 V"}),
     "parallel wire": pulling(PRETENSIONER, {"part": "parallel wire"}),
     "two fingers": lambda: open_rig("gripper"),
+    "segmented": lambda: open_rig(SegmentedConfiguration()),
     **NIDAQ_RIGS,
     **SERIAL_RIGS,
 }
@@ -49,6 +51,7 @@ SHORT_OHM = (7.5, 10.2)
 COLD_OHM = {
     "simulated": (12.0, 20.0),
     "simulated, 125 um": (8.9, 12.1),
+    "segmented": (12.0, 20.0),
     "parallel wire": (0.5 * SHORT_OHM[0], 0.5 * SHORT_OHM[1]),
     "two fingers": (2.0 * SHORT_OHM[0], 2.0 * SHORT_OHM[1]),
     **NIDAQ_COLD_OHM,

@@ -6,6 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters.seeds import require_seed
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 from musclewire.rigs.guarded import GuardedRig
@@ -98,7 +99,8 @@ def open_rig(
     bench
         Name of another bench than the simulated rig's own.
     seed
-        Seed of a simulated rig's noise; by default that of its file, 1 if it names none.
+        Seed of the noise of a simulated rig, or of another kind whose files have the key ``seed``; by default that of
+        its file, 1 if it names none.
     real_time
         Whether the computer's clock paces a simulated rig, which otherwise runs as fast as it can. Hardware has a clock
         of its own, and a replay none.
@@ -129,6 +131,9 @@ def open_rig(
         from musclewire.rigs.simulated_opening import open_simulated
 
         return GuardedRig(open_simulated(configuration, where, wire, bench, seed, real_time, settings))
+    if seed is not None and "seed" in type(configuration).model_fields:
+        drawn_from = require_seed(seed, f"{where}: seed")
+        configuration, seed = configuration.model_copy(update={"seed": drawn_from}), None
     changed = {"wire": wire, "bench": bench, "seed": seed, **settings}
     for name, value in changed.items():
         if value is not None:

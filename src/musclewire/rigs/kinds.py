@@ -107,6 +107,7 @@ DEVICES: Registry[DeviceKind[Any]] = Registry(
     "musclewire.devices",
     {
         "simulated": "musclewire.rigs.simulated_opening:SIMULATED",
+        "segmented": "musclewire.rigs.segmented.configuration:SEGMENTED",
         "replay": "musclewire.rigs.replay:REPLAY",
         "nidaq": "musclewire.rigs.nidaq.device:NIDAQ",
         "serial": "musclewire.rigs.serial.device:SERIAL",
