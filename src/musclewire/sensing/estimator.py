@@ -180,7 +180,10 @@ EstimatorFactory = Callable[[EstimatorSetup], Estimator]
 ESTIMATORS: Registry[EstimatorFactory] = Registry(
     "estimator",
     "musclewire.estimators",
-    {"polynomial": "musclewire.sensing.polynomial_estimator:polynomial_estimator"},
+    {
+        "polynomial": "musclewire.sensing.polynomial_estimator:polynomial_estimator",
+        "gated": "musclewire.sensing.gated_estimator:gated_estimator",
+    },
 )
 
 

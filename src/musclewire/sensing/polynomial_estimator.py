@@ -27,10 +27,12 @@ from musclewire.signals.exchange import EstimatorStep, QuantityEstimate, Reason,
 
 __all__ = [
     "AMBIGUOUS_ABOVE",
+    "MISMATCH_FRACTION",
     "PolynomialEstimator",
     "PolynomialState",
     "SegmentState",
     "SegmentTracker",
+    "mismatch_failure",
     "polynomial_estimator",
 ]
 
@@ -251,7 +253,7 @@ class PolynomialEstimator:
         # The usual case first; without a function, which a loop at 1 kHz would call in every sample.
         sensing = in_range and segment is not None and segment.sensing
         reason = OK if sensing else self._reason(own, in_range)
-        failure = self._mismatch_failure(resistance_ohm, sample) if mismatches >= MAX_DROPOUTS else ""
+        failure = mismatch_failure(self.curve, resistance_ohm, sample) if mismatches >= MAX_DROPOUTS else ""
         return EstimatorStep(
             QuantityEstimate(value, std, reason is OK, reason, failure),
             PolynomialState(value, 0, mismatches, segment, spring_force_n, friction_n),
@@ -356,13 +358,14 @@ class PolynomialEstimator:
             return self._tracker.start(resistance_ohm, power_w)
         return self._tracker.step(segment, resistance_ohm, power_w)
 
-    def _mismatch_failure(self, resistance_ohm: float, sample: WireSample) -> str:
-        """Return why a run must end: the wire would read as cold and be overheated."""
-        low, high = self.curve.resistance_min_ohm, self.curve.resistance_max_ohm
-        return (
-            f"resistance {resistance_ohm:.3f} ohm at {sample.time_s:.2f} s is not this model's wire ({low:.3f} to "
-            f"{high:.3f} ohm): check wire and wiring, or recalibrate; the rig is at its sense voltage"
-        )
+
+def mismatch_failure(curve: ResistanceCurve, resistance_ohm: float, sample: WireSample) -> str:
+    """Return why a run must end: the wire would read as cold and be overheated."""
+    low, high = curve.resistance_min_ohm, curve.resistance_max_ohm
+    return (
+        f"resistance {resistance_ohm:.3f} ohm at {sample.time_s:.2f} s is not this model's wire ({low:.3f} to "
+        f"{high:.3f} ohm): check wire and wiring, or recalibrate; the rig is at its sense voltage"
+    )
 
 
 def polynomial_estimator(setup: EstimatorSetup) -> PolynomialEstimator:

@@ -1,0 +1,103 @@
+"""Direction-gated branches: which branch a power means, what a turn leaves alone, and when a wire counts as cold."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.sensing import EstimatorSetup, SensingModel
+from musclewire.sensing.gated_branches import NUMBERS
+from musclewire.sensing.gated_estimator import gated_estimator
+from musclewire.sensing.slow_corrections import estimates
+from musclewire.signals.exchange import QuantityEstimate, Reason, WireSample
+
+# 4 % at 13.5 ohm, nothing at 17.5 ohm; the heating branch 0.2 % strain above the cooling one.
+GAP = 0.002
+MODEL = SensingModel(13.5, 17.5, (0.04 + GAP / 2, -0.04), (0.04 - GAP / 2, -0.04), 0.05, 0.95)
+SPAN = MODEL.quantity_max - MODEL.quantity_min
+BEYOND = NUMBERS["beyond"] * SPAN
+
+
+def followed(readings: list[tuple[float, float]], period_s: float = 0.05) -> list[QuantityEstimate]:
+    """Return the estimates of resistances [ohm] at electrical powers [W]."""
+    samples = []
+    for tick, (ohm, power_w) in enumerate(readings):
+        current_a = float(np.sqrt(power_w / ohm))
+        samples.append(WireSample(period_s * tick, 2.0, current_a * ohm, current_a))
+    made = gated_estimator(EstimatorSetup(MODEL, 1.0, period_s))
+    return [estimate for estimate, _ in estimates(made, samples)]
+
+
+def ramp(start_ohm: float, stop_ohm: float, count: int, power_w: float) -> list[tuple[float, float]]:
+    return [(float(ohm), power_w) for ohm in np.linspace(start_ohm, stop_ohm, count)]
+
+
+HELD = [(16.5, 0.2)] * 5
+
+
+def test_a_wire_that_heats_is_on_the_heating_branch_and_one_that_cools_on_the_cooling_branch() -> None:
+    heated = followed(HELD + ramp(16.5, 14.5, 60, 0.5))
+    assert heated[-1].value == pytest.approx(MODEL.strain_heating(14.5), abs=1e-4)
+    cooled = followed([(14.5, 0.5)] * 5 + ramp(14.5, 16.0, 60, 0.1))
+    assert cooled[-1].value == pytest.approx(MODEL.strain_cooling(16.0), abs=1e-4)
+
+
+def test_after_a_turn_strain_stands_still_while_resistance_follows_the_temperature() -> None:
+    # Cooling from the heating branch: resistance falls with the temperature, then comes back on the cooling branch.
+    turn = ramp(14.5, 14.45, 10, 0.1) + ramp(14.45, 14.5, 10, 0.1)
+    found = followed(HELD + ramp(16.5, 14.5, 60, 0.5) + turn)
+    at_turn = found[64].value
+    assert max(abs(one.value - at_turn) for one in found[65:75]) < 0.5 * GAP
+    assert MODEL.strain_heating(14.45) - at_turn > 0.4e-3  # what the heating branch would have added
+
+
+@given(st.lists(st.tuples(st.floats(13.6, 17.4), st.floats(0.01, 1.0)), min_size=2, max_size=60))
+def test_the_value_never_leaves_the_branches_of_the_range(readings: list[tuple[float, float]]) -> None:
+    for one in followed(readings):
+        assert MODEL.quantity_min - GAP / 2 - 1.01 * BEYOND <= one.value
+        assert one.value <= MODEL.quantity_max + GAP / 2 + 1.01 * BEYOND
+        assert 0.0 < one.std <= SPAN
+
+
+def test_the_same_course_gives_the_same_strain_at_any_sample_period() -> None:
+    ends = []
+    for period_s in (0.002, 0.01, 0.05):
+        count = round(3.0 / period_s)
+        course = [(16.5, 0.2)] * round(0.5 / period_s) + ramp(16.5, 14.5, count, 0.5) + ramp(14.5, 15.5, count, 0.1)
+        ends.append([followed(course, period_s)[place].value for place in (-1 - count, -1)])
+    assert np.ptp(np.array(ends), axis=0) == pytest.approx([0.0, 0.0], abs=0.02 * SPAN)
+
+
+def test_equal_branches_give_the_polynomial() -> None:
+    model = SensingModel(13.5, 17.5, (0.04, -0.04), (0.04, -0.04), 0.05, 0.95)
+    made = gated_estimator(EstimatorSetup(model, 1.0, 0.05))
+    samples = [WireSample(0.05 * k, 2.0, 0.2 * ohm, 0.2) for k, ohm in enumerate(np.linspace(16.0, 14.0, 80))]
+    last = [estimate for estimate, _ in estimates(made, samples)][-1]
+    assert last.value == pytest.approx(model.strain(14.0), abs=2.0 * BEYOND)
+
+
+def test_one_reading_of_another_wire_leaves_the_estimate_as_it_is() -> None:
+    found = followed(HELD + ramp(16.5, 15.0, 40, 0.5) + [(30.0, 0.5), (15.0, 0.5)])
+    assert found[-2].reason is Reason.MISMATCH
+    assert found[-2].value == found[-3].value
+    assert found[-1].value == pytest.approx(found[-3].value, abs=0.01 * SPAN)
+
+
+def test_a_wire_that_has_cooled_to_the_cold_end_is_cold_until_heating_lowers_its_resistance() -> None:
+    course = HELD + ramp(16.5, 15.0, 40, 0.5) + ramp(15.0, 17.4, 40, 0.1) + ramp(17.4, 16.9, 40, 0.1)
+    found = followed(course + ramp(16.9, 17.25, 20, 0.5) + ramp(17.25, 16.0, 20, 0.5))
+    assert found[60].reason is Reason.OK
+    assert {one.reason for one in found[90:125]} == {Reason.COLD}
+    assert {one.reason for one in found[126:144]} == {Reason.COLD}  # from A to B resistance rises
+    assert found[-1].reason is Reason.OK
+
+
+def test_noise_widens_the_interval() -> None:
+    random = np.random.default_rng(3)
+    stds = []
+    for noise_ohm in (0.001, 0.1):
+        readings = [(15.5 + noise_ohm * float(random.standard_normal()), 0.3) for _ in range(200)]
+        stds.append(followed(readings)[-1].std)
+    assert stds[1] > stds[0]
