@@ -38,7 +38,7 @@ NUMBERS = {
     # Motion: resistance moves if it differs from its value a time constant ago by more than noise and a least change.
     "lagging_s": 0.2,
     "motion_deviations": 1.5,
-    "motion_least": 3.6e-5,
+    "min_motion_variance": 3.6e-5,
     # Approach of the branch without motion, and back to it from beyond.
     "approach_s": 3.0,
     "return_s": 1.0,
@@ -120,7 +120,17 @@ class TimeStep(NamedTuple):
 
 
 def time_step(dt_s: float) -> TimeStep:
-    """Return a time between two samples [s] with its gains."""
+    """Return a time between two samples with its gains.
+
+    Parameters
+    ----------
+    dt_s
+        The time [s].
+
+    Returns
+    -------
+    The time and its gains.
+    """
     times_s = (NUMBERS[f"{name}_s"] for name in ("mean_power", "lagging", "approach", "return"))
     return TimeStep(dt_s, *(dt_s / (dt_s + time_s) for time_s in times_s))
 
@@ -141,7 +151,7 @@ class GatedBranches:
         self._both = curve.falling_coefficients
         span = curve.quantity_max - curve.quantity_min
         self._beyond = NUMBERS["beyond"] * span
-        self._least_variance = curve.tick_constants()["residual_variance"] + NUMBERS["range_variance"] * span * span
+        self._min_variance = curve.tick_constants()["residual_variance"] + NUMBERS["range_variance"] * span * span
         noise = curve.resistance_noise_ohm * self._per_ohm
         self._first_variance = noise * noise
 
@@ -149,15 +159,15 @@ class GatedBranches:
         """Return the numbers that ``step`` reads, by their names in ``gated_tick.CONSTANTS``."""
         names = ("turning_fraction", "still_per_s", "driven_per_s", "surprise_per_s", "noise_s", "motion_deviations")
         return {
-            **{name: NUMBERS[name] for name in (*names, "motion_least", "gap_fraction")},
+            **{name: NUMBERS[name] for name in (*names, "min_motion_variance", "gap_fraction")},
             **step._asdict(),
             "beyond": self._beyond,
-            "least_variance": self._least_variance,
+            "min_variance": self._min_variance,
             "first_variance": self._first_variance,
-            "least_noise": MIN_NOISE,
-            "largest_power_w": MAX_POWER_W,
-            "largest_ratio": MAX_POWER_RATIO,
-            "largest_noise_v2": MAX_NOISE_V2,
+            "min_noise": MIN_NOISE,
+            "max_power_w": MAX_POWER_W,
+            "max_ratio": MAX_POWER_RATIO,
+            "max_noise_v2": MAX_NOISE_V2,
             "ambiguous_above": AMBIGUOUS_ABOVE,
             "resistance_min_ohm": self._minimum_ohm,
             "per_ohm": self._per_ohm,
@@ -186,7 +196,7 @@ class GatedBranches:
         power_w = min(power_w, MAX_POWER_W)
         value, half = (heating + cooling) / 2.0, (heating - cooling) / 2.0
         away = slope / 2.0 * (read - inside)
-        variance = half * half + away * away + self._least_variance
+        variance = half * half + away * away + self._min_variance
         state = BranchState(
             value,
             read,
@@ -244,9 +254,9 @@ class GatedBranches:
         variance += after.dt_s * (
             NUMBERS["still_per_s"] + NUMBERS["driven_per_s"] * ratio * ratio + NUMBERS["surprise_per_s"] * surprise
         )
-        share = variance / (variance + noise)
-        resistance += share * away
-        variance -= share * variance
+        weight = variance / (variance + noise)
+        resistance += weight * away
+        variance -= weight * variance
         lagging += (resistance - lagging) * after.lagging_gain
         noise_v2, learnt_s = self._noise_after(
             noise_v2, learnt_s, (read - before) - (before - before_last), per_volt, after.dt_s
@@ -256,7 +266,7 @@ class GatedBranches:
         if turned:  # motion counts from the turn
             heating, lagging = 1.0 - heating, resistance
         moved = resistance - lagging
-        if not moved * moved > NUMBERS["motion_deviations"] * variance + NUMBERS["motion_least"]:
+        if not moved * moved > NUMBERS["motion_deviations"] * variance + NUMBERS["min_motion_variance"]:
             moved = 0.0
         sensing = self._sensing_after(sensing, resistance, variance, heating, moved)
         inside = min(max(resistance, self._low), self._high)
@@ -265,7 +275,7 @@ class GatedBranches:
         gap = NUMBERS["gap_fraction"] * (hot - cold)
         slope = slope / 2.0
         off = slope * (resistance - inside)
-        spread = gap * gap + slope * slope * variance + off * off + self._least_variance
+        spread = gap * gap + slope * slope * variance + off * off + self._min_variance
         now = BranchState(
             value, resistance, lagging, variance, read, before, noise_v2, learnt_s, mean_w, heating, sensing
         )

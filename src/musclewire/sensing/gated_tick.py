@@ -21,9 +21,9 @@ CONSTANTS = np.dtype(
         (name, np.float64)
         for name in (
             "dt_s", "mean_power_gain", "lagging_gain", "approach_gain", "return_gain", "turning_fraction",
-            "still_per_s", "driven_per_s", "surprise_per_s", "noise_s", "motion_deviations", "motion_least",
-            "gap_fraction", "beyond", "least_variance", "first_variance", "least_noise", "largest_power_w",
-            "largest_ratio", "largest_noise_v2", "ambiguous_above", "resistance_min_ohm", "per_ohm", "normalised_min",
+            "still_per_s", "driven_per_s", "surprise_per_s", "noise_s", "motion_deviations", "min_motion_variance",
+            "gap_fraction", "beyond", "min_variance", "first_variance", "min_noise", "max_power_w",
+            "max_ratio", "max_noise_v2", "ambiguous_above", "resistance_min_ohm", "per_ohm", "normalised_min",
             "normalised_max", "normalised_margin",
         )
     ]
@@ -82,15 +82,15 @@ def follow(
 ) -> tuple[float, bool]:
     """Follow the branches by one sample; return variance, and whether the reading is on the curve."""
     read = (resistance_ohm - of["resistance_min_ohm"]) * of["per_ohm"]
-    power_w = min(power_w, of["largest_power_w"])
+    power_w = min(power_w, of["max_power_w"])
     if now["followed"] == 0.0:
         now["followed"] = 1.0
         return begin(of, now, both, read, power_w)
     per_volt = resistance_ohm * of["per_ohm"] / shunt_voltage_v
-    noise = now["noise_v2"] * per_volt * per_volt + of["least_noise"]
+    noise = now["noise_v2"] * per_volt * per_volt + of["min_noise"]
     on_curve = is_on_curve(of, read, noise)
     now["mean_power_w"] += (power_w - now["mean_power_w"]) * of["mean_power_gain"]
-    ratio = min(power_w / now["mean_power_w"] - 1.0, of["largest_ratio"])
+    ratio = min(power_w / now["mean_power_w"] - 1.0, of["max_ratio"])
     filtered(of, now, read, noise, ratio)
     learn_noise(of, now, read, per_volt)
     turning = of["turning_fraction"]
@@ -99,14 +99,14 @@ def follow(
     inside = min(max(now["resistance"], of["normalised_min"]), of["normalised_max"])
     hot, cold, slope = branches(both, inside)
     moved = now["resistance"] - now["lagging"]
-    if not moved * moved > of["motion_deviations"] * now["variance"] + of["motion_least"]:
+    if not moved * moved > of["motion_deviations"] * now["variance"] + of["min_motion_variance"]:
         moved = 0.0
     locate(of, now, moved)
     move(of, now, hot, cold, moved)
     gap = of["gap_fraction"] * (hot - cold)
     slope = slope / 2.0
     off = slope * (now["resistance"] - inside)
-    return gap * gap + slope * slope * now["variance"] + off * off + of["least_variance"], on_curve
+    return gap * gap + slope * slope * now["variance"] + off * off + of["min_variance"], on_curve
 
 
 @compiled
@@ -122,7 +122,7 @@ def begin(of: Row, now: Row, both: FloatArray, read: float, power_w: float) -> t
     half, away = (hot - cold) / 2.0, slope / 2.0 * (read - inside)
     margin = of["normalised_margin"]
     on_curve = of["normalised_min"] - margin <= read <= of["normalised_max"] + margin
-    return half * half + away * away + of["least_variance"], on_curve
+    return half * half + away * away + of["min_variance"], on_curve
 
 
 @compiled
@@ -151,9 +151,9 @@ def filtered(of: Row, now: Row, read: float, noise: float, ratio: float) -> None
     variance = now["variance"]
     surprise = max(away * away - noise - variance, 0.0)
     variance += of["dt_s"] * (of["still_per_s"] + of["driven_per_s"] * ratio * ratio + of["surprise_per_s"] * surprise)
-    share = variance / (variance + noise)
-    now["resistance"] += share * away
-    variance -= share * variance
+    weight = variance / (variance + noise)
+    now["resistance"] += weight * away
+    variance -= weight * variance
     now["variance"] = variance
     now["lagging"] += (now["resistance"] - now["lagging"]) * of["lagging_gain"]
 
@@ -169,7 +169,7 @@ def learn_noise(of: Row, now: Row, read: float, per_volt: float) -> None:
         return
     now["learnt_s"] = min(now["learnt_s"] + of["dt_s"], of["noise_s"])
     bend_v = bend / per_volt
-    now["noise_v2"] += (min(bend_v * bend_v / 6.0, of["largest_noise_v2"]) - now["noise_v2"]) * (
+    now["noise_v2"] += (min(bend_v * bend_v / 6.0, of["max_noise_v2"]) - now["noise_v2"]) * (
         of["dt_s"] / now["learnt_s"]
     )
 
