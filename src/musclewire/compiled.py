@@ -32,7 +32,7 @@ FILES_WITH_KERNELS = (
     "rigs/segmented/state.py",
     "interfaces/control_systems/heating.py",
     "interfaces/environments/kernels.py",
-    "interfaces/environments/random_numbers.py",
+    "random_numbers.py",
     "speed/compiled_wires.py",
     "speed/machine.py",
 )

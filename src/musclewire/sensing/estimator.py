@@ -20,6 +20,7 @@ from musclewire.sensing.fit_report import FittedCurve
 from musclewire.sensing.known_load import KnownSpring
 from musclewire.signals.compiled_tick import CompiledTick
 from musclewire.signals.exchange import EstimatorStep, RawSample, WireSample
+from musclewire.wire.constants import WireConstants
 
 __all__ = [
     "ESTIMATORS",
@@ -167,12 +168,15 @@ class EstimatorSetup:
         Time [s] between two samples.
     load
         The spring that the wire pulls, if force is estimated from a model of strain; its friction belongs to the force.
+    wire
+        Constants of the user's wire file on the load of the rig, for an estimator on physics; None without a file.
     """
 
     model: FittedCurve
     shunt_resistance_ohm: float
     sample_period_s: float
     load: KnownSpring | None = None
+    wire: WireConstants | None = None
 
 
 EstimatorFactory = Callable[[EstimatorSetup], Estimator]
@@ -183,6 +187,7 @@ ESTIMATORS: Registry[EstimatorFactory] = Registry(
     {
         "polynomial": "musclewire.sensing.polynomial_estimator:polynomial_estimator",
         "gated": "musclewire.sensing.gated_estimator:gated_estimator",
+        "particle-filter": "musclewire.sensing.particles.estimator:particle_filter",
     },
 )
 

@@ -194,6 +194,8 @@ class Reason(IntEnum):
     """The wire is still on its way from A to B, where resistance does not determine the quantity."""
     NOT_READY = 5
     """The estimator has not seen enough samples yet."""
+    UNEXPLAINED = 6
+    """No hypothesis of load and air explains the resistance: the wire is not the one that was calibrated."""
 
 
 class QuantityEstimate(NamedTuple):

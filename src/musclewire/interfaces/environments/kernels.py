@@ -17,7 +17,7 @@ from musclewire.compiled import compiled
 from musclewire.controllers.protection import sound
 from musclewire.controllers.protection.sound import sound_reading
 from musclewire.interfaces.environments.episodes import MAX_RESISTANCE_FACTOR, PERCENT
-from musclewire.interfaces.environments.random_numbers import normal_pair, philox, uniform
+from musclewire.random_numbers import normal_pair, philox, uniform
 
 __all__ = [
     "FACTS",

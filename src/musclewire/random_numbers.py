@@ -28,7 +28,20 @@ def philox(
 ) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:
     """Return the four 32-bit words of Philox4x32-10 for a counter of four words and a key of 64 bits.
 
-    Source: Salmon, Moraes, Dror and Shaw 2011, doi 10.1145/2063384.2063405.
+    Parameters
+    ----------
+    counter_0, counter_1, counter_2, counter_3
+        The counter; of each the lower 32 bits count.
+    key
+        The seed.
+
+    Returns
+    -------
+    Four words.
+
+    References
+    ----------
+    Salmon, Moraes, Dror and Shaw 2011, doi 10.1145/2063384.2063405.
     """
     c0, c1 = np.uint64(counter_0) & LOW_WORD, np.uint64(counter_1) & LOW_WORD
     c2, c3 = np.uint64(counter_2) & LOW_WORD, np.uint64(counter_3) & LOW_WORD
@@ -43,7 +56,17 @@ def philox(
 
 @compiled
 def uniform(word: np.uint64) -> float:
-    """Return a 32-bit word as a number between 0 and 1, without both ends."""
+    """Return a 32-bit word as a number between 0 and 1, without both ends.
+
+    Parameters
+    ----------
+    word
+        The word.
+
+    Returns
+    -------
+    The number.
+    """
     return float(word) * PER_WORD + HALF_WORD
 
 
@@ -51,7 +74,18 @@ def uniform(word: np.uint64) -> float:
 def normal_pair(first: np.uint64, second: np.uint64) -> tuple[float, float]:
     """Return two independent normal numbers of variance 1 from two words.
 
-    Source: Box and Muller 1958, doi 10.1214/aoms/1177706645.
+    Parameters
+    ----------
+    first, second
+        The words.
+
+    Returns
+    -------
+    Both numbers.
+
+    References
+    ----------
+    Box and Muller 1958, doi 10.1214/aoms/1177706645.
     """
     radius = math.sqrt(-2.0 * math.log(uniform(first)))
     angle = 2.0 * math.pi * uniform(second)

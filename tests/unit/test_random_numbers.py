@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from musclewire.interfaces.environments.random_numbers import normal_pair, philox, uniform
+from musclewire.random_numbers import normal_pair, philox, uniform
 
 ONES = 0xFFFFFFFF
 # Counter, key and result, from the file of known answers that its authors publish with Random123.

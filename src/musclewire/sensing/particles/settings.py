@@ -1,0 +1,102 @@
+"""What a particle filter takes for possible: what may change, how far, how often, and how well its wire fits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError
+
+__all__ = ["UNKNOWNS", "ParticleSettings"]
+
+# What may differ from the wire file, in the order of every array of unknowns. Convection, stiffness and resistance are
+# logarithms of a factor, ambient and transformation temperature differences [K], load a force over the pretension.
+UNKNOWNS = ("convection", "ambient", "load", "stiffness", "resistance", "transformation")
+
+
+@dataclass(frozen=True)
+class ParticleSettings:
+    """Numbers of a particle filter; one set holds for every wire (tuned on seeds 1 to 12 of ``musclewire robustness``).
+
+    Each hypothesis says which unknowns have changed. One that has not changed keeps within ``spread_at_rest``, what
+    a calibration leaves open; one that has is drawn from ``spread_changed``, and explains the resistance only if
+    nothing simpler does: most hypotheses change one unknown at a time.
+
+    Parameters
+    ----------
+    hypotheses
+        Number of hypotheses; fewer lose a change of load more often, more cost time.
+    spread_changed
+        Standard deviation of each unknown that has changed, in the order of ``UNKNOWNS``; 0 if it never does.
+    spread_at_rest
+        Standard deviation of each unknown that has not.
+    chance
+        How often a new hypothesis is of each unknown; they add up to 1.
+    resistance_error
+        How well the calibrated wire reproduces its resistance, as a fraction.
+    error_time_s
+        Time [s] for which that error stays alike: samples within it count as one.
+    renewed
+        Fraction of the hypotheses that are drawn again at each resampling.
+    renewed_when_lost
+        The same while no hypothesis explains the resistance.
+    lost_misfit
+        Misfit of the resistance, over what wire and noise explain, from which they are lost.
+    wandering
+        Standard deviation of what a changed unknown wanders by at a resampling, over ``spread_changed``.
+    restarts
+        Number of hypotheses per sample that start from an older snapshot and are run through what was measured since.
+    restart_time_s
+        Age [s] at which a snapshot begins to be used; it is used until twice that age.
+    snapshot
+        Number of wires in a snapshot.
+    structural_strain
+        Standard deviation of the calibrated wire's strain at its own resistance, over the model's range.
+    seed
+        Seed of the random numbers.
+
+    Raises
+    ------
+    CallerError
+        For numbers that leave nothing to weigh.
+    """
+
+    hypotheses: int = 400
+    spread_changed: tuple[float, ...] = (0.7, 10.0, 0.35, 0.5, 0.0, 0.0)
+    spread_at_rest: tuple[float, ...] = (0.05, 1.5, 0.03, 0.05, 0.0, 0.0)
+    chance: tuple[float, ...] = (0.25, 0.25, 0.3, 0.2, 0.0, 0.0)
+    resistance_error: float = 0.0022
+    error_time_s: float = 0.3
+    renewed: float = 0.1
+    renewed_when_lost: float = 0.3
+    lost_misfit: float = 1.0
+    wandering: float = 0.05
+    restarts: int = 4
+    restart_time_s: float = 5.0
+    snapshot: int = 50
+    structural_strain: float = 0.003
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        rows = (self.spread_changed, self.spread_at_rest, self.chance)
+        if any(len(row) != len(UNKNOWNS) or min(row) < 0.0 for row in rows):
+            raise CallerError(f"a particle filter needs {len(UNKNOWNS)} numbers of 0 or more for {', '.join(UNKNOWNS)}")
+        if abs(sum(self.chance) - 1.0) > 1e-9:
+            raise CallerError(f"the chances of the unknowns add up to {sum(self.chance):g}, not to 1")
+        positive = (
+            self.hypotheses - 9,
+            self.snapshot,
+            self.restart_time_s,
+            self.resistance_error,
+            self.error_time_s,
+            self.structural_strain,
+        )
+        if not min(positive) > 0.0:
+            raise CallerError("a particle filter needs 10 hypotheses or more, and errors and times above 0")
+
+    def tables(self) -> FloatArray:
+        """Return the three rows of the unknowns as one table, (3, n_unknowns)."""
+        return np.array([self.spread_changed, self.spread_at_rest, self.chance])

@@ -1,0 +1,114 @@
+"""The particle filter: what has changed is found and told apart, on a wire that is the one of its file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from musclewire.errors import CallerError
+from musclewire.parameters.library import load_alloy, load_bench, load_wire
+from musclewire.sensing import SensingModel
+from musclewire.sensing.estimator import EstimatorSetup
+from musclewire.sensing.particles.estimator import PARTICLE_COLUMNS, particle_filter
+from musclewire.sensing.particles.settings import ParticleSettings
+from musclewire.signals.exchange import Reason, WireSample
+from musclewire.simulate.wires import CHOSEN, OneWire
+from musclewire.wire.building import constants_from
+
+PERIOD_S = 0.05
+WIRE = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
+MODEL = SensingModel(13.6, 17.6, (0.04, -0.04), (0.039, -0.039), 0.02, 0.98, resistance_noise_ohm=0.003)
+CHANGE_S = 15.0
+STROKE = 0.038
+
+
+def drive_at(time_s: float) -> float:
+    """A drive that goes on moving the wire: a warm-up, then steps up and down."""
+    if time_s < 8.0:
+        return 0.3 + 1.4 * (1.0 - np.cos(2.0 * np.pi * time_s / 8.0))
+    return (2.0, 2.7, 2.2, 1.6, 2.4)[int(time_s / 2.5) % 5]
+
+
+def followed(duration_s: float = 45.0, settings: ParticleSettings | None = None, **changed: float) -> dict[str, Any]:
+    """Estimates and true contraction of a wire whose numbers change to these after a while."""
+    wire = OneWire(WIRE)
+    estimator = particle_filter(EstimatorSetup(MODEL, 1.0, PERIOD_S, wire=WIRE), settings)
+    state, rows = estimator.start(), []
+    random = np.random.default_rng(5)
+    for tick in range(round(duration_s / PERIOD_S)):
+        time_s = PERIOD_S * tick
+        if time_s >= CHANGE_S:
+            for name, value in changed.items():
+                wire._derived[name] = value
+        drive_v = drive_at(time_s)
+        means = wire.advance(drive_v, PERIOD_S, CHOSEN)
+        noise_v = 3.5e-5 * random.standard_normal(2)
+        sample = WireSample(time_s, drive_v, means.wire_voltage_v + noise_v[0], means.shunt_voltage_v + noise_v[1])
+        estimate, state, recorded = estimator.step(state, sample)
+        true = wire.state.connector_contraction
+        rows.append((true, estimate.value, estimate.std, float(estimate.reason), *recorded))
+    columns = ("true", "value", "std", "reason", *PARTICLE_COLUMNS)
+    return dict(zip(columns, np.array(rows).T, strict=True))
+
+
+def error_pct(found: dict[str, Any], from_s: float) -> float:
+    """RMS error in percent of the stroke, between 5 and 95 % of it, where strain is sensed."""
+    late = np.arange(found["true"].size) >= round(from_s / PERIOD_S)
+    usable = late & (found["true"] > 0.05 * STROKE) & (found["true"] < 0.95 * STROKE)
+    return 100.0 * float(np.sqrt(np.mean((found["value"] - found["true"])[usable] ** 2))) / STROKE
+
+
+def test_nothing_changed_and_nothing_is_said_to_have_changed() -> None:
+    found = followed()
+    assert error_pct(found, 8.0) < 0.6
+    assert found["changed_load"][-200:].mean() < 0.5
+    assert found["changed_air"][-200:].mean() < 0.5
+    assert set(found["reason"][200:]) <= {float(Reason.OK), float(Reason.OUT_OF_RANGE)}
+    assert np.mean(found["reason"][200:] == Reason.OK) > 0.9
+
+
+def test_a_heavier_load_is_found_as_such() -> None:
+    found = followed(pretension_n=1.5 * 1.9)
+    assert found["load_change_n"][-100:].mean() == pytest.approx(0.95, abs=0.3)
+    assert found["changed_load"][-100:].mean() > 0.9
+    assert error_pct(found, CHANGE_S + 10.0) < 1.0
+
+
+def test_half_the_convection_is_found_as_such() -> None:
+    found = followed(surface_factor_m2=0.5 * float(WIRE.derived.surface_factor_m2))
+    assert found["convection_ratio"][-100:].mean() == pytest.approx(0.5, abs=0.08)
+    assert found["changed_air"][-100:].mean() > 0.9
+    # These drives hold the wire near its end for the first 20 s, where hot and hotter look alike.
+    assert error_pct(found, CHANGE_S + 22.0) < 0.8
+
+
+def test_the_interval_holds_most_of_the_time() -> None:
+    found = followed(pretension_n=1.5 * 1.9)
+    late = slice(round(25.0 / PERIOD_S), None)
+    assert np.mean(np.abs(found["value"] - found["true"])[late] < 1.96 * found["std"][late]) > 0.9
+
+
+def test_the_same_seed_gives_the_same_numbers_and_another_one_others() -> None:
+    once, again, other = (followed(9.0, ParticleSettings(seed=seed))["value"] for seed in (3, 3, 4))
+    assert once.tolist() == again.tolist()
+    assert once.tolist() != other.tolist()
+
+
+def test_without_a_wire_file_the_message_says_how_to_make_one() -> None:
+    with pytest.raises(CallerError, match="needs a wire file: musclewire calibrate makes one"):
+        particle_filter(EstimatorSetup(MODEL, 1.0, PERIOD_S))
+
+
+@pytest.mark.parametrize(
+    ("numbers", "message"),
+    [
+        ({"chance": (1.0, 1.0, 0.0, 0.0, 0.0, 0.0)}, "add up to 2, not to 1"),
+        ({"spread_changed": (1.0,)}, "needs 6 numbers of 0 or more for convection"),
+        ({"hypotheses": 5}, "10 hypotheses or more"),
+    ],
+)
+def test_settings_that_leave_nothing_to_weigh_are_refused(numbers: dict[str, Any], message: str) -> None:
+    with pytest.raises(CallerError, match=message):
+        ParticleSettings(**numbers)
