@@ -31,6 +31,8 @@ def pulling(*parts: dict[str, str]) -> Callable[[], Rig]:
     return lambda: open_rig(RigConfiguration(wire="finger-100um", bench="finger", load=list(parts)))
 
 
+# The maker's 126 ohm/m and 15 % more: a plant of a module next to its rig file.
+LIANG_ROGERS = Path(__file__).resolve().parents[2] / "examples" / "plants" / "liang_rogers.toml"
 PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
 RIGS: dict[str, Callable[[], Rig]] = {
     "simulated": lambda: open_rig("simulated"),
@@ -41,6 +43,7 @@ RIGS: dict[str, Callable[[], Rig]] = {
     "antagonist": pulling({"part": "antagonist", "voltage": "0.3 V"}),
     "parallel wire": pulling(PRETENSIONER, {"part": "parallel wire"}),
     "two fingers": lambda: open_rig("gripper"),
+    "another family": lambda: open_rig(LIANG_ROGERS),
     "segmented": lambda: open_rig(SegmentedConfiguration()),
     **NIDAQ_RIGS,
     **SERIAL_RIGS,
@@ -52,6 +55,7 @@ COLD_OHM = {
     "simulated": (12.0, 20.0),
     "simulated, 125 um": (8.9, 12.1),
     "segmented": (12.0, 20.0),
+    "another family": (17.6, 20.3),
     "parallel wire": (0.5 * SHORT_OHM[0], 0.5 * SHORT_OHM[1]),
     "two fingers": (2.0 * SHORT_OHM[0], 2.0 * SHORT_OHM[1]),
     **NIDAQ_COLD_OHM,

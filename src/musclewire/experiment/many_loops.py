@@ -238,7 +238,7 @@ def cases_of(rigs: Any, models: SensingModel | Sequence[SensingModel], seeds: tu
         raise CallerError(
             "an open rig cannot run many loops: give its name, file or configuration, each loop opens its own"
         )
-    known = {id(one): rig_configuration(one)[0] for one in each_rig}
+    known = {id(one): rig_configuration(one, may_import=True)[0] for one in each_rig}
     configurations = [known[id(one)] for one in each_rig] * (len(seeds) // len(each_rig))
     return list(map(Case, configurations, each_model * (len(seeds) // len(each_model)), seeds))
 

@@ -11,6 +11,7 @@ from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.kinds import DEVICES, DeviceConfiguration
+from musclewire.rigs.outside import imported_kind, is_outside, known_kind
 from musclewire.rigs.simulated_configuration import RigConfiguration
 
 __all__ = [
@@ -26,13 +27,18 @@ SIMULATED = "simulated"
 FOLDER = Path(str(files("musclewire.parameters"))) / "data" / "rigs"
 
 
-def read_rig_file(path: str | Path) -> DeviceConfiguration:
-    """Return a rig file, checked. Raises CallerError naming the file, the key and the nearest right key."""
+def read_rig_file(path: str | Path, *, may_import: bool = False) -> DeviceConfiguration:
+    """Return a rig file, checked. Raises CallerError naming the file, the key and the nearest right key.
+
+    Only with ``may_import`` is the module of a kind "python:module:Class" imported: for the file that the user named.
+    """
     file = Path(path)
     data = read_toml(file, "rig file", "; use the word 'simulated' for the simulated rig")
     kind = str(data.get("kind", SIMULATED))
     try:
-        known = DEVICES.find(kind)
+        if is_outside(kind) and not may_import:
+            raise CallerError(f"kind '{kind}' runs code of a module: only a rig that is opened by its path may do that")
+        known = imported_kind(kind, file.parent) if is_outside(kind) else DEVICES.find(kind)
     except CallerError as error:
         raise CallerError(f"rig file {file}: {error}") from None
     configuration: DeviceConfiguration = validated(known.configuration, data, f"rig file {file}")
@@ -56,11 +62,12 @@ def simulated_configuration(rig: str | Path | RigConfiguration) -> tuple[RigConf
 
 
 def rig_configuration(
-    rig: str | Path | DeviceConfiguration,
+    rig: str | Path | DeviceConfiguration, *, may_import: bool = False
 ) -> tuple[DeviceConfiguration, str]:
     """Return a rig's configuration and its name in messages, from a name, the path of a rig file, or a configuration.
 
-    Raises CallerError for an unknown name, a missing file and an invalid file.
+    ``may_import`` is that of ``read_rig_file``. Raises CallerError for an unknown name, a missing file and an invalid
+    file.
     """
     if isinstance(rig, DeviceConfiguration):
         return rig, "rig"
@@ -72,7 +79,7 @@ def rig_configuration(
         hint = nearest_hint(str(rig), rig_names())
         or_file = " Otherwise give" if hint.endswith("?") else ", or give"
         raise CallerError(f"there is no rig '{rig}'{hint}{or_file} the path of a TOML rig file")
-    return read_rig_file(rig), f"rig file {rig}"
+    return read_rig_file(rig, may_import=may_import), f"rig file {rig}"
 
 
 def open_rig(
@@ -93,7 +100,8 @@ def open_rig(
     rig
         ``"simulated"`` for the paper's bench, the name of another rig that ships with musclewire (``"finger"``,
         ``"gripper"``), the path of a TOML rig file, or a configuration. A rig file of another kind (``kind = "nidaq"``,
-        "serial", "replay", or one that a package has added) opens hardware or a recording.
+        "serial", "replay", or one that a package has added) opens hardware or a recording. A rig file of kind
+        "python:module:Class" runs a class of your own module, which is imported here: open none that you do not trust.
     wire
         Name or wire file (as ``musclewire calibrate`` writes it) of another wire than the simulated rig's own.
     bench
@@ -126,7 +134,7 @@ def open_rig(
     ...     rig.metadata()["pretension_n"]
     1.7
     """
-    configuration, where = rig_configuration(rig)
+    configuration, where = rig_configuration(rig, may_import=True)
     if isinstance(configuration, RigConfiguration):
         from musclewire.rigs.simulated_opening import open_simulated
 
@@ -138,7 +146,8 @@ def open_rig(
     for name, value in changed.items():
         if value is not None:
             raise CallerError(f"{where}: '{name}' changes a simulated rig; on a real one, change the rig file")
-    opened = GuardedRig(DEVICES.find(configuration.kind).open(configuration))
+    known = known_kind(configuration.kind) if is_outside(configuration.kind) else DEVICES.find(configuration.kind)
+    opened = GuardedRig(known.open(configuration))
     if real_time and not opened.paced:
         opened.close()
         raise CallerError(f"{where} has no clock: leave out --real-time (real_time)")
