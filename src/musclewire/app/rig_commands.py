@@ -74,8 +74,10 @@ def demo(
         result = run_demo(output, seed=seed, progress=lambda task, total_s: progress_bar(task, total_s, quiet=json))
     write_report(result, report, time.perf_counter() - started)
     wall_s = time.perf_counter() - started
+    numbers = demo_json(result)
+    warn(numbers["warnings"])
     if json:
-        emit_json({**demo_json(result), "seed": seed, "wall_s": wall_s, "report": str(report)})
+        emit_json({**numbers, "seed": seed, "wall_s": wall_s, "report": str(report)})
         return
     model = result.model
     show(f"strain gap {100 * result.gaps.strain_gap:.3f} %, R {model.resistance_min_ohm:.3f} to "
@@ -86,6 +88,8 @@ def demo(
 
 def demo_json(result: DemoResult) -> dict[str, Any]:
     """Return a demo's results under the keys of the interface."""
+    from musclewire.experiment.run_warnings import run_warnings
+
     return {
         "strain_gap_pct": 100 * result.gaps.strain_gap,
         "resistance_min_ohm": result.model.resistance_min_ohm,
@@ -93,7 +97,7 @@ def demo_json(result: DemoResult) -> dict[str, Any]:
         **metrics_json(result.run.metrics),
         "best_pretension_n": result.sweep.best.pretension_n,
         "time_step_s": result.run.metadata["time_step_s"],
-        "warnings": list(result.model.warnings),
+        "warnings": list(dict.fromkeys((*result.model.warnings, *result.sweep.warnings, *run_warnings(result.run)))),
     }
 
 
@@ -236,6 +240,7 @@ def sweep_json(sweep: PretensionSweep) -> dict[str, Any]:
     return {
         "rows": [{key: getattr(row, key) for key in (*SWEEP_KEYS, "no_force_gap")} for row in sweep.rows],
         "best_pretension_n": sweep.best.pretension_n,
+        "largest_pretension_n": sweep.largest_n,
         "failures": list(sweep.failures),
     }
 
@@ -248,7 +253,8 @@ def sweep_text(sweep: PretensionSweep, quantity: str) -> str:
         shown = (f"{name} gap {'-' if gap is None else format(gap, '6.3f')} %" for name, gap in gaps.items())
         lines.append(f"{row.pretension_n:6.2f} N   {'   '.join(shown)}")
     why = [f"no force gap: {reason}" for reason in dict.fromkeys(row.no_force_gap for row in sweep.rows) if reason]
-    return "\n".join([*lines, *why, f"best: {sweep.best.pretension_n:.2f} N"])
+    limit = "" if sweep.largest_n is None else f"; at most {sweep.largest_n:.2f} N by the vendor's stress"
+    return "\n".join([*lines, *why, f"best: {sweep.best.pretension_n:.2f} N{limit}"])
 
 
 def train(

@@ -133,25 +133,44 @@ def amperes(current_a: float) -> str:
 
 def wires_json() -> dict[str, Any]:
     """Return all wires that come with musclewire."""
-    from musclewire.parameters.library import load_wire, names
+    from musclewire.parameters.library import load_alloy, load_wire, names
+    from musclewire.parameters.validity import validity_of
 
     return {
         "wires": [
             {
                 "name": name,
                 "description": load_wire(name).description,
+                "alloy": load_wire(name).alloy,
                 "diameter_m": load_wire(name).diameter_m.value,
                 "resistance_per_metre_ohm_per_m": load_wire(name).resistance_per_metre_ohm_per_m.value,
             }
             for name in names("wire")
-        ]
+        ],
+        "alloys": {name: validity_of(load_alloy(name)).facts() for name in names("alloy")},
     }
 
 
 def wires_text() -> str:
-    """Return all wires as lines: name, what it is."""
-    rows = wires_json()["wires"]
-    return "\n".join(f"{row['name']:<18} {row['description']}" for row in rows)
+    """Return all wires as lines: name, what it is; then what the data of their alloys cover."""
+    document = wires_json()
+    lines = [f"{row['name']:<18} {row['description']}" for row in document["wires"]]
+    covered = [f"alloy {name}: {covered_words(limits)}" for name, limits in document["alloys"].items()]
+    return "\n".join([*lines, "", *covered])
+
+
+def covered_words(limits: dict[str, float]) -> str:
+    """Return in words what an alloy's data cover and what its vendor allows."""
+    if not limits:
+        return "its file does not state what its data cover"
+    low, high = (1e-6 * limits[f"covered_stress_{end}_pa"] for end in ("low", "high"))
+    hottest, annealing = (
+        limits[name] - ZERO_DEGC_K for name in ("covered_temperature_high_k", "annealing_temperature_k")
+    )
+    return (
+        f"data cover {low:.0f} to {high:.0f} MPa and temperatures to {hottest:.0f} C; the vendor's stress for many "
+        f"cycles is {1e-6 * limits['working_stress_pa']:.0f} MPa; above {annealing:.0f} C a wire may lose memory"
+    )
 
 
 def comparison_json(compared: Sequence[CatalogueComparison]) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.experiment.closed_loop import APPROACH_S, LoopChoice, PreparedLoop, control, name_of, prepared_loop
 from musclewire.experiment.endings import cause_of, software_version
+from musclewire.experiment.extrapolation import extrapolation_metadata
 from musclewire.experiment.loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import NO_CLOCK, what_protects
@@ -360,7 +361,8 @@ def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recor
         "compiled_loop": True,
         "ended": "done",
     }
-    return Recording({**columns, "time_s": loop.elapsed_s}, metadata)
+    recording = Recording({**columns, "time_s": loop.elapsed_s}, metadata)
+    return recording.with_metadata(extrapolation_metadata(recording))
 
 
 def outcome_in_python(

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import floor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
 from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.experiment.extrapolation import extrapolation_warnings, whole_section_m2
 from musclewire.experiment.open_loop import SlowSine, characterize
 from musclewire.experiment.run import OnSample, file_in
-from musclewire.experiment.run_warnings import run_warnings
+from musclewire.experiment.run_warnings import instrument_warnings
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
 from musclewire.identify.recordings import QUANTITIES
+from musclewire.parameters.validity import ValidityLimits
 from musclewire.rigs.abilities import stage_of
 from musclewire.rigs.device import HasStage
 from musclewire.rigs.protocol import Rig
+from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.recording import Recording
+from musclewire.signals.run_facts import RunFacts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,6 +35,8 @@ FORCE_RATIOS = (0.20, 0.65)
 DEFAULT_POINTS = 8
 # A stage set below that range carries something softer than a bias spring: the sweep then goes around its setting.
 SETTING_RATIOS = (0.25, 2.0)
+# Where the vendor's stress ends the range, it begins at most at this fraction of that pretension.
+MIN_OF_LARGEST = 0.35
 COLOURS = {"strain": "#1f6f8b", "force": "#c8553d", "displacement": "#4f7d3a"}
 
 
@@ -86,20 +93,23 @@ class PretensionSweep:
     quantity
         The quantity whose gap decides: "strain", "displacement" or "force".
     warnings
-        A sentence for each setting at which the wire pulled harder than it may.
+        A sentence for each setting at which the wire pulled harder than it may, and what the recommended setting and
+        those of the lowest and the highest stress exceed.
+    largest_n
+        Pretension [N] at which the cold wire is under the stress that its vendor names for many cycles; None if the
+        rig does not state it. No setting above it is recommended while one below it gave a loop.
     """
 
     rows: tuple[PretensionRow, ...]
     failures: tuple[str, ...]
     quantity: str = "strain"
-    # Warnings of settings at which a wire exceeded its allowed force.
     warnings: tuple[str, ...] = ()
+    largest_n: float | None = None
 
     @property
     def best(self) -> PretensionRow:
-        """The setting with the smallest gap of the sweep's quantity."""
-        gaps = [row.gap_pct(self.quantity) for row in self.rows]
-        return self.rows[int(np.argmin([np.inf if gap is None else gap for gap in gaps]))]
+        """The setting with the smallest gap of the sweep's quantity, of those within the vendor's limit if any is."""
+        return best_of(self.rows, self.quantity, self.largest_n)
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Plot the gaps against pretension, that of the sweep's quantity first.
@@ -133,10 +143,25 @@ class PretensionSweep:
         return axes
 
 
+def best_of(rows: Sequence[PretensionRow], quantity: str, largest_n: float | None) -> PretensionRow:
+    """Return the row with the smallest gap of those that do not exceed the limit, of all if every one does."""
+    allowed = [row for row in rows if largest_n is None or row.pretension_n <= largest_n] or rows
+    gaps = [row.gap_pct(quantity) for row in allowed]
+    return allowed[int(np.argmin([np.inf if gap is None else gap for gap in gaps]))]
+
+
+def largest_pretension_n(facts: Mapping[str, MetadataValue]) -> float | None:
+    """Return the pretension [N] that loads the cold wire by its vendor's stress for many cycles; None if unknown."""
+    stress_pa, section = ValidityLimits.stated_in(facts).working_stress_pa, whole_section_m2(RunFacts(facts))
+    return None if stress_pa is None or section is None else stress_pa * section
+
+
 def default_pretensions_n(rig: Rig) -> list[float]:
     """Return eight settings, rounded to 0.01 N: from 0.20 to 0.65 of the wire's allowed force.
 
-    A rig whose stage is set below that range is swept from a quarter of its setting to twice it.
+    They end at the vendor's stress for many cycles (``working_stress`` of the alloy) where that is less, and begin at
+    no more than 0.35 of it. A rig whose stage is set below that range is swept from a quarter of its setting to
+    twice it.
 
     Parameters
     ----------
@@ -152,13 +177,18 @@ def default_pretensions_n(rig: Rig) -> list[float]:
     CallerError
         If the rig does not state maximum_force_n.
     """
-    allowed, setting = (rig.metadata().get(name) for name in ("maximum_force_n", "pretension_n"))
+    stated = rig.metadata()
+    allowed, setting = (stated.get(name) for name in ("maximum_force_n", "pretension_n"))
     if not isinstance(allowed, float):
         raise CallerError("this rig does not state maximum_force_n: give the pretensions to try")
     low, high = (ratio * allowed for ratio in FORCE_RATIOS)
     if isinstance(setting, float) and 0.0 < setting < low:
         low, high = (ratio * setting for ratio in SETTING_RATIOS)
-    return [round(float(force), 2) for force in np.linspace(low, high, DEFAULT_POINTS)]
+    largest = largest_pretension_n(stated)
+    if largest is not None and high > largest:
+        low, high = min(low, MIN_OF_LARGEST * largest), largest
+    settings = [round(float(force), 2) for force in np.linspace(low, high, DEFAULT_POINTS)]
+    return settings if largest is None else [min(force, floor(100.0 * largest) / 100.0) for force in settings]
 
 
 def pretension_sweep(
@@ -181,7 +211,8 @@ def pretension_sweep(
     rig
         The rig, open, with a stage that software can move.
     pretensions_n
-        Settings [N]; if None, eight from 0.20 to 0.65 of the wire's allowed force, the paper's span.
+        Settings [N]; if None, eight from 0.20 to 0.65 of the wire's allowed force, the paper's span, and none above
+        the vendor's stress for many cycles.
     quantity
         Quantity whose gap decides: "strain", "displacement" or "force".
     folder
@@ -218,7 +249,7 @@ def pretension_sweep(
             on_setting(pretension)
         path = None if folder is None else file_in(folder, f"pretension-{pretension:.2f}N.h5")
         recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, **sine)
-        warnings += [f"pretension {pretension:g} N: {warning}" for warning in run_warnings(recording)]
+        warnings += [f"pretension {pretension:g} N: {warning}" for warning in instrument_warnings(recording)]
         try:
             gaps = loop_gaps(recording)
         except RecordingError as error:
@@ -226,7 +257,21 @@ def pretension_sweep(
             continue
         rows.append(row_of(float(pretension), gaps, recording))
     check_rows(rows, failures, quantity)
-    return PretensionSweep(tuple(rows), tuple(failures), quantity, tuple(warnings))
+    largest_n = largest_pretension_n(rig.metadata())
+    warnings += beyond_of(rows, quantity, largest_n)
+    return PretensionSweep(tuple(rows), tuple(failures), quantity, tuple(warnings), largest_n)
+
+
+def beyond_of(rows: Sequence[PretensionRow], quantity: str, largest_n: float | None) -> list[str]:
+    """Return what the recommended setting exceeds of its alloy's limits, then the lowest and the highest setting."""
+    best = best_of(rows, quantity, largest_n)
+    found = [f"best, {best.pretension_n:g} N: {text}" for text in extrapolation_warnings(best.recording)]
+    by_force = sorted(rows, key=lambda row: row.pretension_n)
+    for row in dict.fromkeys((by_force[-1].pretension_n, by_force[0].pretension_n)):
+        recording = next(one.recording for one in rows if one.pretension_n == row)
+        if row != best.pretension_n:
+            found += [f"pretension {row:g} N: {text}" for text in extrapolation_warnings(recording)]
+    return found
 
 
 def checked_stage(rig: Rig, quantity: str) -> HasStage:

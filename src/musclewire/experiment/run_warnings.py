@@ -1,11 +1,12 @@
-"""Everything that a finished run warns of: a wire that pulled too hard, one that friction held, steps too long."""
+"""Everything that a finished run warns of: force, stress and temperature, friction that holds, steps too long."""
 
 from __future__ import annotations
 
+from musclewire.experiment.extrapolation import extrapolation_warnings
 from musclewire.experiment.force_limit import force_warnings
 from musclewire.signals.recording import Recording
 
-__all__ = ["friction_warnings", "run_warnings", "step_warnings"]
+__all__ = ["friction_warnings", "instrument_warnings", "run_warnings", "step_warnings"]
 
 # Friction counts as holding the wire from this fraction of a leg's length on: 0.01 points of strain.
 HELD_FRACTION = 1e-4
@@ -15,6 +16,12 @@ STEP_ERROR_K = 0.1
 
 def run_warnings(recording: Recording) -> tuple[str, ...]:
     """Return the warnings of a run, the most dangerous first; none for a run without any."""
+    force, others = force_warnings(recording), (*friction_warnings(recording), *step_warnings(recording))
+    return (*force, *extrapolation_warnings(recording), *others)
+
+
+def instrument_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return the warnings of a run but for those of stress and temperature beyond its alloy's limits."""
     return (*force_warnings(recording), *friction_warnings(recording), *step_warnings(recording))
 
 

@@ -15,7 +15,19 @@ from pydantic.fields import FieldInfo
 
 from musclewire.errors import nearest_hint
 
-__all__ = ["Alloy", "GrainQuantiles", "Kind", "Parameter", "ParameterGroup", "Bench", "Wire", "checked", "key_hint"]
+__all__ = [
+    "Alloy",
+    "Bench",
+    "CoveredRange",
+    "GrainQuantiles",
+    "Kind",
+    "Parameter",
+    "ParameterGroup",
+    "Validity",
+    "Wire",
+    "checked",
+    "key_hint",
+]
 
 Kind = Literal["measured", "datasheet", "fitted", "derived", "assumed"]
 
@@ -162,6 +174,58 @@ class GrainQuantiles(BaseModel):
         return self
 
 
+class CoveredRange(BaseModel):
+    """A range that an alloy's data cover, in SI, with the data as its source."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    low: Finite
+    high: Finite
+    unit: str
+    kind: Kind
+    source: str = Field(min_length=3)
+    note: str = ""
+
+    @model_validator(mode="after")
+    def _low_is_below_high(self) -> CoveredRange:
+        if not 0.0 <= self.low < self.high:
+            raise ValueError(f"low is {self.low:g} and high {self.high:g}: low must be 0 or more, and below high")
+        return self
+
+
+class Validity(BaseModel):
+    """The stresses and temperatures that an alloy's data cover, the vendor's stress, and where annealing begins.
+
+    Parameters
+    ----------
+    stress
+        Stress in the wire [Pa] of the data that the alloy was fitted to.
+    temperature
+        Temperature of the wire [K] in these data.
+    working_stress
+        Largest stress of a heated wire [Pa] that the vendor names for many cycles.
+    annealing_temperature
+        Temperature of the wire [K] above which it must not be heated, as it costs memory.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    stress: CoveredRange
+    temperature: CoveredRange
+    working_stress: Parameter
+    annealing_temperature: Parameter
+
+    @model_validator(mode="after")
+    def _units_are_si(self) -> Validity:
+        units = {"stress": "Pa", "temperature": "K", "working_stress": "Pa", "annealing_temperature": "K"}
+        for key, unit in units.items():
+            if getattr(self, key).unit != unit:
+                raise ValueError(f"{key} has the unit '{getattr(self, key).unit}', it must be given in '{unit}'")
+        if self.annealing_temperature.value < self.temperature.low or self.working_stress.value <= 0.0:
+            raise ValueError("annealing_temperature must be above the temperatures covered, working_stress above 0")
+        return self
+
+
 ONE_POPULATION = "no early grains, one population: what a file without this key means"
 NO_EARLY_GRAINS = Parameter(value=0.0, unit="1", kind="assumed", source=ONE_POPULATION)
 ANY_EARLY_WIDTH = Parameter(value=1.0, unit="1", kind="assumed", source=ONE_POPULATION)
@@ -186,6 +250,9 @@ class Alloy(ParameterGroup):
     early_width: Parameter = parameter("1", "width of that fraction, in spreads", absent=ANY_EARLY_WIDTH)
     grain_quantiles: GrainQuantiles | None = Field(
         default=None, description="measured quantiles of the grains, in place of skew, tail and early grains"
+    )
+    validity: Validity | None = Field(
+        default=None, description="stresses and temperatures that the alloy's data cover, and the vendor's limits"
     )
     r_phase_temperature_k: Parameter = parameter("K", "T_R0: austenite and R-phase in balance, no stress")
     r_phase_stress_rate_pa_per_k: Parameter = parameter("Pa/K", "C_R: Clausius-Clapeyron slope of the R-phase")

@@ -18,6 +18,10 @@ fraction = [0.0, 0.5, 1.0]
 offset = [-5.0, 0.0, 5.0]
 kind = "measured"
 source = "an isobar"
+[alloy.validity.stress]                 the stresses and temperatures that the alloy's data cover (low, high), the
+low = 45e6                              vendor's working_stress and the annealing_temperature (value): all four or none
+high = 220e6
+...
 [bench.guide_friction_n]                those of a bench that are known, if any
 ...
 """
@@ -31,7 +35,16 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, model_validator
 
-from musclewire.parameters.parameter_groups import Alloy, Bench, GrainQuantiles, Parameter, Wire, checked, key_hint
+from musclewire.parameters.parameter_groups import (
+    Alloy,
+    Bench,
+    CoveredRange,
+    GrainQuantiles,
+    Parameter,
+    Wire,
+    checked,
+    key_hint,
+)
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 
@@ -95,7 +108,17 @@ def wire_file_text(name: str, description: str, wire: Wire, alloy: Alloy, bench:
             lines += ["", f"[{group}.{key}]", *parameter_lines(item)]
     if alloy.grain_quantiles is not None:
         lines += ["", "[alloy.grain_quantiles]", *quantile_lines(alloy.grain_quantiles)]
+    if alloy.validity is not None:
+        for key, value in alloy.validity:
+            stated = range_lines(value) if isinstance(value, CoveredRange) else parameter_lines(value)
+            lines += ["", f"[alloy.validity.{key}]", *stated]
     return "\n".join(lines) + "\n"
+
+
+def range_lines(item: CoveredRange) -> list[str]:
+    """Return a range that data cover as lines of TOML."""
+    first, *others = parameter_lines(Parameter(value=item.low, **item.model_dump(exclude={"low", "high"})))
+    return [first.replace("value", "low"), f"high = {item.high!r}", *others]
 
 
 def quantile_lines(item: GrainQuantiles) -> list[str]:

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.parameter_groups import Wire
+from musclewire.parameters.validity import validity_of
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.quantities import measured_in
 from musclewire.rigs.wire_limits import WireCircuit, limits_of
@@ -165,6 +166,7 @@ class MountedWire(BaseModel):
             "leg_length_m": self.leg_length_m,
             "shunt_resistance_ohm": self.shunt,
             "maximum_force_n": wire.maximum_force_n.value,
+            **validity_of(load_alloy(wire.alloy)).facts(),
             "pretension_n": self.pretension,
             "sample_period_s": self.sample_period,
         }

@@ -13,6 +13,7 @@ from musclewire.compiled import compiled
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, RigError
 from musclewire.parameters.parameter_groups import Bench
+from musclewire.parameters.validity import validity_of
 from musclewire.physics.resistance import series_resistance_ohm
 from musclewire.rigs.air import AirModel, Surroundings
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
@@ -344,6 +345,7 @@ class SimulatedDevice:
             "leg_length_m": self._leg_length_m,
             "shunt_resistance_ohm": self._facts.limits.shunt_resistance_ohm,
             "maximum_force_n": self._wire.maximum_force_n.value,
+            **validity_of(self._alloy).facts(),
             "force_limit_n": force_limit_n(self._wire, self._parts),
             "pretension_n": self._pretension_n,
             **load_metadata(self._parts, self._mechanism, self.partner_state is not None),

@@ -10,6 +10,7 @@ from pydantic.fields import FieldInfo
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.parameter_groups import Alloy, Bench, ParameterGroup, Wire, checked
 from musclewire.parameters.validation import unit_of, validated
+from musclewire.parameters.validity import ValidityLimits, validity_of
 from musclewire.rigs.air import Surroundings
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.load_kinds import Parts
@@ -68,6 +69,8 @@ class VariedWire(NamedTuple):
         The bench's numbers by name.
     tendon
         The finger at the connector; None without one.
+    validity
+        What its alloy's data cover, and its vendor's limits.
     """
 
     name: str
@@ -75,6 +78,7 @@ class VariedWire(NamedTuple):
     spool: Mapping[str, float]
     bench: Mapping[str, float]
     tendon: Tendon | None
+    validity: ValidityLimits
 
     def facts(self) -> Metadata:
         """Return the metadata of a recording that describe wire and circuit, as its rig states them."""
@@ -87,6 +91,7 @@ class VariedWire(NamedTuple):
             "leg_length_m": bench["wire_length_m"] / bench["legs"],
             "shunt_resistance_ohm": bench["shunt_resistance_ohm"],
             "maximum_force_n": self.spool["maximum_force_n"],
+            **self.validity.facts(),
             "pretension_n": self.constants.pretension_n,
             "sample_period_s": bench["sample_period_s"],
         }
@@ -253,7 +258,8 @@ class VariedRig:
             new_wire=base.configuration.new_wire,
             distribution=base.grains,
         )
-        return VariedWire(name, constants, spool, bench, mechanism.tendon)
+        validity = validity_of(base.groups["alloy"])  # type: ignore[arg-type]  # by its key
+        return VariedWire(name, constants, spool, bench, mechanism.tendon, validity)
 
     def _mechanism(self, configuration: RigConfiguration, bench: Mapping[str, float]) -> Mechanism:
         """Return what the wire pulls; a load of parts is tabulated once for the same parts, pretension and leg."""

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.parameter_groups import Alloy, Wire
+from musclewire.parameters.validity import validity_of
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 
 __all__ = ["WireCircuit", "limits_of"]
@@ -21,7 +22,7 @@ CURRENT_MARGIN, POWER_MARGIN = 1.1, 1.1
 OPEN_FRACTION = 0.1
 # A wire driven at its maximum voltage changes by 3 % in one sample of 50 ms; the gate is three times that.
 JUMP_FRACTION, JUMP_PERIOD_S, MAX_JUMP_FRACTION = 0.1, 0.05, 0.5
-# Annealing begins above 200 C and costs memory; the vendor's transformation ends below 130 C at its usual loads.
+# For an alloy whose file does not state annealing_temperature: that of Flexinol's.
 MAXIMUM_TEMPERATURE_K = 473.15
 # Temperature at which the loss to the air is computed: that of a contracted wire.
 HOT_K = 373.15
@@ -75,7 +76,7 @@ def limits_of(
         heat_capacity_j_per_k=capacity,
         heat_loss_w_per_k=loss,
         ambient_temperature_k=circuit.ambient_temperature_k,
-        maximum_temperature_k=MAXIMUM_TEMPERATURE_K,
+        maximum_temperature_k=validity_of(alloy).annealing_temperature_k or MAXIMUM_TEMPERATURE_K,
     )
     for name in known:
         if name not in ProtectionLimits._fields:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from math import pi
+
 import pytest
 from fake_rig import FakeRig
 
@@ -18,11 +20,11 @@ def test_pretension_first_closes_the_loop() -> None:
     assert sweep.failures == ()
 
 
-def test_the_default_settings_span_the_papers_force_ratios() -> None:
+def test_the_default_settings_span_the_papers_force_ratios_up_to_the_vendors_stress() -> None:
     with open_rig("simulated") as rig:
         forces = default_pretensions_n(rig)
     assert forces[0] == pytest.approx(0.20 * 4.601, abs=0.01)
-    assert forces[-1] == pytest.approx(0.65 * 4.601, abs=0.01)
+    assert forces[-1] == pytest.approx(172.0 * 2.0 * pi / 4.0 * 0.01, abs=0.01)  # MPa, two legs, mm^2
     assert len(forces) == 8
 
 

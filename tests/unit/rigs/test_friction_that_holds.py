@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import musclewire as mw
-from musclewire.experiment.run_warnings import run_warnings
+from musclewire.experiment.run_warnings import friction_warnings, run_warnings
 from musclewire.signals import Recording
 
 STIFFNESS_N_PER_M = 588.6
@@ -20,7 +20,7 @@ def loop(friction_n: float, pretension_n: float, **settings: float | str) -> Rec
 def test_where_the_load_can_pull_the_wire_back_nothing_is_said(friction_n: float, pretension_n: float) -> None:
     recording = loop(friction_n, pretension_n)
     assert recording.metadata["friction_held_m"] == 0.0
-    assert run_warnings(recording) == ()
+    assert friction_warnings(recording) == ()
 
 
 @pytest.mark.parametrize(("friction_n", "pretension_n"), [(1.0, 0.5), (0.3, 0.1), (2.5, 1.9)])
@@ -52,4 +52,4 @@ def test_another_setting_of_the_stage_begins_without_what_friction_held_before()
 def test_under_a_weight_that_friction_carries_the_wire_stays_contracted() -> None:
     recording = loop(1.1, 1.0, bench="dead-weight")
     assert recording["displacement_m"][-1] > 0.9 * recording["displacement_m"].max()
-    assert run_warnings(recording) != ()
+    assert friction_warnings(recording) != ()

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from musclewire.errors import CallerError
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.seeds import require_seed
+from musclewire.parameters.validity import validity_of
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.segmented.conditions import ConditionsInTime, steady
@@ -197,6 +198,7 @@ class SegmentedDevice:
             "wire": wire.name,
             "wire_diameter_m": wire.diameter_m.value,
             **convection_metadata(wire.diameter_m.value, self._bench["ambient_temperature_k"]),
+            **validity_of(self._spool.alloy).facts(),
             "wire_length_m": self._bench["wire_length_m"],
             "leg_length_m": self._facts.leg_length_m,
             "shunt_resistance_ohm": self._facts.limits.shunt_resistance_ohm,
