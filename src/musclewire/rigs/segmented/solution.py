@@ -27,6 +27,8 @@ MAX_EVALUATIONS = 200
 # Bend of the load within the last Newton step that may be left [N].
 SMALL_BEND_N = 1e-6
 SMALL_BRACKET_PA = 1.0
+# Resistance changes by a fifth over the latent heat; the prediction allows for twice as steep a change and more.
+STEEPEST, TEN_K = 0.5, 10.0
 
 
 class Segments(NamedTuple):
@@ -217,6 +219,16 @@ def warm_at(run: Segments, stress_pa: float) -> None:
 
 
 @compiled_inline
+def limited(rise: float, heat_j: float, low: float, high: float) -> float:
+    """Return a rise over a heat, within limits: the next middle is predicted by it.
+
+    A load that jumps, or other segments, change a segment that takes hardly any heat: such a ratio means nothing.
+    """
+    slope = rise / heat_j if abs(heat_j) > 1e-12 else 0.0
+    return min(max(slope, low), high)
+
+
+@compiled_inline
 def settle(run: Segments, number: int, stress_pa: float, rise_pa: float) -> None:
     """Move a segment to the solution: the last Newton step applied linearly, its temperature from its enthalpy.
 
@@ -240,9 +252,9 @@ def settle(run: Segments, number: int, stress_pa: float, rise_pa: float) -> None
     shakedown = no_shakedown(run.now)
     resistance_ohm = resistance_at(k, shakedown, strain, temperature_k, martensite, r_phase)
     heat_j = state.heat_j
-    if abs(heat_j) > 1e-12:
-        state.temperature_slope_k_per_j = (temperature_k - state.temperature_k) / heat_j
-        state.resistance_slope_ohm_per_j = (resistance_ohm - state.resistance_ohm) / heat_j
+    state.temperature_slope_k_per_j = limited(temperature_k - state.temperature_k, heat_j, 0.0, k.per_capacity_k_per_j)
+    steepest = STEEPEST * resistance_ohm / (k.latent_heat_j + TEN_K * k.capacity_j_per_k)
+    state.resistance_slope_ohm_per_j = limited(resistance_ohm - state.resistance_ohm, heat_j, -steepest, steepest)
     state.last_heat_j = heat_j
     state.contraction = contraction_of(k, shakedown, strain)
     state.temperature_k, state.resistance_ohm = temperature_k, resistance_ohm
