@@ -20,11 +20,12 @@ if TYPE_CHECKING:
     from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, sampled_reference, staircase
     from musclewire.errors import MusclewireError
     from musclewire.experiment.closed_loop import control
+    from musclewire.experiment.home import home
     from musclewire.experiment.many_loops import control_many
     from musclewire.experiment.open_loop import characterize
     from musclewire.experiment.pretension import pretension_sweep
     from musclewire.experiment.reproduce import reproduce
-    from musclewire.experiment.training import recalibrate, train
+    from musclewire.experiment.training import train
     from musclewire.experiment.zero_tendon import zero_tendon
     from musclewire.export.fmu import export_fmu
     from musclewire.identify import estimate, fit
@@ -49,7 +50,7 @@ __all__ = [
     "pretension_sweep",
     "zero_tendon",
     "train",
-    "recalibrate",
+    "home",
     "calibrate",
     "reproduce",
     "sweep",
@@ -82,7 +83,7 @@ _HOMES = {
     "pretension_sweep": "musclewire.experiment.pretension",
     "zero_tendon": "musclewire.experiment.zero_tendon",
     "train": "musclewire.experiment.training",
-    "recalibrate": "musclewire.experiment.training",
+    "home": "musclewire.experiment.home",
     "calibrate": "musclewire.identify.physical.calibrate",
     "reproduce": "musclewire.experiment.reproduce",
     "sweep": "musclewire.studies",

@@ -23,7 +23,7 @@ PROMISES = {
     "couple_two_fmus": r"2\.5 % +2\.[45]\d\d %",
     "find_the_best_pretension": r"best: \d+\.\d+ N",
     "train_by_evolution": r"trained +mean reward -\d\.\d+ (?s:.*)mean error is \d+ % below the plain PID's",
-    "train_and_recalibrate": r"settled\n(?s:.*)R_min moved by [+-]\d+\.\d+ ohm",
+    "train_and_home": r"settled\n(?s:.*)at B the resistance moved by [+-]\d+\.\d+ \+- \d+\.\d+ ohm",
 }
 
 # The main job; every run of the tests runs it.

@@ -13,6 +13,7 @@ import typer
 
 from musclewire.app.commands import add_command
 from musclewire.app.files import require_recording_file
+from musclewire.app.home_command import HomeOptions
 from musclewire.app.many_loops_command import (
     MIN_VALID_FRACTION,
     ManyLoopsOptions,
@@ -27,7 +28,6 @@ from musclewire.app.options import (
     OUTPUT,
     OVERWRITE,
     QUANTITY,
-    RECALIBRATE,
     REFERENCE,
     RULES,
     SEED,
@@ -44,7 +44,6 @@ if TYPE_CHECKING:
     from musclewire.controllers import FuzzyPidSettings
     from musclewire.controllers.references import Reference
     from musclewire.experiment.metrics import ControlMetrics, ControlRun
-    from musclewire.rigs.guarded import GuardedRig
     from musclewire.sensing.known_load import KnownSpring
     from musclewire.sensing.model import SensingModel
 
@@ -71,7 +70,6 @@ class LoopOptions:
     estimator: Annotated[str, ESTIMATOR] = "polynomial"
     controller: Annotated[str, CONTROLLER] = FUZZY_PID
     rules: Annotated[str, RULES] = DEFAULT_RULES
-    recalibrate: Annotated[bool, RECALIBRATE] = False
     on_board: Annotated[bool, ON_BOARD] = False
 
 
@@ -81,6 +79,7 @@ def control(
     loop: LoopOptions,
     timing: TimingOptions,
     many: ManyLoopsOptions,
+    homing: HomeOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
@@ -95,7 +94,8 @@ def control(
     load = known_spring(loaded, model, loop.quantity, in_si("--known-stiffness", loop.known_stiffness))
     target = read_reference(loop.reference, loop.quantity)
     settings = settings_of(loop)
-    refuse_single_run_options(many, single_run_options(loop, timing, output, overwrite))
+    homing.check(on_board=loop.on_board)
+    refuse_single_run_options(many, single_run_options(loop, timing, output, overwrite) | homing.given())
     if many.runs is not None:
         chosen = {"estimator": loop.estimator, "controller": loop.controller, "settings": settings, "load": load}
         with open_rig(rig, seed=seed) as opened:
@@ -105,15 +105,18 @@ def control(
     if output is not None:
         require_recording_file(output, overwrite)
     follow = loop_of(loaded, settings, load, loop)
+    home_answer: dict[str, Any] | None = None
     with stops_between_samples(), open_rig(rig, seed=seed, real_time=timing.real_time) as opened:
         refused = timing.apply(opened)
-        if loop.recalibrate:
-            loaded = anchored(opened, loaded, quiet=json)
+        if homing.home == "start":
+            loaded, home_answer = homing.homed(opened, loaded, quiet=json)
         if target is None:
             target = staircase_for(loaded, load, opened.leg_length_m)
         with progress_bar("Closed loop", APPROACH_S + target.duration_s, quiet=json) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
-    answer = run_json(run, load, refused)
+        if homing.home == "idle":
+            loaded, home_answer = homing.homed(opened, loaded, quiet=json)
+    answer = run_json(run, load, refused) | {"home": home_answer}
     if json:
         emit_json(answer)
     else:
@@ -131,20 +134,11 @@ def single_run_options(
     return {
         "--output": output is not None,
         "--overwrite": overwrite,
-        "--recalibrate": loop.recalibrate,
         "--on-board": loop.on_board,
         "--real-time": timing.real_time,
         "--real-time-priority": timing.real_time_priority,
         "--cpu": timing.cpu is not None,
     }
-
-
-def anchored(rig: GuardedRig, model: SensingModel, *, quiet: bool) -> SensingModel:
-    """Return the model with R_min and R_max measured again by one sweep."""
-    from musclewire.experiment.training import recalibrate
-
-    with progress_bar("Anchoring R_min and R_max", 90.0, quiet=quiet) as on_sample:
-        return recalibrate(rig, model, on_sample=on_sample).model
 
 
 def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> dict[str, Any]:
@@ -180,10 +174,8 @@ def loop_of(
         )
     if (loop.estimator, loop.controller) != ("polynomial", FUZZY_PID):
         raise CallerError("--on-board runs the firmware's own estimator and controller: leave both names out")
-    if load is not None or loop.recalibrate:
-        raise CallerError(
-            "--on-board runs by the firmware's own numbers: leave out --known-stiffness and --recalibrate"
-        )
+    if load is not None:
+        raise CallerError("--on-board runs by the firmware's own numbers: leave out --known-stiffness")
     from musclewire.experiment.on_board import control_on_board
     from musclewire.export.c import loop_checksum
     from musclewire.identify.use_of_model import settings_for

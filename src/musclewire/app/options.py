@@ -106,7 +106,16 @@ KNOWN_STIFFNESS = quantity(
 ESTIMATOR = option("--estimator", help="Estimator by name: computes strain, displacement or force from voltages.")
 CONTROLLER = option("--controller", help="Controller by name: computes the drive voltage from target and estimate.")
 RULES = option("--rules", help="Rule base of the fuzzy tuning; see 'musclewire rules'.")
-RECALIBRATE = option("--recalibrate", help="Sweep once first, to measure R_min and R_max again.")
+HOME = option(
+    "--home", help="When to make a home move: start (before the run), idle (after it, while the wire cools) or never."
+)
+HOMED_MODEL = option("--homed-model", help="Model file to write after a home move (.json).")
+CYCLES_MADE = option(
+    "--cycles-made",
+    help="Cycles that the wire has made since its characterisation, if counted; kept in the model.",
+    min=0,
+)
+SWEEP_FILE = option("--sweep", help="Recording of the home move's sweep to write (.h5).")
 ON_BOARD = option(
     "--on-board", help="The board's firmware closes the loop; the host sends the targets and records the samples."
 )
@@ -156,7 +165,7 @@ DURATION = quantity("--duration", "s", "Duration of the whole run; by default lo
 LOAD = quantity("--load", "N", "Weight, or pretension of the spring, as '1.4 N'.")
 STRESS = quantity("--stress", "Pa", "The load as a stress; without --load and --stress it is '172 MPa'.")
 SPRING = quantity("--spring", "N/m", "A spring to pull, as '588.6 N/m'.")
-AMBIENT = quantity("--ambient", "K", "Temperature of the still air, as '22 degC'.")
+AMBIENT = quantity("--ambient", "K", "Temperature of the air around the wire, as '22 degC'.")
 TABLE = option("--table", help="Show current, voltage and shunt of all wires at --wire-length, and exit.")
 PRIORS = option("--priors", help="Priors of the parameters, by name or TOML file.")
 SET = option("--set", help="A number of the bench that no recording states. Repeatable.", metavar="NAME=VALUE")
@@ -240,13 +249,22 @@ OLD_NAMES: dict[str, tuple[str, ...]] = {
     "--foam": ("--object-stiffness",),
     "--inward": ("--inward-angle",),
 }
+# Options that are gone, and what does their work now.
+REMOVED: dict[str, str] = {
+    "--recalibrate": "make a home move instead, 'musclewire home RIG MODEL -o NEW_MODEL', or give --home start",
+}
 
 
 def renamed(argument: str, known: set[str]) -> str:
-    """Return an argument of a command line with an option's old name replaced by the one the command knows."""
+    """Return an argument of a command line with an option's old name replaced by the one the command knows.
+
+    Raises CallerError for an option that is gone, naming what does its work.
+    """
     name, separator, value = argument.partition("=")
     if name in known:
         return argument
+    if name in REMOVED:
+        raise CallerError(f"there is no option {name} any more: {REMOVED[name]}")
     return next((new for new in OLD_NAMES.get(name, ()) if new in known), name) + separator + value
 
 

@@ -1,9 +1,8 @@
-"""Preparing a wire: its first cycles (training), and a new anchor of its model at every start.
+"""The first cycles of a new wire: training until its loop repeats.
 
 A new wire changes in its first cycles: it keeps some strain, its resistance drifts, its hysteresis narrows
 (Churchill and Shaw, SMASIS2009-48968; Hartwich et al. 2021, doi 10.3390/s21206804). A model fitted before that is over
-does not stay valid. A settled wire, too, reads a little differently from day to day, so R_max and R_min are measured
-again at each start, from the resistance alone.
+does not stay valid. What a settled wire still drifts, a home move finds (``experiment/home.py``).
 """
 
 from __future__ import annotations
@@ -12,18 +11,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from musclewire.errors import CallerError, RecordingError
+from musclewire.errors import CallerError
 from musclewire.experiment.open_loop import SlowSine, characterize
 from musclewire.experiment.run import OnSample, file_in
 from musclewire.experiment.run_warnings import run_warnings
 from musclewire.identify.recordings import required_quantity, resistance_reading
 from musclewire.rigs.protocol import Rig
-from musclewire.sensing.model import SensingModel
-from musclewire.sensing.recalibration import find_resistance_extremes, recalibrated
 from musclewire.sensing.segments import find_segments
 from musclewire.signals.recording import Recording
 
-__all__ = ["Recalibration", "Training", "TrainingCycle", "recalibrate", "train"]
+__all__ = ["Training", "TrainingCycle", "train"]
 
 TRAINING_PERIOD_S = 30.0
 # A loop that has moved by less than this, of resistance span and of stroke, over so many cycles has settled.
@@ -164,72 +161,4 @@ def change_between(before: TrainingCycle, after: TrainingCycle) -> float:
         abs(after.resistance_max_ohm - before.resistance_max_ohm) / span,
         abs(after.strain_cold - before.strain_cold) / before.stroke,
         abs(after.stroke - before.stroke) / before.stroke,
-    )
-
-
-@dataclass(frozen=True)
-class Recalibration:
-    """A model with the resistances of today, and how far these have moved since it was fitted.
-
-    Parameters
-    ----------
-    model
-        The model, with new R_min and R_max and the same polynomials.
-    resistance_min_moved_ohm
-        Change of R_min [ohm], positive for a larger one.
-    resistance_max_moved_ohm
-        Change of R_max [ohm].
-    """
-
-    model: SensingModel
-    resistance_min_moved_ohm: float
-    resistance_max_moved_ohm: float
-
-
-def recalibrate(
-    rig: Rig,
-    model: SensingModel,
-    *,
-    amplitude_v: float | None = None,
-    period_s: float = 90.0,
-    path: str | Path | None = None,
-    on_sample: OnSample | None = None,
-) -> Recalibration:
-    """Sweep the wire once and anchor its model to the R_min and R_max that it has now; no sensor is needed.
-
-    Parameters
-    ----------
-    rig
-        The rig, open; it is driven.
-    model
-        The model as it was fitted.
-    amplitude_v
-        Greatest drive voltage [V]; the rig's own if None.
-    period_s
-        Time of the sweep, up and down [s]; the paper's 90 s.
-    path
-        File that is written while the run lasts; none if None.
-    on_sample
-        Called with every recorded row, numbers by column name; it may raise to stop the run.
-
-    Returns
-    -------
-    The anchored model, and the change of its resistances.
-
-    Raises
-    ------
-    RecordingError
-        If the sweep shows no transformation, or began above point B.
-    """
-    recording = characterize(rig, amplitude_v=amplitude_v, period_s=period_s, cycles=1, path=path, on_sample=on_sample)
-    reading = resistance_reading(recording)
-    extremes = find_resistance_extremes(reading.resistance_ohm, recording["drive_voltage_v"], reading.valid)
-    if not extremes.saw_b:
-        raise RecordingError(
-            "the sweep began above point B (no rise of the resistance before its fall): let the wire cool first"
-        )
-    return Recalibration(
-        model=recalibrated(model, extremes.resistance_min_ohm, extremes.resistance_max_ohm),
-        resistance_min_moved_ohm=extremes.resistance_min_ohm - model.resistance_min_ohm,
-        resistance_max_moved_ohm=extremes.resistance_max_ohm - model.resistance_max_ohm,
     )

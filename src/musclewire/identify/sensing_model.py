@@ -23,6 +23,7 @@ from musclewire.physics.resistance import ArrayReading
 from musclewire.sensing.estimator import ESTIMATORS, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
+from musclewire.sensing.segments import find_segments
 from musclewire.sensing.slow_corrections import estimates
 from musclewire.signals.exchange import WireSample
 from musclewire.signals.recording import Recording
@@ -41,6 +42,8 @@ WIRE_NOTES = (
     "finger",
     "spring_stiffness_n_per_m",
 )
+# Rows of the loop that a model keeps for its home moves.
+LOOP_ROWS = 300
 
 
 def fit(
@@ -101,7 +104,28 @@ def fit(
     except RecordingError as error:
         why = without_loop(error, recording)
         raise (RecordingError(f"{why} ({cut_short})") if cut_short else why) from None
+    model = replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity))
     return replace(model, warnings=(*model.warnings, cut_short)) if cut_short else model
+
+
+def power_loop(
+    recording: Recording, reading: ArrayReading, measured: FloatArray, cycle: int | str, quantity: str
+) -> tuple[tuple[float, float, float], ...]:
+    """Return time [s], power [W] and resistance [ohm] through the fitted loop, as means; none without power.
+
+    The loop begins and ends with the wire cold, a fifth of its own length before and after points A.
+    """
+    if "wire_voltage_v" not in recording:
+        return ()
+    loop = find_segments(reading.resistance_ohm, measured, reading.valid, cycle, quantity)
+    first, last = sorted((loop.heating_a, loop.cooling_a))
+    around = (last - first) // 5
+    there = np.flatnonzero(reading.valid)
+    there = there[(there >= first - around) & (there <= last + around)]
+    resistance = reading.resistance_ohm[there]
+    rows = np.stack([recording["time_s"][there], recording["wire_voltage_v"][there] ** 2 / resistance, resistance])
+    means = [part.mean(axis=1) for part in np.array_split(rows, min(LOOP_ROWS, there.size), axis=1)]
+    return tuple((float(f"{t:.7g}"), float(f"{p:.7g}"), float(f"{r:.7g}")) for t, p, r in means)
 
 
 def not_done(recording: Recording) -> str:
@@ -147,8 +171,17 @@ def wire_notes(recording: Recording) -> dict[str, str | float]:
 
 def loop_notes(recording: Recording) -> dict[str, str | float]:
     """Return the notes of a recorded loop, with the friction of the guide if the loop identifies it."""
-    friction_n = guide_friction_n(recording)
-    return wire_notes(recording) | ({} if friction_n is None else {"guide_friction_n": friction_n})
+    friction_n, air_k = guide_friction_n(recording), air_temperature_k(recording)
+    measured = {"guide_friction_n": friction_n, "ambient_temperature_k": air_k}
+    return wire_notes(recording) | {name: value for name, value in measured.items() if value is not None}
+
+
+def air_temperature_k(recording: Recording) -> float | None:
+    """Return the air's temperature [K]: of the rig's thermometer, or as its rig file states it; None if neither."""
+    column = recording.columns.get("ambient_temperature_k")
+    if column is not None and np.isfinite(column).any():
+        return float(np.nanmean(column))
+    return recording.facts.number_or_none("limit_ambient_temperature_k")
 
 
 @dataclass(frozen=True)

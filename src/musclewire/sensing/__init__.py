@@ -26,10 +26,11 @@ from musclewire.sensing.estimator import (
 )
 from musclewire.sensing.fitting import fit_branches, fit_loop, fit_segments
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
+from musclewire.sensing.home_move import HomeMove
 from musclewire.sensing.known_load import KnownSpring
 from musclewire.sensing.model import SensingModel, load_model
 from musclewire.sensing.polynomial_estimator import PolynomialEstimator, SegmentState, SegmentTracker
-from musclewire.sensing.recalibration import ResistanceExtremes, find_resistance_extremes, recalibrated
+from musclewire.sensing.resistance_extremes import ResistanceExtremes, find_resistance_extremes
 from musclewire.sensing.segments import LoopSegments, find_loops, find_segments
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "CompiledEstimator",
     "EstimatorFactory",
     "EstimatorSetup",
+    "HomeMove",
     "KnownSpring",
     "PolynomialEstimator",
     "SlowPart",
@@ -64,7 +66,6 @@ __all__ = [
     "load_model",
     "ResistanceExtremes",
     "find_resistance_extremes",
-    "recalibrated",
     "SegmentTracker",
     "SegmentState",
 ]

@@ -6,8 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 
 from musclewire.sensing.curve import Pairs, ResistanceCurve, require_in_range
+from musclewire.sensing.home_move import DRIFT_FRACTION, HomeMove
 
 __all__ = ["FittedCurve"]
+
+Rows = tuple[tuple[float, float, float], ...]
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,11 @@ class FittedCurve(ResistanceCurve):
         Program and recording the curve comes from.
     heating_samples, cooling_samples
         Some pairs of resistance [ohm] and quantity for a figure; none by default.
+    slow_loop
+        Time [s], electrical power [W] and resistance [ohm] through the loop, from cold to hot and back, with which a
+        home move compares; none if the recording has no power.
+    home
+        The last home move; None if there was none since the characterisation.
 
     Raises
     ------
@@ -50,6 +58,8 @@ class FittedCurve(ResistanceCurve):
     source: str = ""
     heating_samples: Pairs = field(default=(), repr=False)
     cooling_samples: Pairs = field(default=(), repr=False)
+    slow_loop: Rows = field(default=(), repr=False)
+    home: HomeMove | None = None
 
     def __post_init__(self) -> None:
         """Check the curve and the report."""
@@ -60,6 +70,13 @@ class FittedCurve(ResistanceCurve):
     def strain_gap(self) -> float:
         """The hysteresis gap of Eq. 2 (or Eq. 9 for displacement), a fraction."""
         return self.hysteresis_gap
+
+    @property
+    def drift_resistance_ohm(self) -> float:
+        """Drift of the resistance [ohm] since the last home move, or since the fit, as a standard deviation."""
+        if self.home is not None:
+            return self.home.drift_resistance_ohm
+        return DRIFT_FRACTION * (self.resistance_max_ohm - self.resistance_min_ohm)
 
     def curve(self) -> ResistanceCurve:
         """Return the curve alone: the few numbers that an estimator uses."""

@@ -223,7 +223,7 @@ def fit_branches(
         normalised_max=valid_range[1],
         quantity=quantity,
         hysteresis_gap=gap,
-        **_residuals(fits, samples),
+        **_residuals(fits, samples),  # type: ignore[arg-type]  # errors by name, all floats
         samples=sum(resistance.size for resistance, _ in samples),
         heating_standard_errors=fits[0].standard_errors,
         cooling_standard_errors=fits[1].standard_errors,

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.sensing.fit_report import FittedCurve
+from musclewire.sensing.home_move import HomeMove
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -32,6 +33,30 @@ NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Coefficients = Annotated[list[Finite], Field(min_length=2, max_length=16)]
 Errors = Annotated[list[NotNegative], Field(max_length=16)]
 Samples = Annotated[list[tuple[Finite, Finite]], Field(max_length=2000)]
+Rows = Annotated[list[tuple[Finite, Finite, Finite]], Field(max_length=2000)]
+
+
+class HomeTable(BaseModel):
+    """The home move in a model file."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    time: str
+    moves: Annotated[int, Field(ge=1)]
+    cycles: NotNegative | None = None
+    load_n: NotNegative | None = None
+    ambient_k: NotNegative | None = None
+    corrected: bool
+    resistance_scale: Finite
+    resistance_scale_std: NotNegative
+    resistance_offset_ohm: Finite
+    resistance_offset_std_ohm: NotNegative
+    transformation_shift_k: Finite
+    transformation_shift_std_k: NotNegative
+    convection_ratio: Finite
+    convection_ratio_std: NotNegative
+    drift_resistance_ohm: NotNegative
+    drift_source: str = ""
 
 
 class ModelFile(BaseModel):
@@ -66,6 +91,8 @@ class ModelFile(BaseModel):
     source: str = ""
     heating_samples: Samples = []
     cooling_samples: Samples = []
+    slow_loop: Rows = []
+    home: HomeTable | None = None
 
 
 # Written for the file's reader; computed, not passed in, when a model is made.
@@ -106,8 +133,8 @@ def read_fields(path: str | PathLike[str]) -> dict[str, Any]:
         contents = ModelFile.model_validate_json(json.dumps(document))
     except ValidationError as error:
         raise CallerError(f"model file {source}: {_first(error)}") from error
-    fields = _fields(contents)
     try:
+        fields = _fields(contents)
         _check_derived(FittedCurve(**fields), contents)
     except CallerError as error:
         raise CallerError(f"model file {source}: {error}") from error
@@ -149,6 +176,8 @@ def _contents(model: FittedCurve) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     """Return tuples and mappings as JSON writes them, and numbers of any library as Python's own."""
+    if isinstance(value, HomeMove):
+        return {name: _plain(one) for name, one in vars(value).items()}
     if isinstance(value, tuple | list):
         return [_plain(item) for item in value]
     if hasattr(value, "items"):
@@ -166,7 +195,8 @@ def _note(value: Any) -> str | float:
 def _fields(contents: ModelFile) -> dict[str, Any]:
     """Return the fields of a model from the keys of its file."""
     fields = {name: value for name, value in contents.model_dump().items() if name not in DERIVED}
-    return {name: tuple(value) if isinstance(value, list) else value for name, value in fields.items()}
+    found = {name: tuple(value) if isinstance(value, list) else value for name, value in fields.items()}
+    return found | {"home": None if contents.home is None else HomeMove(**contents.home.model_dump())}
 
 
 def _check_derived(model: FittedCurve, contents: ModelFile) -> None:

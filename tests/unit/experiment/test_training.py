@@ -1,16 +1,11 @@
-"""A new wire settles; a settled wire is anchored again from its resistance alone."""
+"""A new wire settles, and a settled one is recognised."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.experiment.closed_loop import control
-from musclewire.experiment.open_loop import characterize
-from musclewire.experiment.training import recalibrate, train
-from musclewire.identify import fit
+from musclewire.experiment.training import train
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 
 
@@ -42,22 +37,3 @@ def test_a_training_against_a_load_that_is_too_stiff_says_in_which_cycle() -> No
     with open_rig("simulated", spring_stiffness_n_per_m=2500.0, pretension_n=2.0) as rig:
         training = train(rig, max_cycles=2)
     assert training.warnings[0].startswith("cycle 1: the wire pulls with up to")
-
-
-def test_recalibration_finds_the_anchors_of_today_without_a_sensor() -> None:
-    """A model whose resistances are off by 0.3 ohm (longer leads, another day) steers wrong until it is anchored."""
-    with open_rig("simulated") as rig:
-        model = fit(characterize(rig))
-        stale = replace(
-            model,
-            resistance_min_ohm=model.resistance_min_ohm + 0.3,
-            resistance_max_ohm=model.resistance_max_ohm + 0.3,
-        )
-        anchored = recalibrate(rig, stale)
-        assert anchored.model.resistance_min_ohm == pytest.approx(model.resistance_min_ohm, abs=0.02)
-        assert anchored.model.resistance_max_ohm == pytest.approx(model.resistance_max_ohm, abs=0.02)
-        assert anchored.resistance_min_moved_ohm == pytest.approx(-0.3, abs=0.02)
-        good, bad = control(rig, anchored.model).metrics, control(rig, stale).metrics
-    assert good.mae_mean_approached_pct is not None
-    assert bad.mae_mean_approached_pct is not None
-    assert good.mae_mean_approached_pct < 1.7 < bad.mae_mean_approached_pct

@@ -1,4 +1,4 @@
-"""Cycle a new wire until its loop repeats, fit it, and re-anchor the model at a later start, all on one wire."""
+"""Cycle a new wire until its loop repeats, fit it, and make a home move at a later start, all on one wire."""
 
 import musclewire as mw
 from musclewire.rigs.configuration import RigConfiguration
@@ -11,9 +11,10 @@ with mw.open_rig(RigConfiguration(new_wire=True)) as rig:
     print("settled" if training.settled else "not settled")
 
     model = mw.fit(mw.characterize(rig))
-    start = mw.recalibrate(rig, model)
+    found = mw.home(rig, model, ambient_k=295.15)
     print(
-        f"R_min moved by {start.resistance_min_moved_ohm:+.4f} ohm, R_max by {start.resistance_max_moved_ohm:+.4f} ohm"
+        f"at B the resistance moved by {found.resistance_max_moved_ohm:+.4f} +- "
+        f"{found.resistance_max_moved_std_ohm:.4f} ohm; corrected: {found.home.corrected}"
     )
-    run = mw.control(rig, start.model, mw.staircase())
+    run = mw.control(rig, found.model, mw.staircase())
 print(run.metrics)

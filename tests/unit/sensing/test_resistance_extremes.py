@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from loops import LoopMaker, noisy
 
-from musclewire.errors import CallerError, RecordingError
-from musclewire.sensing import find_resistance_extremes, fit_loop, recalibrated
+from musclewire.errors import RecordingError
+from musclewire.sensing import find_resistance_extremes
 
 MAKER = LoopMaker()
 
@@ -68,25 +68,3 @@ def test_unusable_columns_are_named() -> None:
         find_resistance_extremes(np.ones(30), np.ones(29))
     with pytest.raises(RecordingError, match="first at index 4"):
         find_resistance_extremes([16.0] * 4 + [np.nan] + [16.0] * 30)
-
-
-@pytest.mark.parametrize(("scale", "leads_ohm"), [(1.0, 0.4), (1.03, 0.0), (0.98, 0.2)])
-def test_a_model_re_anchored_by_a_sweep_reads_the_aged_wire_right(scale: float, leads_ohm: float) -> None:
-    loop = MAKER.record(4000)
-    model = fit_loop(loop.resistance_ohm, loop.strain)
-    aged = scale * loop.resistance_ohm + leads_ohm
-    extremes = find_resistance_extremes(aged[:2000])
-    anew = recalibrated(model, extremes.resistance_min_ohm, extremes.resistance_max_ohm)
-    branch = slice(700, 1300)
-    truth = model.strain(loop.resistance_ohm[branch])
-    assert anew.strain(aged[branch]) == pytest.approx(truth, abs=2e-5)
-    assert np.abs(model.strain(aged[branch]) - truth).max() > 1e-3
-
-
-def test_an_odd_span_is_warned_of_and_a_reversed_one_refused() -> None:
-    loop = MAKER.record()
-    model = fit_loop(loop.resistance_ohm, loop.strain)
-    assert recalibrated(model, 15.0, 17.4).warnings == ()
-    assert "0.43 times" in recalibrated(model, 15.0, 16.0).warnings[0]
-    with pytest.raises(CallerError, match="minimum below the maximum"):
-        recalibrated(model, 17.0, 15.0)

@@ -1,8 +1,7 @@
-"""Keep a model valid on a wire without a sensor: find R_max and R_min again at every start-up."""
+"""Points B and C of one heating sweep, from the resistance alone, and whether each was really seen."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,14 +9,12 @@ import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.sensing.branch_equations import check_resistance_range
 from musclewire.sensing.branches import MAX_WINDOW_FRACTION
 from musclewire.sensing.loop_points import fall_from_b_to_c
-from musclewire.sensing.model import SensingModel
 from musclewire.sensing.resistance_maximum import ResistanceMaximum, resistance_maximum
 from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
-__all__ = ["ResistanceExtremes", "find_resistance_extremes", "recalibrated"]
+__all__ = ["ResistanceExtremes", "find_resistance_extremes"]
 
 
 MIN_SAMPLES = 20
@@ -26,8 +23,6 @@ MIN_FALL_FRACTION = 0.01
 MIN_FALL_NOISES = 10.0
 BUMP_NOISES = 6.0
 BUMP_FRACTION = 0.005
-# A span of resistance that differs by more from the model's is another wire, or an incomplete sweep.
-ODD_SPAN = 0.2
 # Time after the maximum of the drive that still belongs to the sweep, as a fraction of the time up to it.
 LAG_FRACTION = 0.15
 
@@ -114,48 +109,6 @@ def find_resistance_extremes(
         index_c=int(place[c]),
         saw_b=saw_b,
         saw_c=float(resistance[c:].max() - resistance[c]) > bump,
-    )
-
-
-def recalibrated(model: SensingModel, resistance_min_ohm: float, resistance_max_ohm: float) -> SensingModel:
-    """Return the same polynomials between new resistances of C and B (Eq. 3 re-anchored).
-
-    It corrects what shifts or scales the resistance as a whole: longer leads, ageing, another piece of the same wire.
-
-    Parameters
-    ----------
-    model
-        The model as it was fitted.
-    resistance_min_ohm
-        R_min of today [ohm].
-    resistance_max_ohm
-        R_max of today [ohm].
-
-    Returns
-    -------
-    The model of today; a span that differs from the old one by more than 20 % is kept as a warning.
-
-    Raises
-    ------
-    CallerError
-        Unless 0 < R_min < R_max.
-    """
-    check_resistance_range(resistance_min_ohm, resistance_max_ohm)
-    change = (resistance_max_ohm - resistance_min_ohm) / (model.resistance_max_ohm - model.resistance_min_ohm)
-    warnings = model.warnings
-    if abs(change - 1.0) > ODD_SPAN:
-        warnings = (
-            *warnings,
-            f"re-anchored to a span of resistance {change:.2f} times the loop's: the sweep may be incomplete",
-        )
-    return replace(
-        model,
-        resistance_min_ohm=float(resistance_min_ohm),
-        resistance_max_ohm=float(resistance_max_ohm),
-        warnings=warnings,
-        # They were measured between the old resistances and would no longer lie on the curves.
-        heating_samples=(),
-        cooling_samples=(),
     )
 
 

@@ -1,0 +1,88 @@
+"""The home move from the command line, and what became of --recalibrate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from musclewire.experiment.open_loop import characterize
+from musclewire.identify.sensing_model import fit
+from musclewire.rigs.configuration import open_rig
+from musclewire.sensing import load_model
+
+STEPS = ("--reference", "1.5 % to 2 % by 0.5 %")
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("model") / "model.json"
+    with open_rig("simulated") as rig:
+        fit(characterize(rig, cycles=1)).save(path)
+    return path
+
+
+def test_it_says_what_it_assumes_and_finds_and_writes_the_model(
+    musclewire: Callable[..., Any], model: Path, tmp_path: Path
+) -> None:
+    new, sweep = tmp_path / "new.json", tmp_path / "sweep.h5"
+    answer = musclewire("home", "simulated", model, "-o", new, "--ambient", "22 degC", "--sweep", sweep)
+    assert answer.code == 0
+    assert answer.out.startswith("assumed: a load of 1.9 N; air of 22.0 degC\n")
+    assert "C was not seen" in answer.out
+    assert sweep.exists()
+    home = load_model(new).home
+    assert home is not None
+    assert home.ambient_k == pytest.approx(295.15)
+    again = musclewire("home", "simulated", model, "-o", new)
+    assert (again.code, "exists" in again.err) == (2, True)
+
+
+def test_an_aged_wire_is_corrected_and_a_changed_load_refused(
+    musclewire: Callable[..., Any], model: Path, tmp_path: Path
+) -> None:
+    rig = tmp_path / "aged.toml"
+    rig.write_text("[settings]\nresistivity_factor = 1.01\n", "utf-8")
+    answer = musclewire("home", rig, model, "-o", tmp_path / "new.json", "--cycles-made", 300, "--json")
+    assert answer.code == 0
+    assert answer.json["corrected"]
+    assert answer.json["resistance_max_moved_ohm"] == pytest.approx(0.175, abs=0.015)
+    assert answer.json["cycles"] == 300.0
+    refused = musclewire("home", "simulated", model, "-o", tmp_path / "no.json", "--load", "2.5 N")
+    assert (refused.code, "the load is 2.5 N" in refused.err) == (2, True)
+    assert not (tmp_path / "no.json").exists()
+
+
+def test_control_makes_one_before_or_after_the_run(musclewire: Callable[..., Any], model: Path, tmp_path: Path) -> None:
+    rig = tmp_path / "aged.toml"
+    rig.write_text("[settings]\nresistivity_factor = 1.01\n", "utf-8")
+    plain = musclewire("control", rig, model, *STEPS, "--json")
+    homed = musclewire("control", rig, model, *STEPS, "--home", "start", "--json")
+    assert plain.json["home"] is None
+    assert homed.json["home"]["corrected"]
+    assert homed.json["mae_mean_approached_pct"] < 0.5 * plain.json["mae_mean_approached_pct"]
+    new = tmp_path / "new.json"
+    idle = musclewire("control", rig, model, *STEPS, "--home", "idle", "--homed-model", new, "--json")
+    assert idle.json["home"]["corrected"]
+    assert load_model(new).home is not None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("--home", "sometimes"), "--home: there is no 'sometimes'"),
+        (("--home", "idle"), "say where it goes with --homed-model"),
+        (("--ambient", "22 degC"), "--ambient belongs to a home move"),
+        (("--on-board", "--home", "start"), "leave out --home"),
+        (("--recalibrate",), "no option --recalibrate any more: make a home move instead, 'musclewire home"),
+    ],
+)
+def test_what_cannot_be_is_one_line_and_exit_code_2(
+    musclewire: Callable[..., Any], model: Path, arguments: tuple[object, ...], named: str
+) -> None:
+    answer = musclewire("control", "simulated", model, *arguments)
+    assert answer.code == 2
+    assert named in answer.err
+    assert len(answer.err.strip().splitlines()) == 1
