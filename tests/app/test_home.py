@@ -73,7 +73,7 @@ def test_control_makes_one_before_or_after_the_run(musclewire: Callable[..., Any
     ("arguments", "named"),
     [
         (("--home", "sometimes"), "--home: there is no 'sometimes'"),
-        (("--home", "idle"), "say where it goes with --homed-model"),
+        (("--home", "idle"), "name its file by --homed-model"),
         (("--ambient", "22 degC"), "--ambient belongs to a home move"),
         (("--on-board", "--home", "start"), "leave out --home"),
         (("--recalibrate",), "no option --recalibrate any more: make a home move instead, 'musclewire home"),

@@ -92,6 +92,7 @@ CALLS = {
     "characterize": ["simulated", "-o", "again.h5", "--cycles", "1"],
     "pretension": ["simulated", "--at", "1.9 N", "--cycles", "1"],
     "control": ["simulated", "model.json"],
+    "home": ["simulated", "model.json", "-o", "homed.json"],
     "grip": ["--learned", "gripper.json"],
     "train": ["simulated"],
     "simulate": ["--wire", "flexinol-0.20-lt"],

@@ -46,7 +46,7 @@ def add_home_command(app: typer.Typer) -> None:
 
 @dataclass(frozen=True)
 class HomeOptions:
-    """When a closed loop makes a home move, with which thermometer, and where its model goes.
+    """When a closed loop makes a home move, with which thermometer, and where its model is written.
 
     Never, unless asked: a home move heats the wire for half a minute and is right at the load of the characterisation
     only, which no program can see.
@@ -64,7 +64,7 @@ class HomeOptions:
             name = "--ambient" if self.ambient is not None else "--homed-model"
             raise CallerError(f"{name} belongs to a home move: give --home start or --home idle, or leave it out")
         if self.home == "idle" and self.homed_model is None:
-            raise CallerError("--home idle finds a model for the next run: say where it goes with --homed-model")
+            raise CallerError("--home idle finds a model for the next run: name its file by --homed-model")
         if on_board and self.home != "never":
             raise CallerError("--on-board runs by the firmware's own numbers: leave out --home")
         if self.homed_model is not None:

@@ -35,7 +35,7 @@ def home(
     """Heat the wire once just beyond its transformation, at a known load, and bring its model up to date.
 
     A sweep of about 20 s finds by how much the wire's resistance has been scaled or offset and its transformation
-    temperatures have shifted since the model was made, each as far as that sweep can tell. Where the evidence does not
+    temperatures have shifted since the model was made, each as far as that sweep shows it. Where the evidence does not
     support a correction the model keeps its curve, and where a changed load explains it as well, the move is refused.
 
     Parameters

@@ -26,23 +26,23 @@ CERTAIN_STDS = 2.0
 # The change of martensite's resistance by a shift of the transformation is known to this fraction.
 SHIFT_FRACTION = 0.5
 # A trained wire's transformation moves by less than this; half of a usual load moves it by 9 K.
-LARGEST_SHIFT_K = 7.5
+MAX_SHIFT_K = 7.5
 # A changed load moves the resistance at B in the direction of the warming, and by less than this multiple of what the
 # warming of martensite does.
-LARGEST_RATIO = 2.0
+MAX_RATIO = 2.0
 # Resistance of one wire changes by less than this in its life, joints and leads included (0.5 ohm of 17); more is
 # another wire.
-LARGEST_CHANGE = 0.06
+MAX_CHANGE = 0.06
 # The sweep must show this fraction of the loop's fall; less was not heated far enough.
 MIN_FALL = 0.85
 # A curve that fits worse than this fraction of its span has another shape.
-LARGEST_MISFIT = 0.04
+MAX_MISFIT = 0.04
 # Loads that differ by less are one load, measured twice.
 SAME_LOAD = 0.02
 # Errors of points that both courses show, as fractions of the resistance.
 B_FRACTION, COOLING_B_FRACTION, C_FRACTION = 2e-4, 1e-3, 1e-3
 # Air further from that of the characterisation is a wrong unit.
-LARGEST_AIR_CHANGE_K, ZERO_CELSIUS_K = 60.0, 273.15
+MAX_AIR_CHANGE_K, ZERO_CELSIUS_K = 60.0, 273.15
 # How well the air's change, and the loss to it, are known beforehand: 8 K, 0.5 K with a thermometer, and 3 %.
 AIR_STD_K, MEASURED_STD_K, LOSS_FRACTION, SHAPE_STD_K = 8.0, 0.5, 0.03, 1.5
 
@@ -147,7 +147,7 @@ def homed_model(
 
 
 class Air(NamedTuple):
-    """The air's temperature in the sweep, and its change since the characterisation [K], None where unknown."""
+    """The air's temperature in the sweep, and its change since the characterisation [K], None if unknown."""
 
     measured_k: float | None
     change_k: float | None
@@ -161,7 +161,7 @@ class Air(NamedTuple):
         before_k = model.wire.get("ambient_temperature_k")
         if ambient_k is None or not isinstance(before_k, int | float):
             return cls(ambient_k, None)
-        if not abs(ambient_k - before_k) < LARGEST_AIR_CHANGE_K:
+        if not abs(ambient_k - before_k) < MAX_AIR_CHANGE_K:
             now, then = (f"{kelvins - ZERO_CELSIUS_K:.4g} degC" for kelvins in (ambient_k, before_k))
             raise CallerError(
                 f"air of {now}, and of {then} at the characterisation: give the temperature of the air around the "
@@ -193,7 +193,7 @@ class Moved(NamedTuple):
 
     @classmethod
     def by(cls, found: Registration, before: HeatCourse, heat: WireHeat, air: Air, at_b_ohm: float) -> Moved:
-        """Return it from a registration; the power that the middle of the fall takes tells the warming."""
+        """Return it from a registration; the power that the middle of the fall takes shows the warming."""
         middle_k = 0.5 * (power_at(before, 0.25) + power_at(before, 0.75)) / heat.loss_w_per_k
         ratio = exp(float(found.values[4]))
         moved_k = (ratio - 1.0) * middle_k + float(found.values[2] - ratio * found.values[3]) + (air.change_k or 0.0)
@@ -276,18 +276,18 @@ def require_explained(model: SensingModel, found: Registration, moved: Moved, ai
     span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
     if not moved.certain:
         return
-    if found.misfit_ohm > LARGEST_MISFIT * span_ohm:
+    if found.misfit_ohm > MAX_MISFIT * span_ohm:
         raise RecordingError(
             f"the sweep has another shape than the loop, by {100 * found.misfit_ohm / span_ohm:.1f} % of its fall "
-            f"({100 * LARGEST_MISFIT:g} % are allowed): another load or another wire; characterise again"
+            f"({100 * MAX_MISFIT:g} % are allowed): another load or another wire; characterise again"
         )
-    if abs(moved.at_b_ohm) > LARGEST_CHANGE * model.resistance_max_ohm:
+    if abs(moved.at_b_ohm) > MAX_CHANGE * model.resistance_max_ohm:
         raise RecordingError(
-            f"the resistance at B moved by {moved.at_b_ohm:+.3g} ohm, more than {100 * LARGEST_CHANGE:g} %: this is "
+            f"the resistance at B moved by {moved.at_b_ohm:+.3g} ohm, more than {100 * MAX_CHANGE:g} %: this is "
             "another wire, or a bad contact"
         )
-    like_a_load = 0.0 < moved.at_b_ohm / moved.by_shift_ohm < LARGEST_RATIO
-    if abs(moved.warming_k) > LARGEST_SHIFT_K and like_a_load:
+    like_a_load = 0.0 < moved.at_b_ohm / moved.by_shift_ohm < MAX_RATIO
+    if abs(moved.warming_k) > MAX_SHIFT_K and like_a_load:
         thermometer = (
             "" if air.change_k is not None else ", or the air is at another temperature: measure it (--ambient)"
         )

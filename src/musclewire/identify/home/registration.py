@@ -101,7 +101,7 @@ class Problem:
     def mapped(self, values: FloatArray, resistance_ohm: FloatArray | float) -> FloatArray | float:
         """Return today's resistance [ohm] for one of the loop's."""
         scale, offset_ohm, shift_k = (float(value) for value in values[:3])
-        colder = (resistance_ohm - self.low_ohm) / self.span_ohm  # 1 where all is martensite, 0 where none is
+        colder = (resistance_ohm - self.low_ohm) / self.span_ohm  # 1 at B, all martensite, and 0 at C
         return scale * (resistance_ohm + MARTENSITE_PER_K * self.high_ohm * shift_k * colder) + offset_ohm
 
     def change_ohm(self, values: FloatArray, at_ohm: float) -> float:

@@ -20,7 +20,7 @@ PIECES, SLOPE_PIECES = 40, 4
 
 
 class SeenPoints(NamedTuple):
-    """Points B and C of a course, None where it does not show them.
+    """Points B and C of a course, None for one that it does not show.
 
     Parameters
     ----------
