@@ -364,7 +364,7 @@ def mismatch_failure(curve: ResistanceCurve, resistance_ohm: float, sample: Wire
     low, high = curve.resistance_min_ohm, curve.resistance_max_ohm
     return (
         f"resistance {resistance_ohm:.3f} ohm at {sample.time_s:.2f} s is not this model's wire ({low:.3f} to "
-        f"{high:.3f} ohm): check wire and wiring, or recalibrate; the rig is at its sense voltage"
+        f"{high:.3f} ohm): check wire and wiring, or make a home move; the rig is at its sense voltage"
     )
 
 
