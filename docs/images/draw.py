@@ -10,6 +10,8 @@ After a change of the shipped parameters or of the physics, run it once and comm
   (``python docs/images/draw.py turns`` draws and writes these alone),
 - the Bode plot of docs/how-to/linearise_a_wire.md (``python docs/images/draw.py margins`` draws it alone),
 - point B on docs/explanation/why_resistance_tells_strain.md (``python docs/images/draw.py point_b`` draws it alone),
+- the table of docs/explanation/estimators.md from studies/robustness_rows.json
+  (``python docs/images/draw.py robustness`` writes it alone, ``pages`` too),
 - docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md and python.md, and
   the column "Compared" of paper_map.md
   (``python docs/images/draw.py pages`` writes these alone, in seconds).
@@ -36,6 +38,7 @@ import point_b_picture
 import protection_page
 import python_page
 import rig_keys_page
+import robustness_page
 import turns_numbers
 import turns_pictures
 import wire_row_page
@@ -48,6 +51,7 @@ HERE = Path(__file__).parent
 PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"
 TURNS_PAGE = HERE.parent / "explanation" / "turns_and_minor_loops.md"
 FOUND_PAGE = HERE.parent / "explanation" / "parameters.md"
+ESTIMATORS_PAGE = HERE.parent / "explanation" / "estimators.md"
 PARAMETER_PAGE = HERE.parent / "reference" / "parameters.md"
 PROTECTION_PAGE = HERE.parent / "reference" / "protection.md"
 FAULTS_PAGE = HERE.parent / "reference" / "faults.md"
@@ -105,6 +109,12 @@ def write_alternatives() -> None:
     FOUND_PAGE.write_text(page, encoding="utf-8")
 
 
+def write_robustness() -> None:
+    """Write the errors of estimators and closed loops under disturbance into docs/explanation/estimators.md."""
+    page = with_blocks(ESTIMATORS_PAGE.read_text("utf-8"), {"robustness": robustness_page.block()})
+    ESTIMATORS_PAGE.write_text(page, encoding="utf-8")
+
+
 def physics_blocks(loops: tuple[physics_runs.LoopTruth, ...]) -> dict[str, str]:
     """Return every generated text of docs/explanation/physics.md."""
     return physics_numbers.blocks(loops) | balance_numbers.blocks()
@@ -119,13 +129,15 @@ def main() -> None:
     """Draw and write everything; with ``physics`` all but the demo's pictures, with ``pages`` the pages alone.
 
     With ``margins`` the Bode plot alone, with ``turns`` the page on turns alone, with ``point_b`` the
-    picture of point B, with ``alternatives`` the tables of how the parameters were found.
+    picture of point B, with ``alternatives`` the tables of how the parameters were found, with ``robustness`` that of
+    estimators under disturbance.
     """
     alone = {
         "margins": draw_margins,
         "turns": draw_turns,
         "point_b": draw_point_b,
         "alternatives": write_alternatives,
+        "robustness": write_robustness,
     }
     if len(sys.argv) == 2 and sys.argv[1] in alone:
         alone[sys.argv[1]]()
@@ -154,6 +166,7 @@ def write_pages() -> None:
     PYTHON_PAGE.write_text(python_page.page(), encoding="utf-8")
     PAPER_MAP_PAGE.write_text(paper_map_page.page(PAPER_MAP_PAGE.read_text("utf-8")), encoding="utf-8")
     write_alternatives()
+    write_robustness()
 
 
 if __name__ == "__main__":

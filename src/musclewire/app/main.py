@@ -26,6 +26,7 @@ from musclewire.app.output import say
 from musclewire.app.paper_commands import add_paper_commands
 from musclewire.app.protection_command import add_protection_command
 from musclewire.app.rig_commands import add_rig_commands
+from musclewire.app.robustness_command import add_robustness_command
 from musclewire.app.stopping import STOPPED, Stopped, ignore_signals, listen_for_signals
 from musclewire.app.sweep_command import add_sweep_command
 from musclewire.app.wire_commands import add_wire_commands
@@ -75,6 +76,7 @@ add_linearise_command(app)
 add_paper_commands(app)
 add_calibrate_command(app)
 add_sweep_command(app)
+add_robustness_command(app)
 add_design_commands(app)
 add_export_commands(app)
 add_protection_command(app)

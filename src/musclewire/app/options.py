@@ -183,6 +183,17 @@ RUNS_PER_CHUNK = option("--runs-per-chunk", help="Runs evaluated together and ke
 RETRIES = option("--retries", help="How often a chunk is begun again whose worker has died.", min=0)
 PLAN = option("--plan", help="Check the study, say what it would run, and exit.")
 
+# Estimators and controllers under disturbance.
+TUNING = option("--tuning", help="The wires that are for tuning, and not those whose figures are reported.")
+CONDITION = option("--condition", help="A condition by name; --list shows them. Repeatable.", metavar="NAME")
+TRACK = option(
+    "--track", help="A reference that the wire follows, by name; --list shows them. Repeatable.", metavar="NAME"
+)
+ESTIMATORS = option("--estimators", help="An estimator to compare, by name. Repeatable.", metavar="NAME")
+CONTROLLERS = option(
+    "--controllers", help="A controller to compare, by name; 'none' for no closed loops. Repeatable.", metavar="NAME"
+)
+
 # Parts to design.
 STIFFNESS = quantity("--stiffness", "N/m", "Size a part of this stiffness, as '386.2 N/m'.")
 STROKE = quantity("--stroke", "m", "Contraction of the wire, as '1.05 mm'.")

@@ -1,0 +1,159 @@
+"""What the benchmark has computed, in a folder, by content: the same wire, settings and sources are not run twice."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import musclewire
+from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
+from musclewire.rigs.simulated_configuration import changed_group
+from musclewire.signals.whole_files import write_text_whole
+from musclewire.studies.robustness.characterising import UsersKnowledge, characterised
+from musclewire.studies.robustness.population import PopulationWire, drawn_wire
+from musclewire.studies.robustness.recorded_run import RecordedRun
+from musclewire.studies.robustness.recording_runs import record_run
+from musclewire.studies.robustness.settings import Condition, settings
+from musclewire.wire.building import constants_from
+from musclewire.wire.constants import WireConstants
+
+__all__ = ["FOLDER", "BenchmarkRun", "Store", "digest", "runs_of", "sources", "users_wire"]
+
+# Where runs are kept by default.
+FOLDER = Path("robustness")
+# Sources that a characterisation and a recorded run depend on; an estimator is not among them.
+OF_RUNS = (
+    *("physics", "wire", "rigs/segmented", "rigs/guarded.py", "identify", "controllers/protection"),
+    *("sensing/fitting.py", "sensing/polynomial_fit.py", "sensing/segments.py", "sensing/curve.py", "sensing/model.py"),
+    *("sensing/model_file.py", "sensing/turning_points.py", "sensing/resistance_maximum.py", "sensing/smoothing.py"),
+    *("experiment/open_loop.py", "experiment/run.py", "parameters/data/wires", "parameters/data/alloys"),
+    *("parameters/data/benches", "parameters/data/priors", "studies/robustness/characterising.py"),
+    *("studies/robustness/disturbances.py", "studies/robustness/plant.py", "studies/robustness/references.py"),
+    *("studies/robustness/recording_runs.py",),
+)
+
+
+class BenchmarkRun(NamedTuple):
+    """A recorded run with all that its user knows.
+
+    Parameters
+    ----------
+    run
+        The recorded run.
+    knowledge
+        Model, wire file and stroke, as the user has them.
+    wire
+        The constants of the user's wire file on his load.
+    condition
+        The condition.
+    """
+
+    run: RecordedRun
+    knowledge: UsersKnowledge
+    wire: WireConstants | None
+    condition: Condition
+
+
+class Store:
+    """A folder of characterised wires, recorded runs and what was found with them."""
+
+    def __init__(self, folder: Path) -> None:
+        """Use a folder; it is made when something is kept in it."""
+        self._folder = folder
+        self._known: dict[int, UsersKnowledge] = {}
+
+    def knowledge(self, wire: PopulationWire) -> UsersKnowledge:
+        """Return what the user of a wire knows, characterised now or before."""
+        if wire.seed not in self._known:
+            self._known[wire.seed] = characterised(wire, self._of(wire))
+        return self._known[wire.seed]
+
+    def run(self, wire: PopulationWire, condition: Condition, reference: str) -> RecordedRun:
+        """Return a recorded run, recorded now or before."""
+        knowledge = self.knowledge(wire)
+        path = self._of(wire) / f"{digest(repr(condition), reference, repr(settings().run))}.npz"
+        if not path.exists():
+            record_run(wire, condition, reference, knowledge).save(path)
+        return RecordedRun.load(path)
+
+    def kept_answer(self, wire: PopulationWire, name: str) -> Any:
+        """Return plain data that was kept under a name; None if there is none, or an unreadable rest of it."""
+        path = self._of(wire) / f"{name}.json"
+        try:
+            return json.loads(path.read_text("utf-8"))
+        except (FileNotFoundError, ValueError):
+            return None
+
+    def keep_answer(self, wire: PopulationWire, name: str, data: Any) -> None:
+        """Keep plain data under a name."""
+        self._of(wire).mkdir(parents=True, exist_ok=True)
+        write_text_whole(self._of(wire) / f"{name}.json", json.dumps(data))
+
+    def _of(self, wire: PopulationWire) -> Path:
+        """Return the folder of a wire: it is named by all that makes its characterisation."""
+        known = settings()
+        made_of = digest(sources(*OF_RUNS), repr(wire), repr(known.rig), repr(known.characterisation))
+        return self._folder / "wires" / f"{wire.seed}-{made_of}"
+
+
+def digest(*texts: str) -> str:
+    """Return a short hash of texts."""
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()[:12]
+
+
+@cache
+def sources(*places: str) -> str:
+    """Return a short hash of the sources and data in some folders and files of the package."""
+    package = Path(musclewire.__file__).parent
+    found = hashlib.sha256()
+    for place in places:
+        path = package / place
+        files = sorted(path.rglob("*")) if path.is_dir() else [path]
+        for file in files:
+            if file.suffix in (".py", ".toml", ".csv", ".json"):
+                found.update(file.relative_to(package).as_posix().encode())
+                found.update(file.read_bytes())
+    return found.hexdigest()[:12]
+
+
+def users_wire(knowledge: UsersKnowledge) -> WireConstants | None:
+    """Return the constants of a user's wire file on the load that his rig states."""
+    if knowledge.wire_file is None:
+        return None
+    name = str(knowledge.wire_file)
+    bench = changed_group(load_bench("paper"), bench_known_with(name), f"wire file {name}")
+    spool = load_wire(name)
+    return constants_from(load_alloy(spool.alloy), spool, bench)
+
+
+def runs_of(seed: int, condition: str, reference: str, folder: str | Path = FOLDER) -> BenchmarkRun:
+    """Return a recorded run of the population with what its user knows, as estimators are tuned and judged on.
+
+    Parameters
+    ----------
+    seed
+        Seed of the wire; tuning takes those of ``tuning_seeds``.
+    condition
+        Name of a condition, "none" for an undisturbed run.
+    reference
+        "staircase", "random steps", "sines" or "minor loops".
+    folder
+        Where wires and runs are kept.
+
+    Returns
+    -------
+    The run and the knowledge.
+
+    Raises
+    ------
+    CallerError
+        For an unknown condition or reference.
+    """
+    (found,) = settings().conditions((condition,))
+    wire, store = drawn_wire(seed), Store(Path(folder))
+    run = store.run(wire, found, reference)
+    knowledge = store.knowledge(wire)
+    return BenchmarkRun(run, knowledge, users_wire(knowledge), found)

@@ -1,0 +1,51 @@
+"""``musclewire robustness``: a table, its files, exit code 1 for a missed bar, and a run that goes on."""
+
+import json
+
+import pytest
+
+from musclewire.app.main import run
+
+ONE = ("--condition", "load +50 %", "--track", "sines", "--controllers", "none", "--workers", "1")
+
+
+@pytest.fixture
+def one_wire(monkeypatch):
+    """The benchmark with one wire, so that it takes seconds."""
+    from musclewire.studies.robustness import benchmark
+
+    monkeypatch.setattr(benchmark, "held_out_seeds", lambda: (102,))
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("one_wire")
+def test_a_missed_bar_ends_with_1_and_is_named(tmp_path, capsys):
+    assert run(["robustness", "-o", str(tmp_path / "out"), "--json", *ONE]) == 1
+    found = json.loads(capsys.readouterr().out)
+    row = next(row for row in found["rows"] if row["estimator"] == "polynomial")
+    assert row["disturbance"] == "load"
+    assert row["level"] == "+50 %"
+    assert row["controller"] is None
+    assert 1.0 < row["estimate_rms_pct"] < 8.0
+    assert "load +50 %: error" in found["missed"]
+    assert found["seeds"] == [102]
+    assert "<svg" in (tmp_path / "out" / "report.html").read_text("utf-8")
+    assert (tmp_path / "out" / "rows.csv").read_text("utf-8").startswith("disturbance,level,estimator")
+    kept = sorted((tmp_path / "out" / "wires").rglob("*.npz"))
+    times = [file.stat().st_mtime_ns for file in kept]
+    assert run(["robustness", "-o", str(tmp_path / "out"), "--json", *ONE]) == 1
+    again = json.loads(capsys.readouterr().out)
+    assert again["rows"] == found["rows"]
+    assert [file.stat().st_mtime_ns for file in kept] == times
+
+
+def test_the_names_can_be_listed(capsys):
+    assert run(["robustness", "--list", "--json"]) == 0
+    known = json.loads(capsys.readouterr().out)
+    assert "load -50 %" in known["conditions"]
+    assert "polynomial" in known["estimators"]
+
+
+def test_an_unknown_condition_is_one_line_and_2(tmp_path, capsys):
+    assert run(["robustness", "--condition", "load +51 %", "-o", str(tmp_path)]) == 2
+    assert "load +50 %" in capsys.readouterr().err

@@ -1,0 +1,192 @@
+"""The benchmark's parts: what is drawn, what is disturbed, how it is scored and judged."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.errors import CallerError
+from musclewire.studies.robustness import Selection, held_out_seeds, tuning_seeds
+from musclewire.studies.robustness.bars import bars
+from musclewire.studies.robustness.benchmark import chosen_by, ranges
+from musclewire.studies.robustness.disturbances import Disturbance
+from musclewire.studies.robustness.jobs import Answer, Job, job_of_plain
+from musclewire.studies.robustness.population import drawn_wire
+from musclewire.studies.robustness.references import REFERENCES, reference_targets, start_up
+from musclewire.studies.robustness.rows import estimator_rows
+from musclewire.studies.robustness.scoring import Score, judged_from_s, pooled
+from musclewire.studies.robustness.settings import settings
+from musclewire.studies.robustness.verdicts import Verdict, effective_bar_pct, verdicts_of
+
+
+def condition(name):
+    (found,) = settings().conditions((name,))
+    return found
+
+
+def test_the_population_is_what_the_issue_asks_for():
+    wires = [drawn_wire(seed) for seed in held_out_seeds()]
+    assert len(wires) >= 20
+    assert len({wire.base for wire in wires}) == 3
+    assert sum(wire.segments >= 10 for wire in wires) * 2 >= len(wires)
+    for base in {wire.base for wire in wires}:
+        mine = [wire for wire in wires if wire.base == base]
+        assert len({wire.bench.pretension_n.value for wire in mine}) >= 3
+        assert {wire.segments > 1 for wire in mine} == {False, True}
+    assert not set(held_out_seeds()) & set(tuning_seeds())
+
+
+def test_a_seed_makes_one_wire_and_another_seed_another():
+    again = drawn_wire.__wrapped__(101)
+    assert again.alloy == drawn_wire(101).alloy
+    assert again.wire == drawn_wire(101).wire
+    assert drawn_wire(101).wire.temperature_shift_k != drawn_wire(107).wire.temperature_shift_k
+
+
+def test_spreads_are_those_of_the_settings():
+    wires = [drawn_wire(seed) for seed in range(600, 900, 3)]
+    shifts = np.array([wire.wire.temperature_shift_k.value for wire in wires])
+    ratios = np.array([wire.wire.resistivity_factor.value for wire in wires])
+    # A normal distribution cut off at two standard deviations has 0.954 of them, with hits at the ends of the cut.
+    assert np.std(shifts) == pytest.approx(0.96 * 5.0, rel=0.2)
+    assert np.std(ratios) / np.mean(ratios) == pytest.approx(0.96 * 0.03, rel=0.2)
+
+
+@given(st.sampled_from(sorted(REFERENCES)), st.integers(0, 200), st.floats(0.03, 0.05))
+def test_targets_stay_inside_of_the_usable_range(name, seed, stroke):
+    run = settings().run
+    times = np.arange(0.0, run.reference_s, 0.05)
+    targets = reference_targets(name, times, stroke, seed)
+    assert targets.shape == times.shape
+    assert targets.min() >= run.usable_low * stroke
+    assert targets.max() <= run.usable_high * stroke
+
+
+def test_an_unknown_reference_suggests_the_nearest():
+    with pytest.raises(CallerError, match="minor loops"):
+        reference_targets("minor loop", np.array([0.0]), 0.04, 1)
+
+
+def test_the_start_up_loop_ends_at_the_first_target():
+    times = np.linspace(0.0, 8.0, 161)
+    found = start_up(times, 0.04, 0.012, 8.0)
+    assert found[0] == 0.0
+    assert found[-1] == pytest.approx(0.012)
+    assert found.max() > 0.9 * 0.04
+
+
+def test_a_change_comes_as_a_ramp_of_a_second():
+    wire = drawn_wire(102)
+    disturbed = Disturbance(wire, condition("load +50 %"), settings().run)
+    disturbed.change_at(20.0)
+    half = 0.5 * wire.bench.pretension_n.value
+    assert disturbed(19.0).load_force_n == 0.0
+    assert disturbed(20.5).load_force_n == pytest.approx(0.5 * half)
+    assert disturbed(30.0).load_force_n == pytest.approx(half)
+    assert disturbed(30.0).stiffness_factor == 1.0
+
+
+def test_a_drift_takes_its_time_and_is_there_at_once_before_a_home_move():
+    wire, run = drawn_wire(102), settings().run
+    slow = Disturbance(wire, condition("R +1 %"), run)
+    slow.change_at(10.0)
+    assert slow(10.0 + 0.5 * run.drift_s).resistance_factor == pytest.approx(1.005)
+    assert Disturbance(wire, condition("R +1 %, home"), run)(0.0).resistance_factor == pytest.approx(1.01)
+
+
+def test_draughts_differ_along_a_wire_in_segments():
+    wire = drawn_wire(101)
+    disturbed = Disturbance(wire, condition("draughts 0.25"), settings().run)
+    disturbed.change_at(0.0)
+    for time_s in np.arange(0.0, 3.0, 0.05):
+        found = disturbed(float(time_s))
+    along = np.asarray(found.convection_factor)
+    assert along.shape == (wire.segments,)
+    assert np.ptp(along) > 0.0
+
+
+def test_when_a_condition_counts_from():
+    run = settings().run
+    assert judged_from_s(condition("none"), run) == 0.0
+    assert judged_from_s(condition("h x3"), run) == run.change_at_s
+    assert judged_from_s(condition("k x2"), run) == run.change_at_s + 10.0
+    assert judged_from_s(condition("T +5 K"), run) == run.change_at_s + run.drift_s
+    assert judged_from_s(condition("T +5 K, home"), run) == 0.0
+
+
+def test_a_score_is_the_root_mean_square_of_its_errors():
+    errors = np.array([0.01, -0.02, 0.06])
+    score = Score(samples=3, squares=float(errors @ errors), valid=2, wrong=1, within=1)
+    assert score.rms_pct == pytest.approx(100.0 * math.sqrt(np.mean(errors**2)))
+    assert score.beyond_5_share == pytest.approx(1 / 3)
+    assert score.coverage == pytest.approx(0.5)
+    assert Score().rms_pct is None
+
+
+@given(st.lists(st.tuples(st.integers(1, 50), st.floats(0.0, 1.0)), min_size=1, max_size=5))
+def test_pooled_scores_are_the_score_of_all_samples(parts):
+    total = pooled(Score(samples=count, squares=count * square) for count, square in parts)
+    expected = sum(count * square for count, square in parts) / sum(count for count, _ in parts)
+    assert total.rms_pct == pytest.approx(100.0 * math.sqrt(expected))
+
+
+def answer(seed, error, gap_pct=1.0, name="none"):
+    squares = 100 * (error / 100.0) ** 2
+    score = Score(samples=100, squares=squares, valid=100, within=95)
+    job = Job(seed, name, ("sines",), ("polynomial",), ())
+    return Answer(job, gap_pct, 1, {"polynomial": score}, {}, (), {}, {})
+
+
+def test_a_wire_with_a_large_gap_has_a_larger_bar():
+    (row,) = estimator_rows([answer(101, 0.5), answer(102, 2.0, gap_pct=8.0)], [condition("none")], bars())
+    assert row.counted_pct == pytest.approx(0.5)
+    assert row.score.rms_pct == pytest.approx(math.sqrt(0.5 * (0.25 + 4.0)))
+
+
+def test_a_bar_below_a_share_of_the_polynomials_row_is_set_to_that():
+    assert effective_bar_pct(0.6, 0.8, bars()) == 0.6
+    assert effective_bar_pct(0.6, 2.0, bars()) == pytest.approx(1.2)
+
+
+def test_a_missed_bar_is_named():
+    rows = estimator_rows([answer(101, 3.0), answer(102, 0.1)], [condition("none")], bars())
+    found = {verdict.name: verdict for verdict in verdicts_of(rows, (), bars())}
+    assert not found["error"].holds
+    assert not found["error of the worst wire, 101"].holds
+    assert found["95 % intervals hold"].holds
+
+
+def test_a_number_that_was_not_found_misses_its_bar():
+    assert not Verdict("error", "none", None, None, 1.0, "%").holds
+    assert Verdict("error", "none", 1.0, 0.5, 1.0, "%").holds
+
+
+def test_an_answer_is_what_was_kept_of_it():
+    found = answer(101, 0.5)
+    assert Answer.of_plain(found.plain()) == found
+    assert job_of_plain([1, "none", ["sines"], ["polynomial"], [["polynomial", "fuzzy-pid"]]]).loops == (
+        ("polynomial", "fuzzy-pid"),
+    )
+
+
+def test_what_is_chosen_is_checked():
+    with pytest.raises(CallerError, match="load"):
+        chosen_by(Selection(conditions=("load +60 %",)), bars())
+    with pytest.raises(CallerError, match="polynomial"):
+        chosen_by(Selection(estimators=("polynomail",)), bars())
+    with pytest.raises(CallerError, match="fuzzy-pid"):
+        chosen_by(Selection(controllers=("fuzzy-pit",)), bars())
+    assert chosen_by(Selection(controllers=()), bars()).loops == ()
+    assert chosen_by(Selection(quick=True), bars()).seeds == settings().population.quick_seeds
+
+
+def test_every_condition_has_a_bar_and_every_name_once():
+    names = [item.name for item in settings().condition]
+    assert len(names) == len(set(names))
+    assert {item.bar for item in settings().condition} == {row.bar for row in bars().row}
+
+
+def test_ranges_of_seeds():
+    assert ranges([101, 102, 103, 7]) == "7, 101-103"
