@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 from pydantic import Field
 
+from musclewire.errors import NumericsError
 from musclewire.physics.heat import (
     air_thermal_conductivity_w_per_m_k,
     nusselt_morgan,
@@ -74,11 +75,12 @@ class Body(NamedTuple):
 
 
 class Point(NamedTuple):
-    """Temperature [K], stress [Pa] and the fraction of martensite."""
+    """Temperature [K], stress [Pa], fraction of martensite, and the shift of all changes when it was reached [K]."""
 
     temperature_k: float
     stress_pa: float
     martensite: float
+    shift_k: float = 0.0
 
 
 @njit(cache=True)
@@ -102,12 +104,12 @@ def martensite_after(before, temperature_k, stress_pa, shift_k, material):
     """Return the fraction of martensite after a temperature and a stress: each cosine begins at the one before."""
     m = material
     fraction = before.martensite
-    old_k = before.temperature_k - before.stress_pa / m.austenite_rate_pa_per_k - shift_k
+    old_k = before.temperature_k - before.stress_pa / m.austenite_rate_pa_per_k - before.shift_k
     new_k = temperature_k - stress_pa / m.austenite_rate_pa_per_k - shift_k
     left = shrunk(old_k, m)
     if new_k > old_k and fraction > 0.0:
         fraction = fraction * shrunk(new_k, m) / left if left > 0.0 else 0.0
-    old_k = before.temperature_k - before.stress_pa / m.martensite_rate_pa_per_k - shift_k
+    old_k = before.temperature_k - before.stress_pa / m.martensite_rate_pa_per_k - before.shift_k
     new_k = temperature_k - stress_pa / m.martensite_rate_pa_per_k - shift_k
     left = grown(old_k, m)
     if new_k < old_k and fraction < 1.0:
@@ -163,18 +165,21 @@ def stress_at(before, temperature_k, shift_k, body, material):
 def point_at(before, temperature_k, shift_k, body, material):
     """Return the wire at a temperature, in balance with its load."""
     stress_pa = stress_at(before, temperature_k, shift_k, body, material)
-    return Point(temperature_k, stress_pa, martensite_after(before, temperature_k, stress_pa, shift_k, material))
+    martensite = martensite_after(before, temperature_k, stress_pa, shift_k, material)
+    return Point(temperature_k, stress_pa, martensite, shift_k)
 
 
 @njit(cache=True)
 def heated(before, heat_j, shift_k, body, material):
     """Return the wire after a heat [J]: capacity and latent heat take it; false position in temperature."""
     start_k = before.temperature_k
-    far_k = start_k + heat_j / body.capacity_j_per_k  # without latent heat: the root lies on the way there
-    near_k, near_j = start_k, -heat_j
-    far = point_at(before, far_k, shift_k, body, material)
-    far_j = -body.latent_j * (far.martensite - before.martensite)
-    found = far
+    found = point_at(before, start_k, shift_k, body, material)  # a load that has jumped transforms the wire at once
+    near_k, near_j = start_k, -body.latent_j * (found.martensite - before.martensite) - heat_j
+    if abs(near_j) < 1e-9:
+        return found
+    far_k = near_k - near_j / body.capacity_j_per_k  # latent heat only brings the root nearer
+    found = point_at(before, far_k, shift_k, body, material)
+    far_j = body.capacity_j_per_k * (far_k - start_k) - body.latent_j * (found.martensite - before.martensite) - heat_j
     for _ in range(100):
         if abs(far_j) < 1e-9 or near_j == far_j:
             break
@@ -285,7 +290,7 @@ class LiangRogersWire:
             force_n=self.pretension_n,
             spring_n_per_m=of.spring_stiffness,
         )
-        self.point = Point(of.ambient_temperature, stress_pa, 1.0)
+        self.point = Point(of.ambient_temperature, stress_pa, 1.0, 0.0)
         self.drive_voltage_v, self.samples, self.is_off = 0.0, 0, False
         self.true_time_s = self.cycles = self.mean_strain = 0.0
         self.facts = DeviceFacts(
@@ -326,6 +331,8 @@ class LiangRogersWire:
             return SWITCHED_OFF
         of, now = self.of, self.conditions(self.samples * self.of.sample_period)
         ambient_k = of.ambient_temperature if now.ambient_k is None else now.ambient_k
+        if not np.isfinite([ambient_k, float(np.mean(now.convection_factor)), *now[2:]]).all():
+            raise NumericsError(f"at {self.true_time_s:.2f} s these conditions are no numbers: {now}")
         duration_s = self.instruments.duration_s()
         steps = math.ceil(duration_s / STEP_S * (1.0 - 1e-9))
         means = self.advanced(now, ambient_k, steps, duration_s / steps)
