@@ -14,6 +14,7 @@ from musclewire.experiment.metrics import ControlRun, StepMetrics
 from musclewire.experiment.staircases import staircase_within
 from musclewire.rigs.abilities import required_true_state
 from musclewire.sensing.model import SensingModel
+from musclewire.studies.robustness.homing import homed
 from musclewire.studies.robustness.plant import Plant, open_plant
 from musclewire.studies.robustness.population import PopulationWire
 from musclewire.studies.robustness.scoring import judged_from_s
@@ -109,6 +110,10 @@ def run_loop(
     run = settings().run
     plant = open_plant(wire, condition, run=RUN_NUMBER)
     with plant.rig as rig:
+        try:
+            model = homed(plant, condition, model).model
+        except RigError as error:
+            return ended_in_home(error)
         began_s = required_true_state(rig).wire_state.time_s
         plant.disturbance.change_at(began_s + APPROACH_S + run.change_at_s)
         watched = Watched(plant)
@@ -136,6 +141,11 @@ def run_loop(
         watched.mean_k,
         watched.hottest_k,
     )
+
+
+def ended_in_home(error: RigError) -> LoopOutcome:
+    """Return the outcome of a loop that did not begin, because the protection ended its home move."""
+    return LoopOutcome(None, None, None, None, None, " ".join(str(error).split()), 0.0, 1.0, 0.0, 0.0)
 
 
 def step_errors(run: ControlRun, from_s: float) -> tuple[float | None, float | None, float | None]:

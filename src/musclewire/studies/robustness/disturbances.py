@@ -56,6 +56,10 @@ class Disturbance:
         """Return the resistance of the leads at a time [s]."""
         return self._condition.lead_ohm * self.drift_level(time_s)
 
+    def ambient_k(self, time_s: float) -> float:
+        """Return the temperature of the air at a time [K]."""
+        return self._ambient_k + self.drift_level(time_s) * self._condition.ambient_k
+
     def __call__(self, time_s: float) -> Conditions:
         """Return what is around the wire at a time on the rig's clock [s]."""
         of, level, drifted = self._condition, self.level(time_s), self.drift_level(time_s)
@@ -64,7 +68,7 @@ class Disturbance:
         if self._draughts is not None:
             along = convection * (1.0 + level * (np.asarray(self._draughts(time_s).convection_factor) - 1.0))
         return Conditions(
-            ambient_k=self._ambient_k + drifted * of.ambient_k,
+            ambient_k=self.ambient_k(time_s),
             convection_factor=along,
             load_force_n=level * of.load_fraction * self._pretension_n,
             stiffness_factor=of.stiffness_factor**level,

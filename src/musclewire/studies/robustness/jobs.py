@@ -68,6 +68,8 @@ class Answer(NamedTuple):
         Why recorded runs ended early, by the reference.
     force
         Score of the force at the known load, of the force at the full stroke as 100 %; by the estimator's name.
+    home_moves
+        What became of each home move, by the reference.
     """
 
     job: Job
@@ -78,6 +80,7 @@ class Answer(NamedTuple):
     loops: tuple[LoopOutcome, ...]
     ended: dict[str, str]
     force: dict[str, Score]
+    home_moves: dict[str, str]
 
     def plain(self) -> dict[str, Any]:
         """Return it as plain data, which ``of_plain`` reads."""
@@ -132,21 +135,23 @@ def computed(job: Job, store: Store) -> Answer:
     wire, times = drawn_wire(job.seed), settings().run
     knowledge = store.knowledge(wire)
     own = users_wire(knowledge)
-    runs = [store.run(wire, condition, reference) for reference in job.references]
+    recorded = [store.run(wire, condition, reference) for reference in job.references]
+    runs = [(run, knowledge._replace(model=model)) for run, model in recorded if run.time_s.size]
     scores: dict[str, Score] = {}
     problems: dict[str, str] = {}
     force: dict[str, Score] = {}
     for name in job.estimators:
         try:
-            found = [estimated(run, knowledge.model, name, own) for run in runs]
+            found = [estimated(run, users.model, name, own) for run, users in runs]
         except MusclewireError as error:
             problems[name] = " ".join(str(error).split())
             continue
         scores[name] = pooled(
-            score_of(run, answers, condition, knowledge, times) for run, answers in zip(runs, found, strict=True)
+            score_of(run, answers, condition, users, times) for (run, users), answers in zip(runs, found, strict=True)
         )
         if not condition.changes_load:  # otherwise the load is not known
-            force[name] = pooled(force_score(run, name, condition, knowledge, times, own) for run in runs)
+            force[name] = pooled(force_score(run, name, condition, users, times, own) for run, users in runs)
     loops = tuple(run_loop(wire, condition, knowledge.model, *pair, own) for pair in job.loops)
-    ended = {run.reference: run.ended for run in runs if run.ended}
-    return Answer(job, knowledge.gap_pct, wire.segments, scores, problems, loops, ended, force)
+    ended = {run.reference: run.ended for run, _ in recorded if run.ended}
+    moves = {run.reference: run.home for run, _ in recorded if run.home}
+    return Answer(job, knowledge.gap_pct, wire.segments, scores, problems, loops, ended, force, moves)

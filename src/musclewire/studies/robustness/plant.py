@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.parameter_groups import Wire
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.segmented.device import SegmentedDevice, SegmentedSpool
@@ -40,12 +41,14 @@ class Plant:
         The guarded rig.
     disturbance
         What changes.
+    seed
+        Seed of the run.
     """
 
     def __init__(self, device: SegmentedDevice, disturbance: Disturbance, lead_drifts: bool, seed: int) -> None:
         """Guard the device."""
         self.rig, self.disturbance = GuardedRig(device), disturbance
-        self._device, self._lead_drifts, self._seed = device, lead_drifts, seed
+        self._device, self._lead_drifts, self.seed = device, lead_drifts, seed
         self._instruments, self._leads = device.instruments, 0
 
     def before_sample(self) -> None:
@@ -56,7 +59,7 @@ class Plant:
         if time_s >= self._leads * LEAD_EVERY_S:
             self._leads += 1
             changed = self._instruments._replace(lead_resistance_ohm=self.disturbance.lead_ohm(time_s))
-            self._device.exchange_instruments(changed, self._seed * LEADS_PER_RUN + self._leads)
+            self._device.exchange_instruments(changed, self.seed * LEADS_PER_RUN + self._leads)
 
 
 def open_plant(wire: PopulationWire, condition: Condition = AS_CHARACTERISED, *, run: int = 0) -> Plant:
@@ -83,7 +86,7 @@ def open_plant(wire: PopulationWire, condition: Condition = AS_CHARACTERISED, *,
     disturbance = Disturbance(wire, condition, known.run)
     instruments = instruments_of(wire, condition, disturbance, largest_shunt_v(wire, allowed_v))
     seed = RUNS_PER_WIRE * wire.seed + run
-    limits = limits_of_user(spool, instruments, condition)
+    limits = limits_of_user(wire, instruments, condition)
     device = SegmentedDevice(spool, conditions=disturbance, instruments=instruments, seed=seed, limits=limits)
     return Plant(device, disturbance, condition.lead_ohm > 0.0 and not condition.home, seed)
 
@@ -93,13 +96,21 @@ def allowing(wire: Wire, maximum_v: float) -> Wire:
     return wire.model_copy(update={"maximum_voltage_v": wire.maximum_voltage_v.model_copy(update={"value": maximum_v})})
 
 
-def limits_of_user(spool: SegmentedSpool, instruments: InstrumentSettings, condition: Condition) -> dict[str, float]:
-    """Return the limits of the protection that the user of this rig has set: for moving air, and coarse readings."""
+def limits_of_user(wire: PopulationWire, instruments: InstrumentSettings, condition: Condition) -> dict[str, float]:
+    """Return the limits of the protection that the user has set: by the wire he believes to have."""
     known = settings().rig
-    usual = SegmentedDevice(spool, instruments=instruments).facts.limits
-    found = {"heat_loss_w_per_k": known.heat_loss_ratio * usual.heat_loss_w_per_k}
-    coarse = condition.bits is not None or condition.noise_factor > 1.0
-    return found | ({"jump_share": known.noisy_jump_fraction} if coarse else {})
+    named = load_wire(wire.base)
+    believed = SegmentedDevice(SegmentedSpool(named, load_alloy(named.alloy), wire.bench), instruments=instruments)
+    usual = believed.facts.limits
+    found = {
+        "heat_capacity_j_per_k": usual.heat_capacity_j_per_k,
+        "heat_loss_w_per_k": usual.heat_loss_w_per_k,
+    }
+    if condition.convection_factor > 1.0 or condition.draughts:
+        found["maximum_temperature_k"] = known.moving_air_limit_k
+    if condition.bits is not None or condition.noise_factor > 1.0:
+        found["jump_share"] = known.noisy_jump_fraction
+    return found
 
 
 def instruments_of(

@@ -46,6 +46,10 @@ class RecordedRun:
         How much of the change is there, 0 to 1, (n_samples,).
     ended
         Why the run ended before its end; "" if it did not.
+    home
+        What became of the home move before it; "" without one.
+    facts
+        Numbers of the rig by name.
     """
 
     seed: int
@@ -63,12 +67,13 @@ class RecordedRun:
     target: FloatArray
     change_level: FloatArray
     ended: str = ""
+    home: str = ""
     facts: dict[str, float] = field(default_factory=dict)
 
     def save(self, path: Path) -> None:
         """Write all arrays, whole or not at all."""
         arrays: dict[str, Any] = {key: value for key, value in self.__dict__.items() if isinstance(value, np.ndarray)}
-        plain = np.array([self.condition, self.reference, self.ended])
+        plain = np.array([self.condition, self.reference, self.ended, self.home])
 
         def write(part: Path) -> None:
             with part.open("wb") as file:
@@ -89,6 +94,6 @@ class RecordedRun:
         with np.load(path) as data:
             arrays = {name: data[name] for name in data.files}
         seed = int(arrays.pop("seed"))
-        condition, reference, ended = arrays.pop("plain").tolist()
+        condition, reference, ended, home = arrays.pop("plain").tolist()
         facts = dict(zip(arrays.pop("facts_names").tolist(), arrays.pop("facts").tolist(), strict=True))
-        return RecordedRun(seed, condition, reference, **arrays, ended=ended, facts=facts)
+        return RecordedRun(seed, condition, reference, **arrays, ended=ended, home=home, facts=facts)

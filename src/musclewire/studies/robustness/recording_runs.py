@@ -6,15 +6,19 @@ run is recorded once, and every estimator is run over its samples.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import RigError
+from musclewire.errors import NumericsError, RigError
 from musclewire.rigs.abilities import required_true_state
 from musclewire.rigs.protocol import Rig
+from musclewire.sensing.model import SensingModel
 from musclewire.signals.exchange import RawSample
 from musclewire.studies.robustness.characterising import UsersKnowledge
 from musclewire.studies.robustness.disturbances import AS_CHARACTERISED
+from musclewire.studies.robustness.homing import homed
 from musclewire.studies.robustness.plant import Plant, open_plant
 from musclewire.studies.robustness.population import PopulationWire
 from musclewire.studies.robustness.recorded_run import RecordedRun
@@ -50,11 +54,18 @@ class StrainServo:
         return float(np.sqrt(inside))
 
 
-def record_run(wire: PopulationWire, condition: Condition, reference: str, knowledge: UsersKnowledge) -> RecordedRun:
-    """Return the run of a wire along a reference under a condition."""
+def record_run(
+    wire: PopulationWire, condition: Condition, reference: str, knowledge: UsersKnowledge
+) -> tuple[RecordedRun, SensingModel]:
+    """Return the run of a wire along a reference under a condition, and the user's model after any home move."""
     plant = open_plant(wire, condition, run=10 + list(REFERENCES).index(reference))
     with plant.rig:
-        return followed(plant, wire, condition, reference, knowledge)
+        try:
+            model, outcome = homed(plant, condition, knowledge.model)
+        except RigError as error:
+            raise NumericsError(f"wire {wire.name}, {condition.name}: the home move was ended: {error}") from None
+        run = followed(plant, wire, condition, reference, knowledge)
+    return replace(run, home=outcome), model
 
 
 class Rows:

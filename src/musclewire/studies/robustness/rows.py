@@ -63,6 +63,8 @@ class EstimatorRow:
         Why it could not be run on some wire; "" if it could.
     ended
         Number of recorded runs that the protection has ended.
+    refused
+        Number of home moves that were refused.
     """
 
     condition: Condition
@@ -72,6 +74,7 @@ class EstimatorRow:
     wires: tuple[WireError, ...]
     problem: str
     ended: int
+    refused: int = 0
 
     @property
     def counted_pct(self) -> float | None:
@@ -182,6 +185,7 @@ def estimator_row(condition: Condition, name: str, answers: Sequence[Answer], ba
         wires,
         next((one.problems[name] for one in answers if name in one.problems), ""),
         sum(len(one.ended) for one in answers),
+        sum(move.startswith("refused") for one in answers for move in one.home_moves.values()),
     )
 
 

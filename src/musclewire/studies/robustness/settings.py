@@ -100,7 +100,7 @@ class RigSettings(Strict):
     maximum_voltage_ratio: float = Field(ge=1.0)
     board_voltage_ratio: float = Field(ge=1.0)
     noisy_jump_fraction: float = Field(gt=0.0, lt=1.0)
-    heat_loss_ratio: float = Field(ge=1.0)
+    moving_air_limit_k: float = Field(gt=0.0)
 
 
 class RunSettings(Strict):
@@ -178,6 +178,8 @@ class Condition(Strict):
         Whether all of it comes slowly.
     home
         Whether what can drift is there from the beginning and a home move comes before everything else.
+    thermometer
+        Whether the home move knows the temperature of the air.
     flag_s
         Time [s] within which a flag has to come; None if none is asked for.
     """
@@ -203,6 +205,7 @@ class Condition(Strict):
     contact_fraction: float = Field(default=0.0, ge=0.0)
     drift: bool = False
     home: bool = False
+    thermometer: bool = False
     flag_s: float | None = Field(default=None, gt=0.0)
 
     @property

@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import musclewire
 from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
 from musclewire.rigs.simulated_configuration import changed_group
+from musclewire.sensing import load_model
+from musclewire.sensing.model import SensingModel
 from musclewire.signals.whole_files import write_text_whole
 from musclewire.studies.robustness.characterising import UsersKnowledge, characterised
 from musclewire.studies.robustness.population import PopulationWire, drawn_wire
@@ -24,15 +26,19 @@ __all__ = ["FOLDER", "BenchmarkRun", "Store", "digest", "runs_of", "sources", "u
 
 # Where runs are kept by default.
 FOLDER = Path("robustness")
-# Sources that a characterisation and a recorded run depend on; an estimator is not among them.
-OF_RUNS = (
+# Sources that a characterisation depends on, and those that a recorded run depends on in addition; an estimator is in
+# neither.
+OF_WIRES = (
     *("physics", "wire", "rigs/segmented", "rigs/guarded.py", "identify", "controllers/protection"),
     *("sensing/fitting.py", "sensing/polynomial_fit.py", "sensing/segments.py", "sensing/curve.py", "sensing/model.py"),
     *("sensing/model_file.py", "sensing/turning_points.py", "sensing/resistance_maximum.py", "sensing/smoothing.py"),
     *("experiment/open_loop.py", "experiment/run.py", "parameters/data/wires", "parameters/data/alloys"),
     *("parameters/data/benches", "parameters/data/priors", "studies/robustness/characterising.py"),
+)
+OF_RUNS = (
+    *("experiment/home.py", "experiment/home_sweep.py", "sensing/home_move.py", "studies/robustness/homing.py"),
     *("studies/robustness/disturbances.py", "studies/robustness/plant.py", "studies/robustness/references.py"),
-    *("studies/robustness/recording_runs.py",),
+    "studies/robustness/recording_runs.py",
 )
 
 
@@ -44,7 +50,7 @@ class BenchmarkRun(NamedTuple):
     run
         The recorded run.
     knowledge
-        Model, wire file and stroke, as the user has them.
+        Model (after any home move), wire file and stroke, as the user has them.
     wire
         The constants of the user's wire file on his load.
     condition
@@ -71,13 +77,18 @@ class Store:
             self._known[wire.seed] = characterised(wire, self._of(wire))
         return self._known[wire.seed]
 
-    def run(self, wire: PopulationWire, condition: Condition, reference: str) -> RecordedRun:
-        """Return a recorded run, recorded now or before."""
+    def run(self, wire: PopulationWire, condition: Condition, reference: str) -> tuple[RecordedRun, SensingModel]:
+        """Return a recorded run, recorded now or before, and the user's model at its beginning."""
         knowledge = self.knowledge(wire)
-        path = self._of(wire) / f"{digest(repr(condition), reference, repr(settings().run))}.npz"
+        made_of = (sources(*OF_RUNS), repr(condition), reference, repr(settings().run))
+        path = self._of(wire) / f"{digest(*made_of)}.npz"
+        model_path = path.with_suffix(".model.json")
         if not path.exists():
-            record_run(wire, condition, reference, knowledge).save(path)
-        return RecordedRun.load(path)
+            run, model = record_run(wire, condition, reference, knowledge)
+            if condition.home:
+                model.save(model_path)
+            run.save(path)  # last: it says that both are there
+        return RecordedRun.load(path), load_model(model_path) if condition.home else knowledge.model
 
     def kept_answer(self, wire: PopulationWire, name: str) -> Any:
         """Return plain data that was kept under a name; None if there is none, or an unreadable rest of it."""
@@ -95,7 +106,7 @@ class Store:
     def _of(self, wire: PopulationWire) -> Path:
         """Return the folder of a wire: it is named by all that makes its characterisation."""
         known = settings()
-        made_of = digest(sources(*OF_RUNS), repr(wire), repr(known.rig), repr(known.characterisation))
+        made_of = digest(sources(*OF_WIRES), repr(wire), repr(known.rig), repr(known.characterisation))
         return self._folder / "wires" / f"{wire.seed}-{made_of}"
 
 
@@ -154,6 +165,6 @@ def runs_of(seed: int, condition: str, reference: str, folder: str | Path = FOLD
     """
     (found,) = settings().conditions((condition,))
     wire, store = drawn_wire(seed), Store(Path(folder))
-    run = store.run(wire, found, reference)
+    run, model = store.run(wire, found, reference)
     knowledge = store.knowledge(wire)
-    return BenchmarkRun(run, knowledge, users_wire(knowledge), found)
+    return BenchmarkRun(run, knowledge._replace(model=model), users_wire(knowledge), found)

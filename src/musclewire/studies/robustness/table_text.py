@@ -18,7 +18,7 @@ COLUMNS = (
     *("flagged_s", "mae_mean_pct", "mae_max_pct", "estimate_rms_new_zero_pct", "estimate_rms_counted_pct"),
     *("one_segment_rms_pct", "segmented_rms_pct", "worst_wire_seed", "worst_wire_rms_pct", "interval_coverage"),
     *("valid_before_b_fraction", "flags_in_time_fraction", "false_flags_per_hour", "force_rms_pct", "mae_first_pct"),
-    *("mae_other_max_pct", "ended_early", "hottest_k", "problem"),
+    *("mae_other_max_pct", "ended_early", "home_moves_refused", "hottest_k", "problem"),
 )
 
 
@@ -46,6 +46,7 @@ def estimator_data(row: EstimatorRow) -> dict[str, Any]:
         "false_flags_per_hour": score.false_flags_per_hour,
         "force_rms_pct": row.force.rms_pct,
         "ended_early": row.ended,
+        "home_moves_refused": row.refused,
         "problem": row.problem,
     }
 

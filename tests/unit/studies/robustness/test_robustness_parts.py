@@ -136,7 +136,7 @@ def answer(seed, error, gap_pct=1.0, name="none"):
     squares = 100 * (error / 100.0) ** 2
     score = Score(samples=100, squares=squares, valid=100, within=95)
     job = Job(seed, name, ("sines",), ("polynomial",), ())
-    return Answer(job, gap_pct, 1, {"polynomial": score}, {}, (), {}, {})
+    return Answer(job, gap_pct, 1, {"polynomial": score}, {}, (), {}, {}, {})
 
 
 def test_a_wire_with_a_large_gap_has_a_larger_bar():
