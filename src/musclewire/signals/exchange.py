@@ -196,6 +196,8 @@ class Reason(IntEnum):
     """The estimator has not seen enough samples yet."""
     UNEXPLAINED = 6
     """No hypothesis of load and air explains the resistance: the wire is not the one that was calibrated."""
+    UNCERTAIN = 7
+    """Explanations that are equally good differ by too much."""
 
 
 class QuantityEstimate(NamedTuple):

@@ -8,30 +8,52 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
+from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.sensing import SensingModel
 from musclewire.sensing.estimator import EstimatorSetup
 from musclewire.sensing.particles.estimator import PARTICLE_COLUMNS, particle_filter
 from musclewire.sensing.particles.settings import ParticleSettings
 from musclewire.signals.exchange import Reason, WireSample
+from musclewire.signals.recording import Recording
+from musclewire.simulate.paths import drive_path
 from musclewire.simulate.wires import CHOSEN, OneWire
 from musclewire.wire.building import constants_from
 
 PERIOD_S = 0.05
 WIRE = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
-MODEL = SensingModel(13.6, 17.6, (0.04, -0.04), (0.039, -0.039), 0.02, 0.98, resistance_noise_ohm=0.003)
 CHANGE_S = 15.0
 STROKE = 0.038
+
+
+def fitted() -> SensingModel:
+    """The model of this wire, from a slow loop without noise."""
+    time_s = PERIOD_S * np.arange(1, 3601)
+    drive_v = 0.3 + 1.45 * (1.0 - np.cos(2.0 * np.pi * time_s / 90.0))
+    path, _ = drive_path(WIRE, drive_v, sample_s=PERIOD_S)
+    columns = {
+        "time_s": time_s,
+        "drive_voltage_v": drive_v,
+        "wire_voltage_v": path.wire_voltage_v,
+        "shunt_voltage_v": path.shunt_voltage_v,
+        "displacement_m": path.displacement_m,
+    }
+    return fit(Recording(columns, {"leg_length_m": 0.07, "shunt_resistance_ohm": 1.0}))
+
+
+MODEL = fitted()
 
 
 def drive_at(time_s: float) -> float:
     """A drive that goes on moving the wire: a warm-up, then steps up and down."""
     if time_s < 8.0:
         return 0.3 + 1.4 * (1.0 - np.cos(2.0 * np.pi * time_s / 8.0))
-    return (2.0, 2.7, 2.2, 1.6, 2.4)[int(time_s / 2.5) % 5]
+    return (2.6, 3.1, 2.8, 2.3, 2.95)[int(time_s / 2.5) % 5]
 
 
-def followed(duration_s: float = 45.0, settings: ParticleSettings | None = None, **changed: float) -> dict[str, Any]:
+def followed(
+    duration_s: float = 45.0, settings: ParticleSettings | None = None, drive_ratio: float = 1.0, **changed: float
+) -> dict[str, Any]:
     """Estimates and true contraction of a wire whose numbers change to these after a while."""
     wire = OneWire(WIRE)
     estimator = particle_filter(EstimatorSetup(MODEL, 1.0, PERIOD_S, wire=WIRE), settings)
@@ -42,7 +64,7 @@ def followed(duration_s: float = 45.0, settings: ParticleSettings | None = None,
         if time_s >= CHANGE_S:
             for name, value in changed.items():
                 wire._derived[name] = value
-        drive_v = drive_at(time_s)
+        drive_v = drive_at(time_s) * (drive_ratio if time_s >= CHANGE_S else 1.0)
         means = wire.advance(drive_v, PERIOD_S, CHOSEN)
         noise_v = 3.5e-5 * random.standard_normal(2)
         sample = WireSample(time_s, drive_v, means.wire_voltage_v + noise_v[0], means.shunt_voltage_v + noise_v[1])
@@ -57,6 +79,7 @@ def error_pct(found: dict[str, Any], from_s: float) -> float:
     """RMS error in percent of the stroke, between 5 and 95 % of it, where strain is sensed."""
     late = np.arange(found["true"].size) >= round(from_s / PERIOD_S)
     usable = late & (found["true"] > 0.05 * STROKE) & (found["true"] < 0.95 * STROKE)
+    assert usable.sum() > 100
     return 100.0 * float(np.sqrt(np.mean((found["value"] - found["true"])[usable] ** 2))) / STROKE
 
 
@@ -65,7 +88,7 @@ def test_nothing_changed_and_nothing_is_said_to_have_changed() -> None:
     assert error_pct(found, 8.0) < 0.6
     assert found["changed_load"][-200:].mean() < 0.5
     assert found["changed_air"][-200:].mean() < 0.5
-    assert set(found["reason"][200:]) <= {float(Reason.OK), float(Reason.OUT_OF_RANGE)}
+    assert set(found["reason"][200:]) <= {float(Reason.OK), float(Reason.OUT_OF_RANGE), float(Reason.COLD)}
     assert np.mean(found["reason"][200:] == Reason.OK) > 0.9
 
 
@@ -77,11 +100,11 @@ def test_a_heavier_load_is_found_as_such() -> None:
 
 
 def test_half_the_convection_is_found_as_such() -> None:
-    found = followed(surface_factor_m2=0.5 * float(WIRE.derived.surface_factor_m2))
+    # The drive that held the wire before would overheat it now.
+    found = followed(drive_ratio=0.72, surface_factor_m2=0.5 * float(WIRE.derived.surface_factor_m2))
     assert found["convection_ratio"][-100:].mean() == pytest.approx(0.5, abs=0.08)
     assert found["changed_air"][-100:].mean() > 0.9
-    # These drives hold the wire near its end for the first 20 s, where hot and hotter look alike.
-    assert error_pct(found, CHANGE_S + 22.0) < 0.8
+    assert error_pct(found, CHANGE_S + 10.0) < 0.8
 
 
 def test_the_interval_holds_most_of_the_time() -> None:

@@ -112,7 +112,7 @@ def cloud_at_rest(rest: WireState, settings: ParticleSettings, sample_period_s: 
         np.repeat(rest.row, n),
         left_open * np.array(settings.spread_at_rest),
         np.zeros((n, N_UNKNOWNS)),
-        np.zeros(n),
+        np.full(n, -np.log(n)),
         np.zeros((2, n)),
         np.repeat(rest.row, settings.snapshot),
         np.repeat(rest.row, settings.snapshot),

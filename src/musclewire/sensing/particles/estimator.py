@@ -10,10 +10,11 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.sensing.estimator import EstimatorSetup
+from musclewire.sensing.gated_estimator import GatedEstimator, GatedState, gated_estimator
 from musclewire.sensing.particles.cloud import cloud_at_rest, cloud_of, state_of
+from musclewire.sensing.particles.explanations import Opinion, after_sample, combined, weights_of
 from musclewire.sensing.particles.kernel import SUMMARY, Measured, Numbers, Wire, follow_sample
-from musclewire.sensing.particles.settings import UNKNOWNS, ParticleSettings
-from musclewire.sensing.polynomial_estimator import PolynomialEstimator, PolynomialState, polynomial_estimator
+from musclewire.sensing.particles.settings import EXPLANATIONS, UNKNOWNS, ParticleSettings
 from musclewire.signals.exchange import EstimatorStep, QuantityEstimate, Reason, WireSample
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants
@@ -41,24 +42,31 @@ UNEXPLAINED_MISFIT = 3.0
 
 
 class ParticleState(NamedTuple):
-    """The estimator's state: that of the curve, which says whether a sample is valid, the last time, the hypotheses."""
+    """The estimator's state.
 
-    curve: PolynomialState
+    That of the gated branches, which say whether a sample is valid; the last time; hypotheses of and evidence for each
+    explanation; and the last value.
+    """
+
+    branches: GatedState
     time_s: float | None
-    hypotheses: bytes
+    hypotheses: tuple[bytes, ...]
+    evidence: tuple[float, ...]
+    value: float
 
 
 class ParticleFilter:
     """Weighs hypotheses of what has changed since characterisation: air, load, stiffness.
 
     Each hypothesis is a wire of the user's wire file under its own load and air, driven by the measured power; the
-    measured resistance weighs them, and the value is their weighted mean. The fitted curve says which samples are
-    valid.
+    measured resistance weighs them. A filter follows each of three explanations: only the air has changed, only the
+    load has, or both. With an unchanged load the gated branches know the strain, too, whatever the air does: the value
+    is then the mean of both. They also say which samples are valid.
 
     Parameters
     ----------
-    curve
-        The estimator by the fitted curve: it reads the voltages, bridges dropouts and knows the valid range.
+    branches
+        The estimator by gated branches: it reads the voltages, bridges dropouts and knows the valid range.
     wire
         The calibrated wire on its load.
     setup
@@ -77,35 +85,25 @@ class ParticleFilter:
     slow_part = None
 
     def __init__(
-        self, curve: PolynomialEstimator, wire: WireConstants, setup: EstimatorSetup, settings: ParticleSettings
+        self, branches: GatedEstimator, wire: WireConstants, setup: EstimatorSetup, settings: ParticleSettings
     ) -> None:
         """Take the numbers; the state of a run is not kept here."""
-        self.quantity = curve.quantity
-        self._curve, self._wire, self._settings = curve, wire, settings
-        if setup.model.wire.get("finger") and curve.quantity == "displacement":
+        self.quantity = branches.quantity
+        self._branches, self._wire, self._settings = branches, wire, settings
+        if setup.model.wire.get("finger") and branches.quantity == "displacement":
             raise CallerError(
                 "estimator 'particle-filter': this model is of a finger's endpoint, which a wire file does not "
                 "describe: fit a model of strain, or choose --estimator gated"
             )
         self._shunt_ohm, self._period_s = setup.shunt_resistance_ohm, setup.sample_period_s
-        self._own_std = settings.structural_strain * (curve.curve.quantity_max - curve.curve.quantity_min)
+        self._range = branches.curve.quantity_max - branches.curve.quantity_min
         self._max_power_w = MAX_RATE_K_PER_S * wire.heat_capacity_j_per_k
         derived, cells, load = wire.step_arrays()
         self._arrays = Wire(derived.copy(), cells, load)
-        self._numbers = Numbers(
-            settings.tables(),
-            settings.resistance_error,
-            settings.error_time_s,
-            settings.renewed,
-            settings.renewed_when_lost,
-            settings.lost_misfit,
-            settings.wandering,
-            settings.restarts,
-            settings.seed,
-        )
-        self._start = ParticleState(
-            curve.start(), None, state_of(cloud_at_rest(resting_state(wire), settings, self._period_s))
-        )
+        self._numbers = tuple(numbers_of(settings, name, place) for place, name in enumerate(EXPLANATIONS))
+        rest = state_of(cloud_at_rest(resting_state(wire), settings, self._period_s))
+        n = len(EXPLANATIONS)
+        self._start = ParticleState(branches.start(), None, (rest,) * n, (0.0,) * n, branches.curve.quantity_min)
 
     def start(self) -> ParticleState:
         """Return the state before the first sample: the wire at rest, and nothing has changed."""
@@ -113,57 +111,91 @@ class ParticleFilter:
 
     def step(self, state: ParticleState, sample: WireSample) -> EstimatorStep:
         """Return the estimate of one sample."""
-        seen, curve_state, _ = self._curve.step(state.curve, sample)
+        seen, branches, _ = self._branches.step(state.branches, sample)
         readable = seen.reason not in (Reason.NO_CURRENT, Reason.MISMATCH)
         measured = self._measured(state, sample, readable)
-        cloud = cloud_of(state.hypotheses, self._wire.classes, self._settings)
-        answer = np.zeros(SUMMARY.size)
-        follow_sample(cloud, self._arrays, self._numbers, measured, answer)
-        value, std = self._value(answer)
-        curve_state = curve_state._replace(value=value)
+        hypotheses, answers = self._followed(state, measured)
+        evidence = state.evidence
+        if readable:
+            gained = [answer[SUMMARY.evidence] for answer in answers]
+            evidence = after_sample(evidence, gained, measured.duration_s, self._settings)
+        opinions = self._opinions(answers, seen if seen.reason is Reason.OK else None)
+        value, std = combined(opinions, evidence, self._settings)
         if not readable:
-            value, std = state.curve.value, self._curve.curve.quantity_max - self._curve.curve.quantity_min
-            curve_state = curve_state._replace(value=value)
-        reason = seen.reason
-        if reason is Reason.OK and abs(answer[SUMMARY.misfit]) > UNEXPLAINED_MISFIT:
-            reason = Reason.UNEXPLAINED
+            value, std = state.value, self._range
+        weight = weights_of(evidence, self._settings.load_cost, 1.0)
+        shown = weight @ np.array(answers)
+        reason = seen.reason if seen.reason is not Reason.OK else self._doubts(shown[SUMMARY.misfit], std)
         return EstimatorStep(
             QuantityEstimate(value, std, reason is Reason.OK, reason, seen.failure),
-            ParticleState(curve_state, sample.time_s, state_of(cloud)),
-            self._recorded(measured.resistance_ohm, std, answer),
+            ParticleState(branches, sample.time_s, hypotheses, evidence, value),
+            self._recorded(measured.resistance_ohm, std, shown),
         )
 
+    def _followed(self, state: ParticleState, measured: Measured) -> tuple[tuple[bytes, ...], list[FloatArray]]:
+        """Return the hypotheses of each explanation after a sample, and what each says."""
+        after, answers = [], []
+        for before, numbers in zip(state.hypotheses, self._numbers, strict=True):
+            cloud = cloud_of(before, self._wire.classes, self._settings)
+            answer = np.zeros(SUMMARY.size)
+            follow_sample(cloud, self._arrays, numbers, measured, answer)
+            after.append(state_of(cloud))
+            answers.append(answer)
+        return tuple(after), answers
+
+    def _opinions(self, answers: list[FloatArray], seen: QuantityEstimate | None) -> list[Opinion]:
+        """Return what each explanation says; ``seen`` is the estimate of the gated branches where it is valid.
+
+        Little distinguishes a change of load from one of load and air: both filters then have half a vote.
+        """
+        air, load, both = (self._opinion(answer) for answer in answers)
+        if seen is not None:
+            apart = 0.5 * (air.value - seen.value)
+            air = Opinion(air.value - apart, math.hypot(air.std, apart))
+        halfway = 0.5 * (load.value + both.value)
+        return [air, Opinion(halfway, load.std), both]
+
+    def _opinion(self, answer: FloatArray) -> Opinion:
+        """Return value and standard deviation by one explanation, in the model's quantity."""
+        own_std = self._settings.structural_strain * self._range
+        factor, value, std = 1.0, answer[SUMMARY.contraction], answer[SUMMARY.contraction_std]
+        if self.quantity == "force":
+            value, std = answer[SUMMARY.force_n], answer[SUMMARY.force_std_n]
+        elif self.quantity == "displacement":
+            factor = self._wire.leg_length_m
+        # A filter whose explanation is wrong goes astray; beyond these bounds it says nothing more.
+        low, high = self._branches.curve.quantity_min - self._range, self._branches.curve.quantity_max + self._range
+        std = min(math.hypot(factor * std, own_std), self._range)
+        return Opinion(min(max(factor * float(value), low), high), std)
+
+    def _doubts(self, misfit: float, std: float) -> Reason:
+        """Return why a sample that the branches can sense is not valid after all, or OK."""
+        if abs(misfit) > UNEXPLAINED_MISFIT:
+            return Reason.UNEXPLAINED
+        return Reason.UNCERTAIN if std > self._settings.largest_std * self._range else Reason.OK
+
     def _measured(self, state: ParticleState, sample: WireSample, readable: bool) -> Measured:
-        """Return a sample as the hypotheses take it; without a reading the power follows from drive and last state."""
+        """Return a sample as the hypotheses take it; without a reading the power follows from the drive."""
         duration_s = self._period_s
         if state.time_s is not None and duration_s / ODD_TIME < sample.time_s - state.time_s < duration_s * ODD_TIME:
             duration_s = sample.time_s - state.time_s
         if readable:
-            resistance_ohm, _ = self._curve.read(sample.wire_voltage_v, sample.shunt_voltage_v)
+            resistance_ohm, _ = self._branches.read(sample.wire_voltage_v, sample.shunt_voltage_v)
             power_w = sample.wire_voltage_v * sample.shunt_voltage_v / self._shunt_ohm
             return Measured(min(power_w, self._max_power_w), resistance_ohm, abs(sample.shunt_voltage_v), duration_s)
-        usual_ohm = self._curve.curve.resistance_max_ohm
+        usual_ohm = self._branches.curve.resistance_max_ohm
         current_a = sample.drive_voltage_v / (usual_ohm + self._shunt_ohm)
         return Measured(min(current_a * current_a * usual_ohm, self._max_power_w), 0.0, 0.0, duration_s)
 
-    def _value(self, answer: FloatArray) -> tuple[float, float]:
-        """Return value and standard deviation in the model's quantity."""
-        if self.quantity == "force":
-            own_n = self._own_std
-            return float(answer[SUMMARY.force_n]), math.hypot(answer[SUMMARY.force_std_n], own_n)
-        per_contraction = 1.0 if self.quantity == "strain" else self._wire.leg_length_m
-        value, std = answer[SUMMARY.contraction], answer[SUMMARY.contraction_std]
-        return float(per_contraction * value), math.hypot(per_contraction * std, self._own_std)
-
-    def _recorded(self, resistance_ohm: float, std: float, answer: FloatArray) -> tuple[float, ...]:
+    def _recorded(self, resistance_ohm: float, std: float, shown: FloatArray) -> tuple[float, ...]:
         """Return the numbers to record."""
-        unknown = dict(zip(UNKNOWNS, answer[SUMMARY.first_unknown : SUMMARY.first_change].tolist(), strict=True))
-        changed = dict(zip(UNKNOWNS, answer[SUMMARY.first_change :].tolist(), strict=True))
+        unknown = dict(zip(UNKNOWNS, shown[SUMMARY.first_unknown : SUMMARY.first_change].tolist(), strict=True))
+        changed = dict(zip(UNKNOWNS, shown[SUMMARY.first_change : SUMMARY.evidence].tolist(), strict=True))
         return (
             resistance_ohm,
             std,
-            float(answer[SUMMARY.misfit_ohm]),
-            float(answer[SUMMARY.temperature_k]),
+            float(shown[SUMMARY.misfit_ohm]),
+            float(shown[SUMMARY.temperature_k]),
             math.exp(unknown["convection"]),
             unknown["ambient"],
             unknown["load"] * self._wire.pretension_n,
@@ -171,6 +203,21 @@ class ParticleFilter:
             max(changed["convection"], changed["ambient"]),
             max(changed["load"], changed["stiffness"]),
         )
+
+
+def numbers_of(settings: ParticleSettings, explanation: str, place: int) -> Numbers:
+    """Return the numbers of an explanation's filter; each has random numbers of its own."""
+    return Numbers(
+        settings.tables(explanation),
+        settings.resistance_error,
+        settings.error_time_s,
+        settings.renewed,
+        settings.renewed_when_lost,
+        settings.lost_misfit,
+        settings.wandering,
+        settings.restarts,
+        settings.seed * len(EXPLANATIONS) + place,
+    )
 
 
 def particle_filter(setup: EstimatorSetup, settings: ParticleSettings | None = None) -> ParticleFilter:
@@ -197,4 +244,4 @@ def particle_filter(setup: EstimatorSetup, settings: ParticleSettings | None = N
             "estimator 'particle-filter' needs a wire file: musclewire calibrate makes one of a recording, and "
             "--wire-file names it; without one choose --estimator gated"
         )
-    return ParticleFilter(polynomial_estimator(setup), setup.wire, setup, settings or ParticleSettings())
+    return ParticleFilter(gated_estimator(setup), setup.wire, setup, settings or ParticleSettings())

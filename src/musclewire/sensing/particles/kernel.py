@@ -92,10 +92,11 @@ class Summary(NamedTuple):
     misfit: int
     first_unknown: int
     first_change: int
+    evidence: int
     size: int
 
 
-SUMMARY = Summary(0, 1, 2, 3, 4, 5, 6, 7, 13, 19)
+SUMMARY = Summary(0, 1, 2, 3, 4, 5, 6, 7, 13, 19, 20)
 
 
 @compiled
@@ -123,12 +124,14 @@ def follow_sample(cloud: Cloud, wire: Wire, numbers: Numbers, measured: Measured
     correlated = max(numbers.error_time_s / measured.duration_s, 1.0)
     variance = own_ohm * own_ohm * correlated + noise_ohm * noise_ohm
     compare(cloud, shown, measured.resistance_ohm, variance)
+    evidence = gained(cloud.log_weight)
     effective = weigh(cloud.log_weight, shown[3])
     keep(cloud, measured, variance, shown[3], numbers.seed)
     if cloud.clock[CLOCK.kept] > cloud.history.shape[1] // 4:
         for number in range(numbers.restarts):
             restart(cloud, wire, numbers, shown, number)
     summarise(cloud, shown, answer)
+    answer[SUMMARY.evidence] = evidence
     if measured.resistance_ohm > 0.0:
         follow_misfit(cloud.clock, measured, answer, math.hypot(own_ohm, noise_ohm))
     answer[SUMMARY.misfit] = cloud.clock[CLOCK.misfit]
@@ -149,6 +152,13 @@ def compare(cloud: Cloud, shown: FloatArray, resistance_ohm: float, variance_ohm
             cloud.log_weight[one] += likelihood
             cloud.since[0, one] += likelihood
             cloud.since[1, one] += likelihood
+
+
+@compiled
+def gained(log_weight: FloatArray) -> float:
+    """Return the logarithm of the mean likelihood of a sample: how well the hypotheses foresaw it."""
+    highest = log_weight.max()
+    return float(highest + math.log(np.exp(log_weight - highest).sum()))
 
 
 @compiled
@@ -226,7 +236,9 @@ def weigh(log_weight: FloatArray, weight: FloatArray) -> float:
     """Fill in the weights, which add up to 1, and return the effective number of hypotheses."""
     log_weight -= log_weight.max()
     weight[:] = np.exp(log_weight)
-    weight /= weight.sum()
+    total = weight.sum()
+    weight /= total
+    log_weight -= math.log(total)
     return float(1.0 / (weight * weight).sum())
 
 
@@ -384,7 +396,7 @@ def resample(cloud: Cloud, weight: FloatArray, numbers: Numbers) -> None:
         cloud.unknowns[one] = unknowns[parent]
         cloud.changed[one] = changed[parent]
         cloud.since[:, one] = since[:, parent]
-        cloud.log_weight[one] = 0.0
+        cloud.log_weight[one] = -math.log(n)
         words = philox(samples, one, 1, 0, numbers.seed)
         deviates = six_deviates(samples, one, numbers.seed)
         if uniform(words[0]) < renewed:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,11 +10,17 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = ["UNKNOWNS", "ParticleSettings"]
+__all__ = ["EXPLANATIONS", "UNKNOWNS", "ParticleSettings"]
 
 # What may differ from the wire file, in the order of every array of unknowns. Convection, stiffness and resistance are
 # logarithms of a factor, ambient and transformation temperature differences [K], load a force over the pretension.
 UNKNOWNS = ("convection", "ambient", "load", "stiffness", "resistance", "transformation")
+# What may have changed in each explanation: a filter of its own follows each, so that none is lost to a better one.
+EXPLANATIONS: Mapping[str, tuple[str, ...]] = {
+    "air": ("convection", "ambient"),
+    "load": ("load", "stiffness"),
+    "both": ("convection", "ambient", "load", "stiffness"),
+}
 
 
 @dataclass(frozen=True)
@@ -27,13 +34,13 @@ class ParticleSettings:
     Parameters
     ----------
     hypotheses
-        Number of hypotheses; fewer lose a change of load more often, more cost time.
+        Number of hypotheses of each explanation; fewer lose a change more often, more cost time.
     spread_changed
         Standard deviation of each unknown that has changed, in the order of ``UNKNOWNS``; 0 if it never does.
     spread_at_rest
         Standard deviation of each unknown that has not.
     chance
-        How often a new hypothesis is of each unknown; they add up to 1.
+        How often a new hypothesis is of each unknown; they add up to 1. An explanation takes those of its unknowns.
     resistance_error
         How well the calibrated wire reproduces its resistance, as a fraction.
     error_time_s
@@ -54,6 +61,16 @@ class ParticleSettings:
         Number of wires in a snapshot.
     structural_strain
         Standard deviation of the calibrated wire's strain at its own resistance, over the model's range.
+    evidence_time_s
+        Time [s] over which the evidence for each explanation is gathered.
+    load_cost
+        By how much an explanation with a changed load must be better, in logarithm of likelihood.
+    worst_surprise
+        A sample counts no worse against an explanation than this, in logarithm of likelihood.
+    softness
+        The standard deviation sees explanations that are worse by so much as possible; so does no value.
+    largest_std
+        Standard deviation over the model's range from which a value is not valid.
     seed
         Seed of the random numbers.
 
@@ -63,11 +80,11 @@ class ParticleSettings:
         For numbers that leave nothing to weigh.
     """
 
-    hypotheses: int = 400
+    hypotheses: int = 150
     spread_changed: tuple[float, ...] = (0.7, 10.0, 0.35, 0.5, 0.0, 0.0)
     spread_at_rest: tuple[float, ...] = (0.05, 1.5, 0.03, 0.05, 0.0, 0.0)
     chance: tuple[float, ...] = (0.25, 0.25, 0.3, 0.2, 0.0, 0.0)
-    resistance_error: float = 0.0022
+    resistance_error: float = 0.0012
     error_time_s: float = 0.3
     renewed: float = 0.1
     renewed_when_lost: float = 0.3
@@ -77,6 +94,11 @@ class ParticleSettings:
     restart_time_s: float = 5.0
     snapshot: int = 50
     structural_strain: float = 0.003
+    evidence_time_s: float = 15.0
+    load_cost: float = 8.0
+    worst_surprise: float = 0.5
+    softness: float = 4.0
+    largest_std: float = 0.022
     seed: int = 1
 
     def __post_init__(self) -> None:
@@ -97,6 +119,8 @@ class ParticleSettings:
         if not min(positive) > 0.0:
             raise CallerError("a particle filter needs 10 hypotheses or more, and errors and times above 0")
 
-    def tables(self) -> FloatArray:
-        """Return the three rows of the unknowns as one table, (3, n_unknowns)."""
-        return np.array([self.spread_changed, self.spread_at_rest, self.chance])
+    def tables(self, explanation: str) -> FloatArray:
+        """Return the three rows of the unknowns for an explanation as one table, (3, n_unknowns)."""
+        possible = np.array([name in EXPLANATIONS[explanation] for name in UNKNOWNS])
+        chance = possible * np.array(self.chance)
+        return np.array([self.spread_changed, self.spread_at_rest, chance / chance.sum()])
