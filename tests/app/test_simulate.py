@@ -88,6 +88,8 @@ def test_a_supply_too_small_for_the_current_says_so(musclewire: Callable[..., An
         (["--load", "100 N"], "4.75"),
         (["--stress", "-5 MPa"], "0 or more"),
         (["--ambient", "400 degC"], "contracted"),
+        (["--duty", "50 %", "--duty-period", "20 ms"], "[pwm]"),
+        (["--duty", "0 %"], "above 0"),
         (["--plot", "drive.gif"], "figure"),
         (["-o", "drive.csv"], ".h5"),
     ],
@@ -170,3 +172,21 @@ def test_the_table_refuses_what_belongs_to_one_wire(musclewire: Callable[..., An
     answer = musclewire("simulate", "--table", *option)
     assert answer.code == 2
     assert option[0] in answer.err
+
+
+def test_a_duty_heats_in_pulses_and_shows_largest_and_final_contraction(musclewire: Callable[..., Any]) -> None:
+    drive = ("--current", "200 mA", "--off-after", "6", "--seed", "2", "--json")
+    steady = musclewire("simulate", *drive).json
+    pulsed = musclewire("simulate", *drive, "--duty", "50 %", "--duty-period", "0.5 s").json
+    assert (steady["duty"], pulsed["duty"], pulsed["duty_period_s"]) == (1.0, 0.5, 0.5)
+    assert pulsed["energy_j"] == pytest.approx(0.5 * steady["energy_j"], rel=0.15)  # a cooler wire has more resistance
+    assert pulsed["current_mean_a"] == pytest.approx(0.5 * 0.2, rel=0.03)
+    assert pulsed["largest_contraction_pct"] >= pulsed["contraction_pct"] > pulsed["final_contraction_pct"]
+    assert "on for 50 % of every 1 s" in musclewire("simulate", "--duty", "0.5").out
+
+
+def test_the_cooling_time_stands_next_to_the_catalogues(musclewire: Callable[..., Any]) -> None:
+    rows = {row["wire"]: row for row in musclewire("catalogue", "--json").json["rows"]}
+    said = musclewire("simulate", "--wire", "flexinol-0.15-lt", "--json").json["catalogue"]
+    assert said["test_cooling_s"] == rows["flexinol-0.15-lt"]["cooling_s"]
+    assert "times the catalogue's" in musclewire("simulate", "--wire", "flexinol-0.15-lt").out

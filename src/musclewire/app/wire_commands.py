@@ -14,6 +14,8 @@ from musclewire.app.options import (
     AMBIENT,
     CURRENT,
     DURATION,
+    DUTY,
+    DUTY_PERIOD,
     LIST,
     LOAD,
     OFF_AFTER,
@@ -55,6 +57,8 @@ class DriveOptions:
     supply: Annotated[str | None, SUPPLY] = None
     current: Annotated[str | None, CURRENT] = None
     off_after: Annotated[str, OFF_AFTER] = "1 s"
+    duty: Annotated[str | None, DUTY] = None
+    duty_period: Annotated[str, DUTY_PERIOD] = "1 s"
     duration: Annotated[str | None, DURATION] = None
     shunt: Annotated[str | None, SHUNT] = None
 
@@ -79,6 +83,8 @@ def request_of(wire: str, drive: DriveOptions, mounting: MountingOptions, seed: 
         supply_v=in_si("--supply", drive.supply),
         current_a=in_si("--current", drive.current),
         on_s=in_si("--off-after", drive.off_after),
+        duty=in_si("--duty", drive.duty),
+        duty_period_s=in_si("--duty-period", drive.duty_period),
         duration_s=in_si("--duration", drive.duration),
         length_m=in_si("--wire-length", mounting.wire_length),
         load_n=in_si("--load", mounting.load),
@@ -139,6 +145,7 @@ def refuse_with_table(drive: DriveOptions, mounting: MountingOptions, output: Pa
         "--load": mounting.load,
         "--spring": mounting.spring,
         "--shunt": drive.shunt,
+        "--duty": drive.duty,
         "--output": output,
         "--plot": plot,
     }

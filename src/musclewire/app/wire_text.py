@@ -33,7 +33,11 @@ def answer_json(answer: SupplySizing, recording: Path | None) -> dict[str, Any]:
         "current_a": plan.current_a,
         "shunt_resistance_ohm": plan.shunt_ohm,
         "on_s": plan.request.on_s,
+        "duty": plan.pulses.on / plan.pulses.period,
+        "duty_period_s": None if plan.request.duty is None else plan.request.duty_period_s,
         "contraction_pct": 100 * numbers.contraction,
+        "largest_contraction_pct": 100 * numbers.max_contraction,
+        "final_contraction_pct": 100 * numbers.final_contraction,
         "contraction_m": numbers.contraction * plan.request.length_m,
         "stroke_pct": 100 * best.stroke,
         "contraction_share_pct": 100 * numbers.contraction / best.stroke,
@@ -71,6 +75,7 @@ def answer_text(answer: SupplySizing) -> str:
         f"  contraction   {100 * numbers.contraction:.2f} % = {length_mm * numbers.contraction:.2f} mm, "
         f"{100 * numbers.contraction / best.stroke:.0f} % of a full stroke of {100 * best.stroke:.2f} %; "
         + ("90 % not reached" if numbers.contracted_s is None else f"90 % after {numbers.contracted_s:.2f} s"),
+        f"{'':16}{100 * numbers.max_contraction:.2f} % at most, {100 * numbers.final_contraction:.2f} % when it ends",
         f"  temperature   {numbers.temperature_peak_k - ZERO_DEGC_K:.0f} C at most (the simulation's truth; no "
         f"instrument shows it); {left_on}",
         f"  electrical    {amperes(numbers.current_mean_a)} on average, {numbers.voltage_peak_v:.2f} V and "
@@ -95,8 +100,15 @@ def headline(plan: SupplyPlan) -> str:
     return (
         f"{plan.request.wire}, simulated: {1e3 * plan.request.length_m:g} mm, {pull}, still air of "
         f"{plan.request.ambient_k - ZERO_DEGC_K:g} C, {driven} through {plan.shunt_ohm:g} ohm for "
-        f"{plan.request.on_s:g} s"
+        f"{plan.request.on_s:g} s" + duty_words(plan)
     )
+
+
+def duty_words(plan: SupplyPlan) -> str:
+    """Return the square wave of a drive in words; nothing for one without pauses."""
+    if plan.request.duty is None:
+        return ""
+    return f", on for {100 * plan.pulses.on / plan.pulses.period:.0f} % of every {plan.request.duty_period_s:g} s"
 
 
 def cooling_words(answer: SupplySizing) -> str:
@@ -123,7 +135,14 @@ def catalogue_lines(plan: SupplyPlan) -> list[str]:
         "pull": ("pull_force_n", f"{side['pull_force_n']['value']:.3g} N"),
     }
     lines = [f"  {label:<14}  {text} ({side[key]['status']})" for label, (key, text) in shown.items()]
-    return ["", "the catalogue prints", *lines]
+    ours, theirs = side["test_cooling_s"], side["cooling_s"]["value"]
+    compared = (
+        "the simulated wire does not cool below the last 0.5 % within that test"
+        if ours is None
+        else f"the simulated wire takes {ours:.2f} s in the vendor's test, {ours / theirs:.2f} times the catalogue's"
+    )
+    test = f"  (172 MPa, {amperes(side['one_second_current_a']['value'])} for one second, still air)"
+    return ["", "the catalogue prints", *lines, f"  {'cooling':<14}  {compared}{test}"]
 
 
 def amperes(current_a: float) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
@@ -21,21 +22,59 @@ from musclewire.sensing.estimator import dropout_failure
 from musclewire.signals.exchange import Command, Drive, RawSample
 from musclewire.signals.recording import MetadataValue, Recording
 
-__all__ = ["HeldCurrent", "HeldVoltage", "WithTruth", "drive_wire"]
+__all__ = ["ALWAYS", "HeldCurrent", "HeldVoltage", "Pulses", "WithTruth", "drive_wire", "pulses_of"]
 
 # Samples without current after which a wire counts as broken.
 MAX_DROPOUTS = 5
 
 
+class Pulses(NamedTuple):
+    """A square wave in whole samples: the first ``on`` samples of every ``period`` are driven."""
+
+    on: int = 1
+    period: int = 1
+
+    def driven(self, since_on: int) -> bool:
+        """Return whether the drive is on in a sample, counted from switching on."""
+        return since_on % self.period < self.on
+
+
+# No pauses.
+ALWAYS = Pulses()
+# A period has at least this many samples, so that a duty is met to a twentieth.
+MIN_PERIOD_SAMPLES = 10
+
+
+def pulses_of(duty: float, period_s: float, sample_period_s: float) -> Pulses:
+    """Return the square wave nearest to a duty and a period. Raises CallerError for one that samples cannot make."""
+    if not 0.0 < duty <= 1.0:
+        raise CallerError(f"the duty is {duty:g}: it must be above 0 and at most 1 (100 %)")
+    period = round(period_s / sample_period_s)
+    if period < MIN_PERIOD_SAMPLES:
+        raise CallerError(
+            f"a duty's period of {period_s:g} s has fewer than {MIN_PERIOD_SAMPLES} samples of {sample_period_s:g} s: "
+            "give a longer one; pulses of kilohertz are the key [pwm] of a simulated rig's file"
+        )
+    return Pulses(max(round(duty * period), 1), period)
+
+
 class HeldVoltage:
-    """A supply switched on after one sample and off again ``on_s`` later; off is the sense voltage."""
+    """A supply switched on after one sample, all the time or in pulses, and off ``on_s`` later: the sense voltage."""
 
     columns: tuple[str, ...] = ()
 
-    def __init__(self, drive_voltage_v: float, sense_voltage_v: float, sample_period_s: float, on_s: float) -> None:
+    def __init__(
+        self,
+        drive_voltage_v: float,
+        sense_voltage_v: float,
+        sample_period_s: float,
+        on_s: float,
+        pulses: Pulses = ALWAYS,
+    ) -> None:
         """Hold ``drive_voltage_v`` for ``on_s``; the first sample senses the wire cold."""
         self._drive_voltage_v = drive_voltage_v
         self._sense_voltage_v = sense_voltage_v
+        self._sample_period_s, self._pulses = sample_period_s, pulses
         self._off_at_s = sample_period_s + on_s
 
     def first_command(self) -> Command:
@@ -52,7 +91,8 @@ class HeldVoltage:
         return KnownDrive(np.array(drives_v), np.empty((len(elapsed_s), 0)))
 
     def _drive_at_v(self, elapsed_s: float) -> float:
-        return self._drive_voltage_v if elapsed_s < self._off_at_s - 1e-9 else self._sense_voltage_v
+        driven = elapsed_s < self._off_at_s - 1e-9 and self._pulses.driven(round(elapsed_s / self._sample_period_s) - 1)
+        return self._drive_voltage_v if driven else self._sense_voltage_v
 
 
 class HeldCurrent:
@@ -72,12 +112,14 @@ class HeldCurrent:
         shunt_resistance_ohm: float,
         sample_period_s: float,
         on_s: float,
+        pulses: Pulses = ALWAYS,
     ) -> None:
         """Hold ``current_a`` for ``on_s`` within ``maximum_voltage_v``; the first sample measures."""
         self._current_a = current_a
         self._sense_voltage_v = sense_voltage_v
         self._maximum_voltage_v = maximum_voltage_v
         self._shunt_resistance_ohm = shunt_resistance_ohm
+        self._sample_period_s, self._pulses = sample_period_s, pulses
         self._off_at_s = sample_period_s + on_s
         self._dropouts = 0
 
@@ -87,7 +129,8 @@ class HeldCurrent:
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the voltage that drives the wanted current through the resistance just measured."""
-        if elapsed_s >= self._off_at_s - 1e-9:
+        paused = not self._pulses.driven(round(elapsed_s / self._sample_period_s) - 1)
+        if paused or elapsed_s >= self._off_at_s - 1e-9:
             return Decision(Drive(self._sense_voltage_v))
         reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
         if not reading.valid:
@@ -129,6 +172,14 @@ class WithTruth:
         return known and known._replace(true_names=tuple(self._names.values()))
 
 
+class Kept(TypedDict, total=False):
+    """Where a run is recorded, whether an earlier file may be replaced, and what is called with every row."""
+
+    path: str | Path | None
+    overwrite: bool
+    on_sample: OnSample | None
+
+
 def drive_wire(
     rig: Rig,
     *,
@@ -136,30 +187,31 @@ def drive_wire(
     duration_s: float,
     supply_v: float | None = None,
     current_a: float | None = None,
-    path: str | Path | None = None,
-    overwrite: bool = False,
-    on_sample: OnSample | None = None,
+    pulses: Pulses = ALWAYS,
+    **kept: Unpack[Kept],
 ) -> Recording:
     """Switch a supply or a held current on for ``on_s`` and record the rig for ``duration_s`` in total.
 
-    With a current, ``supply_v`` only limits the voltage. The first sample is taken at the sense voltage. A simulated
-    rig's recording also has the wire's true temperature. Raises CallerError for impossible numbers or neither supply
-    nor current, RigError if no current flows.
+    With ``pulses`` it is on and off in turn until then. With a current, ``supply_v`` only limits the voltage. The
+    first sample is taken at the sense voltage. A simulated rig's recording also has the wire's true temperature.
+    Raises CallerError for impossible numbers or neither supply nor current, RigError if no current flows.
     """
     refuse_impossible(rig, on_s, duration_s, supply_v, current_a)
-    policy = policy_for(rig, on_s, rig.maximum_voltage_v if supply_v is None else supply_v, current_a)
+    policy = policy_for(rig, on_s, rig.maximum_voltage_v if supply_v is None else supply_v, current_a, pulses)
     described: dict[str, MetadataValue] = {"experiment": "drive", "on_s": on_s}
+    if pulses != ALWAYS:
+        described |= {"duty": pulses.on / pulses.period, "duty_period_s": pulses.period * rig.sample_period_s}
     described |= {} if supply_v is None else {"supply_v": supply_v}
     described |= {} if current_a is None else {"held_current_a": current_a}
-    return run_on_rig(rig, policy, duration_s, metadata=described, path=path, overwrite=overwrite, on_sample=on_sample)
+    return run_on_rig(rig, policy, duration_s, metadata=described, **kept)
 
 
-def policy_for(rig: Rig, on_s: float, limit_v: float, current_a: float | None) -> Policy:
+def policy_for(rig: Rig, on_s: float, limit_v: float, current_a: float | None, pulses: Pulses) -> Policy:
     """Return a policy that holds a voltage or a limited current, with the true temperature if the rig knows it."""
-    policy: Policy = HeldVoltage(limit_v, rig.sense_voltage_v, rig.sample_period_s, on_s)
+    policy: Policy = HeldVoltage(limit_v, rig.sense_voltage_v, rig.sample_period_s, on_s, pulses)
     if current_a is not None:
         policy = HeldCurrent(
-            current_a, rig.sense_voltage_v, limit_v, rig.shunt_resistance_ohm, rig.sample_period_s, on_s
+            current_a, rig.sense_voltage_v, limit_v, rig.shunt_resistance_ohm, rig.sample_period_s, on_s, pulses
         )
     truth = true_state_of(rig)
     return policy if truth is None else WithTruth(policy, truth, {"wire_temperature_k": "temperature_k"})
