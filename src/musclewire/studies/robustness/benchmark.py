@@ -13,6 +13,7 @@ from musclewire.errors import CallerError
 from musclewire.experiment.worker_process import cores
 from musclewire.sensing.estimator import ESTIMATORS
 from musclewire.studies.robustness.bars import Bars, bars
+from musclewire.studies.robustness.grips import GripRow, grip_rows
 from musclewire.studies.robustness.jobs import Answer, Job
 from musclewire.studies.robustness.population import held_out_seeds, tuning_seeds
 from musclewire.studies.robustness.references import REFERENCES, require_reference
@@ -119,6 +120,8 @@ class Robustness:
         Rows of closed loops.
     verdicts
         The bars of the defaults.
+    grips
+        Rows of grips; none in a quick run, or in one of chosen conditions.
     answers
         What each wire gave under each condition.
     quick
@@ -133,6 +136,7 @@ class Robustness:
     estimators: tuple[EstimatorRow, ...]
     loops: tuple[LoopRow, ...]
     verdicts: tuple[Verdict, ...]
+    grips: tuple[GripRow, ...]
     answers: tuple[Answer, ...]
     quick: bool
     wall_s: float
@@ -228,5 +232,6 @@ def robustness(
     rows = estimator_rows(answers, conditions, known)
     runs = loop_rows(answers, conditions, known)
     verdicts = verdicts_of(rows, runs, known)
+    grips = () if asked.quick or asked.conditions is not None else grip_rows(Path(folder))
     wall_s = time.perf_counter() - began_s
-    return Robustness(seeds, conditions, references, rows, runs, verdicts, answers, asked.quick, wall_s)
+    return Robustness(seeds, conditions, references, rows, runs, verdicts, grips, answers, asked.quick, wall_s)

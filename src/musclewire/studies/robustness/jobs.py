@@ -67,7 +67,8 @@ class Answer(NamedTuple):
     ended
         Why recorded runs ended early, by the reference.
     force
-        Score of the force at the known load, of the force at the full stroke as 100 %; by the estimator's name.
+        Score of the force at the known load over the first reference, by the estimator's name; the spring's force at
+        the full stroke is 100 %.
     home_moves
         What became of each home move, by the reference.
     """
@@ -150,7 +151,7 @@ def computed(job: Job, store: Store) -> Answer:
             score_of(run, answers, condition, users, times) for (run, users), answers in zip(runs, found, strict=True)
         )
         if not condition.changes_load:  # otherwise the load is not known
-            force[name] = pooled(force_score(run, name, condition, users, times, own) for run, users in runs)
+            force[name] = pooled(force_score(run, name, condition, users, times, own) for run, users in runs[:1])
     loops = tuple(run_loop(wire, condition, knowledge.model, *pair, own) for pair in job.loops)
     ended = {run.reference: run.ended for run, _ in recorded if run.ended}
     moves = {run.reference: run.home for run, _ in recorded if run.home}

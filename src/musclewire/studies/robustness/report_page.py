@@ -46,6 +46,7 @@ def write_report(result: Robustness, path: Path) -> None:
         "references": escape(", ".join(result.references)),
         "errors": svg(heat_map(*error_matrix(result), "error [% of the full stroke]"), "errors"),
         "loops": loops_section(result),
+        "grips": grips_section(result),
         "wires": svg(heat_map(*wire_matrix(result), "error [% of the full stroke]"), "wires"),
         "bars": table(head(["", "condition", "what", "value", "bar"]), table_rows(bar_cells(result)), "plain"),
         "rows": table(head(COLUMNS), table_rows(row_cells(result)), "plain"),
@@ -129,6 +130,24 @@ def loops_section(result: Robustness) -> str:
             place = names.index(f"{row.estimator}, {row.controller}")
             errors[conditions.index(row.condition.name), place] = row.mae_mean_pct
     return svg(heat_map(conditions, names, errors, "mean absolute error [% of the target]"), "loops")
+
+
+def grips_section(result: Robustness) -> str:
+    """Return the grips as a table; a sentence without any."""
+    if not result.grips:
+        return "<p>No grip was run.</p>"
+    cells = [
+        [
+            row.condition,
+            number(row.held_mean_pct, 1),
+            number(row.held_max_pct, 1),
+            number(row.estimate_mean_pct, 1),
+            f"{row.held} of {row.grips}",
+        ]
+        for row in result.grips
+    ]
+    names = ["", "error, mean [%]", "largest [%]", "of the estimate [%]", "held"]
+    return table(head(names), table_rows(cells), "plain")
 
 
 def bar_cells(result: Robustness) -> list[list[str]]:

@@ -234,6 +234,46 @@ class Condition(Strict):
         return bool(self.ambient_k or self.draughts) or self.convection_factor != 1.0
 
 
+class GripCondition(Strict):
+    """What is other in a grip than at the gripper's training.
+
+    Parameters
+    ----------
+    name
+        Name of the row.
+    ambient_k
+        By how much the air is warmer [K].
+    convection_factor
+        Factor on the loss to the air.
+    draughts
+        Standard deviation of the convection in draughts, relative; 0 for those of the rig's file.
+    object_factor
+        Factor on the object's stiffness.
+    resistance_factor
+        Factor on the wires' resistance.
+    transformation_shift_k
+        Shift of their transformation temperatures [K].
+    noise_factor
+        Factor on the noise of the converter.
+    """
+
+    name: str = Field(min_length=1)
+    ambient_k: float = 0.0
+    convection_factor: float = Field(default=1.0, gt=0.0)
+    draughts: float = Field(default=0.0, ge=0.0, le=0.25)
+    object_factor: float = Field(default=1.0, gt=0.0)
+    resistance_factor: float = Field(default=1.0, gt=0.0)
+    transformation_shift_k: float = 0.0
+    noise_factor: float = Field(default=1.0, gt=0.0)
+
+
+class Grips(Strict):
+    """Grips under disturbance: their seeds, and what is other than at the training."""
+
+    seeds: tuple[int, ...] = Field(min_length=1)
+    condition: tuple[GripCondition, ...] = Field(min_length=1)
+
+
 class Settings(Strict):
     """The whole file."""
 
@@ -242,6 +282,7 @@ class Settings(Strict):
     run: RunSettings
     characterisation: Characterisation
     quick: Quick
+    grips: Grips
     condition: tuple[Condition, ...] = Field(min_length=1)
 
     def conditions(self, names: tuple[str, ...] | None = None) -> tuple[Condition, ...]:

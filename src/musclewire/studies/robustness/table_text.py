@@ -5,9 +5,11 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from musclewire.studies.robustness.benchmark import Robustness
+from musclewire.studies.robustness.grips import GripRow
 from musclewire.studies.robustness.rows import EstimatorRow, LoopRow
 
 __all__ = ["COLUMNS", "csv_text", "document", "table_text"]
@@ -92,6 +94,7 @@ def document(result: Robustness) -> dict[str, Any]:
     """
     return {
         "rows": rows_data(result),
+        "grips": [asdict(row) for row in result.grips],
         "bars": [{**verdict._asdict(), "holds": verdict.holds} for verdict in result.verdicts],
         "missed": [f"{verdict.condition}: {verdict.name}" for verdict in result.missed],
         "seeds": list(result.seeds),
@@ -125,6 +128,8 @@ def table_text(result: Robustness) -> str:
     if result.loops:
         parts += ["", "Closed loops on the paper's staircase, mean absolute error in percent of the target.",
                   *loop_lines(result.loops)]  # fmt: skip
+    if result.grips:
+        parts += ["", "Held force of a grip, in percent of the target.", *grip_lines(result.grips)]
     missed = [f"  {verdict}" for verdict in result.missed]
     parts += ["", f"{len(result.verdicts) - len(missed)} of {len(result.verdicts)} bars hold", *missed]
     return "\n".join(parts)
@@ -202,6 +207,23 @@ def loop_lines(rows: Sequence[LoopRow]) -> list[str]:
                 number(row.largest("mae_other_max_pct")),
                 number(row.mae_mean_pct),
                 str(row.ended),
+            ]
+            for row in rows
+        ],
+    )
+
+
+def grip_lines(rows: Sequence[GripRow]) -> list[str]:
+    """Return the grips as a table."""
+    return columns(
+        ["", "error, mean", "largest", "of the estimate", "held"],
+        [
+            [
+                row.condition,
+                number(row.held_mean_pct, 1),
+                number(row.held_max_pct, 1),
+                number(row.estimate_mean_pct, 1),
+                f"{row.held} of {row.grips}",
             ]
             for row in rows
         ],

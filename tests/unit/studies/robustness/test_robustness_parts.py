@@ -12,6 +12,7 @@ from musclewire.studies.robustness import Selection, held_out_seeds, tuning_seed
 from musclewire.studies.robustness.bars import bars
 from musclewire.studies.robustness.benchmark import chosen_by, ranges
 from musclewire.studies.robustness.disturbances import Disturbance
+from musclewire.studies.robustness.grips import changes
 from musclewire.studies.robustness.jobs import Answer, Job, job_of_plain
 from musclewire.studies.robustness.population import drawn_wire
 from musclewire.studies.robustness.references import REFERENCES, reference_targets, start_up
@@ -186,6 +187,13 @@ def test_every_condition_has_a_bar_and_every_name_once():
     names = [item.name for item in settings().condition]
     assert len(names) == len(set(names))
     assert {item.bar for item in settings().condition} == {row.bar for row in bars().row}
+
+
+def test_a_grip_changes_only_what_its_condition_names():
+    conditions = {item.name: item for item in settings().grips.condition}
+    assert changes(conditions["none"]) == {}
+    assert list(changes(conditions["R +1 %"])) == ["resistivity_factor"]
+    assert list(changes(conditions["ambient -15 K"])) == ["ambient_temperature_k"]
 
 
 def test_ranges_of_seeds():
