@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from musclewire.export.fmu import export_fmu
     from musclewire.identify import estimate, fit
     from musclewire.identify.physical.calibrate import calibrate
+    from musclewire.identify.resistance_alone.fitting import fit_resistance
+    from musclewire.identify.resistance_alone.marks import Marks
     from musclewire.rigs.configuration import open_rig
     from musclewire.rigs.kinds import DEVICES
     from musclewire.rigs.load_kinds import LOAD_PARTS
@@ -42,6 +44,8 @@ __all__ = [
     "open_rig",
     "characterize",
     "fit",
+    "fit_resistance",
+    "Marks",
     "control",
     "control_many",
     "staircase",
@@ -75,6 +79,8 @@ _HOMES = {
     "open_rig": "musclewire.rigs.configuration",
     "characterize": "musclewire.experiment.open_loop",
     "fit": "musclewire.identify",
+    "fit_resistance": "musclewire.identify.resistance_alone.fitting",
+    "Marks": "musclewire.identify.resistance_alone.marks",
     "control": "musclewire.experiment.closed_loop",
     "control_many": "musclewire.experiment.many_loops",
     "staircase": "musclewire.controllers",

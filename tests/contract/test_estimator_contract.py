@@ -22,7 +22,9 @@ from musclewire.wire.building import constants_from
 from slow_estimators import drifting
 
 # 4 % at 13.5 ohm, nothing at 17.5 ohm; the branches half a tenth of a percent apart.
-MODEL = SensingModel(13.5, 17.5, (0.0405, -0.04), (0.0395, -0.04), 0.05, 0.95, resistance_noise_ohm=0.005)
+MODEL = SensingModel(
+    13.5, 17.5, (0.0405, -0.04), (0.0395, -0.04), 0.05, 0.95, resistance_noise_ohm=0.005, scale_std=0.03
+)
 PERIOD_S = 0.05
 FACTORIES = {**{name: ESTIMATORS.find(name) for name in ESTIMATORS.names()}, "with a slow part": drifting()}
 # The wire of a user's file, for estimators on physics: any will do for what all promise.

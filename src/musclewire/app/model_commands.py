@@ -12,6 +12,7 @@ from musclewire.app.files import require_figure_file, require_free, require_mode
 from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, PLOT, QUANTITY, Json, mapping
 from musclewire.app.output import emit_json, show
 from musclewire.app.recording_options import ReadingOptions
+from musclewire.app.resistance_options import ResistanceOptions
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
@@ -60,6 +61,7 @@ def import_recordings(
 def fit(
     recording: RecordingPath,
     reading: ReadingOptions,
+    known: ResistanceOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     order: Annotated[str, ORDER] = "6",
     quantity: Annotated[str, QUANTITY] = "strain",
@@ -67,24 +69,30 @@ def fit(
     plot: Annotated[Path | None, PLOT] = None,
     json: Json = False,
 ) -> None:
-    """Fit the self-sensing model to a slow loop; prints gap, residuals, validity range."""
+    """Fit the self-sensing model to a slow loop; with --wire from its resistance alone."""
     from musclewire.identify import estimate as run_estimate
     from musclewire.identify import fit as run_fit
 
     require_figure_file(plot)
     if output is not None:
         require_model_file(output)
-    data = reading.read(recording)
-    model = run_fit(data, order=whole_number_or(order, "auto"), quantity=quantity, cycle=whole_number_or(cycle))
+    known.require_wire()
+    data, chosen = reading.read(recording), whole_number_or(order, "auto")
+    alone = None if known.wire is None else known.fit(data, chosen, quantity)
+    model = alone.model if alone else run_fit(data, order=chosen, quantity=quantity, cycle=whole_number_or(cycle))
     on_recording = None if data.is_branch_table else run_estimate(model, data)
     if output is not None:
         model.save(output)
     if plot is not None:
         save_figure(model.plot(), plot)
     if json:
-        emit_json({**model.report(), **error_numbers(on_recording), "model": None if output is None else str(output)})
+        more = {} if alone is None else alone.report()
+        written = None if output is None else str(output)
+        emit_json({**model.report(), **error_numbers(on_recording), **more, "model": written})
         return
     show(model.summary())
+    if alone is not None:
+        show(str(alone))
     if on_recording is not None:
         show(f"estimate of this recording: {error_text(on_recording)}")
     if output is not None:

@@ -21,6 +21,7 @@ BARE = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*")
 EXAMPLES = {
     "--column": "NAME=HEADER or NAME=HEADER:UNIT, as wire_voltage_v='Vw:V'",
     "--set": "NAME=VALUE, as pretension_n='1.9 N'",
+    "--mark": "NAME=POSITION, as cold='0 mm', hot='2.6 mm' or stop='2 mm'",
 }
 
 
@@ -153,6 +154,15 @@ ZERO = option("--zero", help="Count displacement, strain and force from the firs
 INVERT = option("--invert", help="The sensor reads backwards: negate displacement and strain.")
 ORDER = option("--order", help="Order of the polynomials, or 'auto' (cross-validation).")
 CYCLE = option("--cycle", help="Cycle that is fitted: first, last, largest, or a number from 0.")
+
+# A fit without an instrument.
+MARK = option(
+    "--mark",
+    help="A position read off a ruler: cold, hot (both), or stop, an end stop counted from cold. Repeatable.",
+    metavar="NAME=POSITION",
+)
+MARK_ERROR = quantity("--mark-error", "m", "Standard deviation of one mark, as '0.5 mm'.", 1e-9, 1.0)
+LENGTH_ERROR = quantity("--length-error", "m", "Standard deviation of the leg's stated length, as '0.5 mm'.", 1e-9, 1.0)
 
 # Wires, simulated and calibrated.
 WIRE = option("--wire", help="Wire by name ('musclewire simulate --list' shows all), or wire file (.toml).")

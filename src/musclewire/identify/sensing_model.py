@@ -95,7 +95,7 @@ def fit(
         return fit_table(recording, order)
     reading = resistance_reading(recording)
     notes, source = loop_notes(recording), recording.facts.text_or_none("source") or ""
-    measured = required_quantity(recording, quantity)
+    measured = quantity_to_fit(recording, quantity)
     cut_short = not_done(recording)
     try:
         model = fit_loop(
@@ -126,6 +126,16 @@ def power_loop(
     rows = np.stack([recording["time_s"][there], recording["wire_voltage_v"][there] ** 2 / resistance, resistance])
     means = [part.mean(axis=1) for part in np.array_split(rows, min(LOOP_ROWS, there.size), axis=1)]
     return tuple((float(f"{t:.7g}"), float(f"{p:.7g}"), float(f"{r:.7g}")) for t, p, r in means)
+
+
+def quantity_to_fit(recording: Recording, quantity: str) -> FloatArray:
+    """Return the measured quantity, (n_times,). Raises RecordingError that says how to do without an instrument."""
+    try:
+        return required_quantity(recording, quantity)
+    except RecordingError as error:
+        if quantity == "force" or "displacement_m" in recording:
+            raise
+        raise RecordingError(f"{error}; without an instrument name the wire: --wire, or fit_resistance") from None
 
 
 def not_done(recording: Recording) -> str:

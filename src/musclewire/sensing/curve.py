@@ -101,6 +101,9 @@ class ResistanceCurve:
         Root mean square errors of the branches against the samples they were fitted to, in the quantity's unit.
     resistance_noise_ohm
         Standard deviation of one resistance reading [ohm]; 0 if it is unknown.
+    scale_std, offset_std
+        Standard deviations of a common factor of the quantity, a fraction, and of a common offset, in its unit, for a
+        curve that was not measured with an instrument; 0 for one that was.
 
     Raises
     ------
@@ -118,6 +121,8 @@ class ResistanceCurve:
     rmse_heating: float = 0.0
     rmse_cooling: float = 0.0
     resistance_noise_ohm: float = 0.0
+    scale_std: float = 0.0
+    offset_std: float = 0.0
     average_coefficients: tuple[float, ...] = field(init=False, repr=False, compare=False)
     quantity_min: float = field(init=False, repr=False, compare=False)
     quantity_max: float = field(init=False, repr=False, compare=False)
@@ -125,6 +130,7 @@ class ResistanceCurve:
     _per_ohm: float = field(init=False, repr=False, compare=False)
     _both_falling: Pairs = field(init=False, repr=False, compare=False)
     _residual_variance: float = field(init=False, repr=False, compare=False)
+    _scale_variance: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         """Derive g_a and the range of the quantity, and check that the parts agree."""
@@ -135,7 +141,9 @@ class ResistanceCurve:
         both = zip(self.heating_coefficients, self.cooling_coefficients, strict=True)
         object.__setattr__(self, "_both_falling", tuple(both)[::-1])
         object.__setattr__(self, "_per_ohm", 1.0 / (self.resistance_max_ohm - self.resistance_min_ohm))
-        object.__setattr__(self, "_residual_variance", (self.rmse_heating**2 + self.rmse_cooling**2) / 2.0)
+        residual = (self.rmse_heating**2 + self.rmse_cooling**2) / 2.0
+        object.__setattr__(self, "_residual_variance", residual + self.offset_std**2)
+        object.__setattr__(self, "_scale_variance", self.scale_std**2)
         object.__setattr__(self, "quantity_min", evaluate(mean, self.normalised_max))
         object.__setattr__(self, "quantity_max", evaluate(mean, self.normalised_min))
 
@@ -153,6 +161,7 @@ class ResistanceCurve:
         if not -0.5 <= low < high <= 1.5:
             raise CallerError(f"valid range of normalised resistance {low} to {high}: must rise within -0.5 to 1.5")
         require_in_range((self.rmse_heating, self.rmse_cooling, self.resistance_noise_ohm))
+        require_in_range((self.scale_std, self.offset_std))
         slope = evaluate(derivative(self.average_coefficients), np.linspace(low, high, DERIVATIVE_CHECKS))
         if not (slope[1:-1] < 0.0).all():
             raise CallerError(
@@ -192,6 +201,7 @@ class ResistanceCurve:
             "normalised_margin": MARGIN,
             "noise_ohm": self.resistance_noise_ohm,
             "residual_variance": self._residual_variance,
+            "scale_variance": self._scale_variance,
             "quantity_max": self.quantity_max,
             "quantity_span": self.quantity_max - self.quantity_min,
         }
@@ -206,8 +216,9 @@ class ResistanceCurve:
         """Estimate the quantity from one resistance or from an array.
 
         The value is g_a (Eq. 5) with the resistance clipped to the valid range. The standard deviation adds
-        in squares: half the distance of the branches, the branches' residual, and the resistance noise times
-        the slope, to which a resistance beyond the valid range adds its distance; it is at most the whole range.
+        in squares: half the distance of the branches, the branches' residual, the resistance noise times
+        the slope, to which a resistance beyond the valid range adds its distance, and what a curve without an
+        instrument may be off by as a whole (``scale_std``, ``offset_std``); it is at most the whole range.
 
         Parameters
         ----------
@@ -248,8 +259,10 @@ class ResistanceCurve:
         heating, cooling, slope = self._branches(inside)
         half = (heating - cooling) / 2.0
         spread = slope / 2.0 * (abs(fraction - inside) + noise_ohm * per_ohm)
-        std = sqrt(half * half + self._residual_variance + spread * spread)
-        return CurveEstimate((heating + cooling) / 2.0, min(std, self.quantity_max - self.quantity_min), valid)
+        value = (heating + cooling) / 2.0
+        variance = half * half + self._residual_variance + spread * spread + self._scale_variance * value * value
+        std = sqrt(variance)
+        return CurveEstimate(value, min(std, self.quantity_max - self.quantity_min), valid)
 
     def _estimate_many(self, resistance_ohm: FloatArray, noise_ohm: float) -> ArrayEstimate:
         """Return the estimates of an array: the same arithmetic as for one resistance, so the same bits."""
@@ -263,9 +276,11 @@ class ResistanceCurve:
         heating, cooling, slope = self._branches(inside)
         half = (heating - cooling) / 2.0
         spread = slope / 2.0 * (np.abs(known - inside) + noise_ohm * per_ohm)
-        std = np.sqrt(half * half + self._residual_variance + spread * spread)
+        value = (heating + cooling) / 2.0
+        variance = half * half + self._residual_variance + spread * spread + self._scale_variance * value * value
+        std = np.sqrt(variance)
         full = self.quantity_max - self.quantity_min
-        return ArrayEstimate((heating + cooling) / 2.0, np.where(finite, np.minimum(std, full), full), valid)
+        return ArrayEstimate(value, np.where(finite, np.minimum(std, full), full), valid)
 
     @overload
     def value(self, resistance_ohm: float) -> float: ...

@@ -78,6 +78,7 @@ class GatedEstimator:
         margin = MISMATCH_FRACTION * (curve.resistance_max_ohm - curve.resistance_min_ohm)
         self._own_ohm = (curve.resistance_min_ohm - margin, curve.resistance_max_ohm + margin)
         self._full = curve.quantity_max - curve.quantity_min
+        self._scale_variance = curve.scale_std**2
 
     def start(self) -> GatedState:
         """Return the state before the first sample."""
@@ -108,8 +109,9 @@ class GatedEstimator:
         if on_curve:
             reason = Reason.OK if branches.sensing != 0.0 else Reason.COLD
         value = branches.value + friction_n
+        std = sqrt(variance + self._scale_variance * branches.value * branches.value)
         return EstimatorStep(
-            QuantityEstimate(value, min(sqrt(variance), self._full), reason is Reason.OK, reason),
+            QuantityEstimate(value, min(std, self._full), reason is Reason.OK, reason),
             GatedState(value, 0, 0, branches, spring_force_n, friction_n),
             (resistance_ohm,),
         )

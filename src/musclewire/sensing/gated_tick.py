@@ -73,7 +73,8 @@ def tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: Fl
     if on_curve:
         reason = OK if branch["sensing"] != 0.0 else COLD
     now["value"] = branch["value"] + now["friction_n"]
-    answer_with(answer, now["value"], min(math.sqrt(variance), of["quantity_span"]), reason, 0.0, resistance_ohm)
+    std = math.sqrt(variance + of["scale_variance"] * branch["value"] * branch["value"])
+    answer_with(answer, now["value"], min(std, of["quantity_span"]), reason, 0.0, resistance_ohm)
 
 
 @compiled

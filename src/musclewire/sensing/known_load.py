@@ -101,5 +101,6 @@ def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: flo
         rmse_heating=per_unit_n * model.rmse_heating,
         rmse_cooling=per_unit_n * model.rmse_cooling,
         rmse_average=per_unit_n * model.rmse_average,
+        offset_std=per_unit_n * model.offset_std,
         wire={**model.wire, "spring_stiffness_n_per_m": stiffness_n_per_m},
     )

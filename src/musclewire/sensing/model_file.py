@@ -83,6 +83,8 @@ class ModelFile(BaseModel):
     rmse_average: NotNegative
     samples: Annotated[int, Field(ge=0)]
     resistance_noise_ohm: NotNegative = 0.0
+    scale_std: NotNegative = 0.0
+    offset_std: NotNegative = 0.0
     heating_standard_errors: Errors = []
     cooling_standard_errors: Errors = []
     warnings: list[str] = []

@@ -25,7 +25,7 @@ CONSTANTS = np.dtype(
             "shunt_resistance_ohm", "minimum_current_a", "own_low_ohm", "own_high_ohm", "allowed_samples",
             # The curve; its coefficients, highest powers first and heating before cooling, follow in the same array.
             "resistance_min_ohm", "per_ohm", "normalised_min", "normalised_max", "normalised_margin", "noise_ohm",
-            "residual_variance", "quantity_max", "quantity_span",
+            "residual_variance", "scale_variance", "quantity_max", "quantity_span",
             # The segment tracker.
             "ambiguous_above_ohm", "min_change_ohm", "smoothing_samples", "min_power_change",
             # The known spring; `loaded` is 0 without one.
@@ -105,8 +105,9 @@ def estimate(of: Row, coefficients: FloatArray, resistance_ohm: float) -> tuple[
         cooling = cooling * inside + coefficients[place + 1]
     half = (heating - cooling) / 2.0
     spread = slope / 2.0 * (abs(fraction - inside) + of["noise_ohm"] * of["per_ohm"])
-    std = math.sqrt(half * half + of["residual_variance"] + spread * spread)
-    return (heating + cooling) / 2.0, min(std, of["quantity_span"]), valid
+    value = (heating + cooling) / 2.0
+    variance = half * half + of["residual_variance"] + spread * spread + of["scale_variance"] * value * value
+    return value, min(math.sqrt(variance), of["quantity_span"]), valid
 
 
 @compiled

@@ -156,7 +156,7 @@ def test_neither_the_number_of_threads_nor_that_of_loops_changes_a_digit(model: 
 
 def test_each_loop_may_have_its_own_rig_and_model(model: SensingModel) -> None:
     rigs = [RigConfiguration(settings={"pretension_n": force_n}) for force_n in (1.7, 1.9)]
-    models = [model, replace(model, resistance_noise_ohm=0.0)]
+    models = [model, replace(model, resistance_noise_ohm=0.0, scale_std=0.05, offset_std=1e-4)]
     found = control_many(rigs, models, SHORT, seeds=[1, 1])
     for rig, own, outcome in zip(rigs, models, found.outcomes, strict=True):
         assert control_many(rig, own, SHORT, seeds=[1]).outcomes == (outcome,)

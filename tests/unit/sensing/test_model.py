@@ -46,6 +46,8 @@ def monotone_models(draw: st.DrawFn) -> SensingModel:
         normalised_max=begin + draw(st.floats(0.2, 0.6)),
         rmse_heating=draw(st.floats(0, 1e-3)),
         resistance_noise_ohm=draw(st.floats(0, 0.01)),
+        scale_std=draw(st.floats(0, 0.1)),
+        offset_std=draw(st.floats(0, 1e-3)),
     )
 
 
@@ -111,6 +113,15 @@ def test_the_spread_holds_half_the_gap_the_residual_and_the_noise() -> None:
     assert MODEL.estimate(16.0).std == pytest.approx(2e-4)
     assert noisy.estimate(16.0).std == pytest.approx(math.hypot(2e-4, 3e-4))
     assert noisy.estimate(16.0, 0.01).std == pytest.approx(math.hypot(2e-4, 3e-4, 0.01 * 0.015))
+
+
+def test_the_spread_of_a_curve_without_an_instrument_has_its_factor_and_its_offset() -> None:
+    """Where the strain is 2 %, 5 % of it are 1e-3."""
+    unmeasured = replace(MODEL, scale_std=0.05, offset_std=3e-4)
+    found = unmeasured.estimate(16.0)
+    assert found.value == MODEL.estimate(16.0).value
+    assert found.std == pytest.approx(math.hypot(2e-4, 3e-4, 0.05 * found.value))
+    assert unmeasured.estimate(np.array([16.0])).std[0] == found.std
 
 
 def test_a_strain_out_of_reach_is_refused_with_the_range() -> None:

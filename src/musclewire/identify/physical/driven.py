@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 
 import numpy as np
@@ -29,6 +29,7 @@ from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 from musclewire.simulate.paths import DrivenPath, drive_path
 from musclewire.simulate.stepping import fixed_steps
+from musclewire.wire.loads import ConnectorLoad
 
 __all__ = ["DrivenObservation", "observe_drive"]
 
@@ -71,6 +72,7 @@ class DrivenObservation:
         self._period_s = sample_period_s
         self._bench = dict(bench)
         self._circuit = dict(circuit or {})
+        self._load: ConnectorLoad | None = None
         self._diameter_m = diameter_m
         self._max_step_s = MAX_STEP_S
         self._bin = bin_size(drive_voltage_v.shape[0])
@@ -96,8 +98,7 @@ class DrivenObservation:
 
     def drive_at(self, times_s: FloatArray) -> FloatArray:
         """Return the drive at some times from the start of the recording, both (n,)."""
-        ticks = self._period_s * np.arange(1, self._drive.shape[0] + 1)
-        return np.asarray(np.interp(times_s, ticks, self._drive))
+        return np.asarray(np.interp(times_s, self.ticks_s(), self._drive))
 
     @property
     def highest_drive_v(self) -> float:
@@ -110,10 +111,29 @@ class DrivenObservation:
         finer._max_step_s = REFINED_STEP_S
         return finer
 
+    def loaded(self, load: ConnectorLoad | None, uncertain: Collection[str] = ()) -> DrivenObservation:
+        """Return the same observation with a load in place of the bench's spring, and uncertain numbers of its bench.
+
+        What is uncertain has the value of the candidate that is simulated.
+        """
+        other = copy(self)
+        other._load = load
+        other._bench = {name: value for name, value in self._bench.items() if name not in uncertain}
+        return other
+
+    def ticks_s(self) -> FloatArray:
+        """Return the times from the start of the recording at which simulated columns are, (n,)."""
+        return np.asarray(self._period_s * np.arange(1, self._drive.shape[0] + 1))
+
+    def in_bins(self, name: str, values: FloatArray) -> FloatArray:
+        """Return a simulated column, (n,), in the bins of the channel of this name."""
+        return binned(values, self._bin)[self._keep[name]]
+
     def path(self, values: WireValues) -> DrivenPath:
         """Return the simulated path of the wire under the recording's drive, sample by sample."""
         wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
-        constants = candidate_constants(values, wire, {**values.bench, **self._bench, **self._circuit})
+        bench = {**values.bench, **self._bench, **self._circuit}
+        constants = candidate_constants(values, wire, bench, self._load)
         steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
         path, _ = drive_path(
             constants, self._drive, sample_s=self._period_s, stepping=fixed_steps(self._period_s / steps)
@@ -137,7 +157,7 @@ class DrivenObservation:
     def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
         """Return the simulated channels of this wire, in bins."""
         columns = self.columns(values)
-        return {name: binned(columns[name], self._bin)[keep] for name, keep in self._keep.items()}
+        return {name: self.in_bins(name, columns[name]) for name in self._keep}
 
 
 def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) -> DrivenObservation:
