@@ -111,9 +111,11 @@ def run_loop(
     plant = open_plant(wire, condition, run=RUN_NUMBER)
     with plant.rig as rig:
         try:
-            model = homed(plant, condition, model).model
+            model, outcome = homed(plant, condition, model)
         except RigError as error:
-            return ended_in_home(error)
+            return not_begun(" ".join(str(error).split()))
+        if outcome.startswith("refused"):
+            return not_begun(outcome)
         began_s = required_true_state(rig).wire_state.time_s
         plant.disturbance.change_at(began_s + APPROACH_S + run.change_at_s)
         watched = Watched(plant)
@@ -143,9 +145,9 @@ def run_loop(
     )
 
 
-def ended_in_home(error: RigError) -> LoopOutcome:
-    """Return the outcome of a loop that did not begin, because the protection ended its home move."""
-    return LoopOutcome(None, None, None, None, None, " ".join(str(error).split()), 0.0, 1.0, 0.0, 0.0)
+def not_begun(why: str) -> LoopOutcome:
+    """Return the outcome of a loop that did not begin, because its home move was refused or ended."""
+    return LoopOutcome(None, None, None, None, None, why, 0.0, 1.0, 0.0, 0.0)
 
 
 def step_errors(run: ControlRun, from_s: float) -> tuple[float | None, float | None, float | None]:

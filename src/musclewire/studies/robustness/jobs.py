@@ -137,7 +137,7 @@ def computed(job: Job, store: Store) -> Answer:
     knowledge = store.knowledge(wire)
     own = users_wire(knowledge)
     recorded = [store.run(wire, condition, reference) for reference in job.references]
-    runs = [(run, knowledge._replace(model=model)) for run, model in recorded if run.time_s.size]
+    runs = [(run, knowledge._replace(model=model)) for run, model in recorded if run.counts]
     scores: dict[str, Score] = {}
     problems: dict[str, str] = {}
     force: dict[str, Score] = {}

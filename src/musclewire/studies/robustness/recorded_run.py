@@ -70,6 +70,11 @@ class RecordedRun:
     home: str = ""
     facts: dict[str, float] = field(default_factory=dict)
 
+    @property
+    def counts(self) -> bool:
+        """Whether the run is judged: it has samples, and a home move before it was not refused with a cause."""
+        return self.time_s.size > 0 and not self.home.startswith("refused")
+
     def save(self, path: Path) -> None:
         """Write all arrays, whole or not at all."""
         arrays: dict[str, Any] = {key: value for key, value in self.__dict__.items() if isinstance(value, np.ndarray)}

@@ -141,8 +141,8 @@ class LoopRow:
 
     @property
     def ended(self) -> int:
-        """Number of wires whose run has ended early."""
-        return sum(bool(one.ended) for one in self.outcomes)
+        """Number of wires whose run has ended early; one that a refused home move kept from beginning is none."""
+        return sum(bool(one.ended) and not one.ended.startswith("refused") for one in self.outcomes)
 
     def largest(self, name: str) -> float | None:
         """Return the largest of one number over the wires; None without any."""
@@ -173,7 +173,7 @@ def estimator_rows(answers: Sequence[Answer], conditions: Sequence[Condition], b
 
 def estimator_row(condition: Condition, name: str, answers: Sequence[Answer], bars: Bars) -> EstimatorRow:
     """Return the row of an estimator under a condition."""
-    scored = [one for one in answers if name in one.scores]
+    scored = [one for one in answers if name in one.scores and one.scores[name].samples]
     wires = tuple(
         WireError(one.job.seed, one.segments, bars.allowance(one.gap_pct), one.scores[name].rms_pct) for one in scored
     )

@@ -136,8 +136,8 @@ def test_pooled_scores_are_the_score_of_all_samples(parts):
 def answer(seed, error, gap_pct=1.0, name="none"):
     squares = 100 * (error / 100.0) ** 2
     score = Score(samples=100, squares=squares, valid=100, within=95)
-    job = Job(seed, name, ("sines",), ("polynomial",), ())
-    return Answer(job, gap_pct, 1, {"polynomial": score}, {}, (), {}, {}, {})
+    job = Job(seed, name, ("sines",), (bars().default_estimator,), ())
+    return Answer(job, gap_pct, 1, {bars().default_estimator: score}, {}, (), {}, {}, {})
 
 
 def test_a_wire_with_a_large_gap_has_a_larger_bar():
