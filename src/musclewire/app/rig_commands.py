@@ -113,10 +113,11 @@ def characterize(
     """Heat and cool the wire slowly (the slow sine) and record it."""
     from musclewire.experiment.open_loop import characterize as run_characterize
     from musclewire.experiment.run_warnings import run_warnings
-    from musclewire.rigs.configuration import open_rig
+    from musclewire.rigs.configuration import amplitude_is_given, open_rig
 
     period_s = sine.period_s
     require_recording_file(output, overwrite)
+    until_level = sine.amplitude is None and not amplitude_is_given(rig)
     with stops_between_samples(), open_rig(rig, seed=seed, real_time=timing.real_time) as opened:
         amplitude_v = sine.amplitude_v
         refused = timing.apply(opened)
@@ -126,6 +127,7 @@ def characterize(
                 amplitude_v=amplitude_v,
                 period_s=period_s,
                 cycles=sine.cycles,
+                until_level=until_level,
                 path=output,
                 overwrite=overwrite,
                 on_sample=on_sample,
@@ -134,6 +136,7 @@ def characterize(
         "recording": str(output),
         "samples": len(recording),
         **loop_json(recording),
+        **hot_end_json(recording),
         "warnings": [*refused, *warn(run_warnings(recording))],
     }
     if json:
@@ -141,8 +144,28 @@ def characterize(
     else:
         show(f"{len(recording)} samples in {output}")
         show(answer.get("problem") or answer.get("note") or loop_text(answer))
+        if said := hot_end_text(answer):
+            show(said)
     if "problem" in answer:
         raise typer.Exit(1)
+
+
+def hot_end_json(recording: Recording) -> dict[str, Any]:
+    """Return the amplitude of a slow loop, what stopped it from being raised, and whether the loop shows C."""
+    facts = recording.metadata
+    return {name: facts.get(name) for name in ("amplitude_v", "amplitude_raised", "shows_c")}
+
+
+def hot_end_text(answer: Mapping[str, Any]) -> str:
+    """Return in words how far the amplitude was raised and whether the hot end is C; "" if there is nothing to say."""
+    raised, amplitude_v = answer["amplitude_raised"], answer["amplitude_v"]
+    lines = [] if raised is None else [f"amplitude raised to {amplitude_v:.2f} V: {raised}"]
+    if answer["shows_c"] is False:
+        lines.append(
+            f"C is only the turning point of the drive: the resistance still falls at {amplitude_v:.2f} V, and strain "
+            "beyond is unknown"
+        )
+    return "\n".join(lines)
 
 
 def loop_json(recording: Recording) -> dict[str, Any]:

@@ -29,11 +29,13 @@ MIN_LAG_S = 0.8
 # The ramp goes on to this multiple of the loop's highest power if the wire has not transformed before.
 OVERDRIVE = 1.6
 # Below the protection's limit by so much [K], by its own estimate.
-BELOW_LIMIT_K = 10.0
+BELOW_LIMIT_K, ZERO_CELSIUS_K = 10.0, 273.15
 # The resistance has fallen as far as in the loop at this fraction of the loop's fall, a lag being on its way.
 DEEP_ENOUGH = 0.975
 # Where the loop showed C, or where nothing is known of the wire, the fall must level off; at least so far down.
 MIN_DEPTH = 0.85
+# Stricter than for a slow loop: in a ramp the temperature lags behind the power.
+LEVEL_FRACTION = 0.06
 # The course is judged in pieces of this many seconds, whose noise is small.
 PIECE_S = 0.2
 MAX_DROPOUTS = 10
@@ -58,6 +60,8 @@ class SweepPlan(NamedTuple):
         Fall of resistance from B to C in the loop [ohm].
     until_level
         Whether the ramp goes on until the fall levels off, and not merely as far down as the loop.
+    limited_by
+        Which limit the highest power is, in words.
     """
 
     rest_s: float
@@ -67,20 +71,31 @@ class SweepPlan(NamedTuple):
     highest_power_w: float
     fall_ohm: float
     until_level: bool
+    limited_by: str
 
     @classmethod
-    def for_rig(cls, rig: Rig, loop_power_w: float, fall_ohm: float, until_level: bool) -> SweepPlan:
-        """Return the plan for a wire on a rig."""
+    def for_rig(
+        cls, rig: Rig, loop_power_w: float, fall_ohm: float, until_level: bool, highest_k: float = inf
+    ) -> SweepPlan:
+        """Return the plan for a wire on a rig, which by its power stays below a temperature [K], too."""
         limits = protection_limits_of(rig)
-        lag_s, thermal_w = MIN_LAG_S, inf
+        highest_w, because = OVERDRIVE * loop_power_w, f"the power was at {OVERDRIVE:g} times the usual one"
+        lag_s = MIN_LAG_S
         if limits is not None:
             lag_s = max(lag_s, limits.heat_capacity_j_per_k / limits.heat_loss_w_per_k)
-            allowed_k = limits.maximum_temperature_k - BELOW_LIMIT_K - limits.ambient_temperature_k
-            thermal_w = allowed_k * limits.heat_loss_w_per_k
-        highest_w = min(OVERDRIVE * loop_power_w, thermal_w)
-        return cls(
-            REST_LAGS * lag_s, UP_LAGS * lag_s, DOWN_LAGS * lag_s, loop_power_w, highest_w, fall_ohm, until_level
-        )
+            protected_k = limits.maximum_temperature_k - BELOW_LIMIT_K
+            allowed_k = min(protected_k, highest_k)
+            thermal_w = (allowed_k - limits.ambient_temperature_k) * limits.heat_loss_w_per_k
+            if thermal_w < highest_w:
+                why = (
+                    "near the protection's limit" if allowed_k == protected_k else "up to which the alloy was measured"
+                )
+                highest_w, because = (
+                    thermal_w,
+                    f"by its power the wire was at {allowed_k - ZERO_CELSIUS_K:.0f} C, {why}",
+                )
+        times_s = (REST_LAGS * lag_s, UP_LAGS * lag_s, DOWN_LAGS * lag_s)
+        return cls(*times_s, loop_power_w, highest_w, fall_ohm, until_level, because)
 
     @property
     def duration_s(self) -> float:
@@ -151,9 +166,7 @@ class HomeSweep:
         if elapsed_s > self._plan.rest_s + OVERDRIVE * self._plan.up_s - PIECE_S:
             at_voltage = self._drive_v >= self._maximum_v - 1e-9
             self.stopped_by = (
-                f"the drive was at its limit of {self._maximum_v:g} V"
-                if at_voltage
-                else f"the power was at its limit of {self._plan.highest_power_w:.3g} W"
+                f"the drive was at its limit of {self._maximum_v:g} V" if at_voltage else self._plan.limited_by
             )
             return True
         if self._piece or len(self._means) < 2:
@@ -162,4 +175,4 @@ class HomeSweep:
         fallen = float(resistance_ohm.max() - resistance_ohm[-1]) / self._plan.fall_ohm
         if not self._plan.until_level and fallen >= DEEP_ENOUGH:
             return True
-        return fallen >= MIN_DEPTH and has_levelled(power_w, resistance_ohm)
+        return fallen >= MIN_DEPTH and has_levelled(power_w, resistance_ohm, LEVEL_FRACTION)

@@ -13,9 +13,12 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.experiment.known_drive import KnownDrive
-from musclewire.experiment.run import Decision, OnSample, run_on_rig
+from musclewire.experiment.levelling_amplitude import levelling_amplitude
+from musclewire.experiment.run import Decision, OnSample, refuse_unusable, run_on_rig
+from musclewire.identify.point_c import shows_c
 from musclewire.rigs.protocol import Rig
 from musclewire.signals.exchange import Command, Drive, RawSample
+from musclewire.signals.hdf5 import describe_recording
 from musclewire.signals.recording import MetadataValue, Recording
 
 __all__ = ["SlowSine", "Waveform", "WaveformPolicy", "characterize", "slow_sine", "slow_sine_run"]
@@ -156,6 +159,7 @@ def characterize(
     amplitude_v: float | None = None,
     period_s: float = PAPER_PERIOD_S,
     cycles: int = 2,
+    until_level: bool = False,
     path: str | Path | None = None,
     overwrite: bool = False,
     on_sample: OnSample | None = None,
@@ -175,6 +179,9 @@ def characterize(
         Time of a cycle [s]; the paper's 90 s, which is long compared with the thermal time constant of a thin wire.
     cycles
         How many; 2, so that the second one repeats.
+    until_level
+        Whether an amplitude that is not given is raised above the rig's own, within its limits, until the fall of the
+        resistance levels off; a sweep of half a minute before the slow sine finds it. The metadata say what stopped it.
     path
         File that is written while the run lasts; none if None.
     overwrite
@@ -184,7 +191,8 @@ def characterize(
 
     Returns
     -------
-    The recording.
+    The recording. Its metadata state with ``shows_c`` whether the resistance has levelled off where the wire was
+    hottest; if not, C is only the turning point of the drive.
 
     Raises
     ------
@@ -205,13 +213,25 @@ def characterize(
     >>> loop.names
     ('time_s', 'drive_voltage_v', 'wire_voltage_v', 'shunt_voltage_v', 'displacement_m', 'force_n', 'cycle')
     """
+    refuse_unusable(path, overwrite)
+    raised: dict[str, MetadataValue] = {}
+    if until_level and amplitude_v is None:
+        found = levelling_amplitude(rig, on_sample)
+        amplitude_v = found.amplitude_v
+        raised = {"amplitude_raised": "until the fall levelled off" if found.levelled else found.stopped_by}
     sine = slow_sine_run(rig, amplitude_v, period_s, cycles)
-    return run_on_rig(
+    recording = run_on_rig(
         rig,
         sine.policy,
         sine.duration_s,
-        metadata=sine.metadata,
+        metadata={**sine.metadata, **raised},
         path=path,
         overwrite=overwrite,
         on_sample=on_sample,
     )
+    seen = shows_c(recording)
+    if seen is None:
+        return recording
+    if path is not None:
+        describe_recording(path, {"shows_c": seen})
+    return recording.with_metadata(shows_c=seen)

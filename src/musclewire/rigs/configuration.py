@@ -16,6 +16,7 @@ from musclewire.rigs.simulated_configuration import RigConfiguration
 
 __all__ = [
     "RigConfiguration",
+    "amplitude_is_given",
     "open_rig",
     "read_rig_file",
     "rig_names",
@@ -80,6 +81,18 @@ def rig_configuration(
         or_file = " Otherwise give" if hint.endswith("?") else ", or give"
         raise CallerError(f"there is no rig '{rig}'{hint}{or_file} the path of a TOML rig file")
     return read_rig_file(rig, may_import=may_import), f"rig file {rig}"
+
+
+def amplitude_is_given(rig: str | Path | DeviceConfiguration) -> bool:
+    """Return whether a rig's file states the amplitude of the slow sine; one of hardware or of a replay always does.
+
+    A simulated rig without it drives as its wire is commonly driven.
+    """
+    configuration, _ = rig_configuration(rig)
+    if configuration.kind != SIMULATED:
+        return True
+    settings = getattr(configuration, "settings", {})
+    return "drive_amplitude" in configuration.model_fields_set or "drive_amplitude_v" in settings
 
 
 def open_rig(

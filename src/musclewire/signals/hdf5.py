@@ -182,6 +182,17 @@ def fill_hdf5(columns: Mapping[str, FloatArray], metadata: Mapping[str, Metadata
         file.attrs.modify("rows", np.int64(rows))
 
 
+def describe_recording(path: str | Path, metadata: Mapping[str, MetadataValue]) -> None:
+    """Add metadata to a finished recording, as an analysis found them. Raises CallerError if the file refuses."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r+") as file:
+            _write_metadata(file, checked_metadata(metadata))
+    except OSError as problem:
+        raise CallerError(f"cannot add to recording {path}: {_first_line(problem)}") from None
+
+
 def read_hdf5_columns(path: Path) -> tuple[dict[str, FloatArray], dict[str, MetadataValue]]:
     """Return columns and metadata; of a file cut off in a run, its complete rows and ``ended`` "cut off".
 

@@ -13,8 +13,9 @@ from musclewire.sensing.resistance_extremes import ResistanceExtremes, find_resi
 
 __all__ = ["SeenPoints", "has_levelled", "seen_points"]
 
-# The resistance has levelled off where it falls with power by less than this fraction of its steepest fall.
-LEVEL_FRACTION = 0.06
+# The resistance has levelled off where it falls with power by less than this fraction of its steepest fall. The shipped
+# wire reaches 0.1 at the highest drive that its file allows.
+LEVEL_FRACTION = 0.1
 # Pieces of equal power into which the way up is divided to see how it falls, and how many of them make a slope.
 PIECES, SLOPE_PIECES = 40, 4
 
@@ -62,10 +63,11 @@ def b_on_the_way_down(resistance_ohm: FloatArray) -> float | None:
     return down.resistance_max_ohm if down.saw_b else None
 
 
-def has_levelled(power_w: FloatArray, resistance_ohm: FloatArray) -> bool:
+def has_levelled(power_w: FloatArray, resistance_ohm: FloatArray, fraction: float = LEVEL_FRACTION) -> bool:
     """Return whether the resistance of a heating wire, (n_times,), has stopped falling at its hottest.
 
-    Slopes are of means over pieces of equal power, so that noise and a dwell count little.
+    Slopes are of means over pieces of equal power, so that noise and a dwell count little; the last one is compared
+    with ``fraction`` of the steepest.
     """
     span_w = float(np.ptp(power_w))
     if power_w.size < PIECES or span_w <= 0.0:
@@ -78,4 +80,4 @@ def has_levelled(power_w: FloatArray, resistance_ohm: FloatArray) -> bool:
         return False
     falls = mean[:-SLOPE_PIECES] - mean[SLOPE_PIECES:]
     steepest = float(falls.max())
-    return bool(steepest > 0.0 and falls[-1] < LEVEL_FRACTION * steepest and np.argmax(falls) < falls.size - 1)
+    return bool(steepest > 0.0 and falls[-1] < fraction * steepest and np.argmax(falls) < falls.size - 1)
