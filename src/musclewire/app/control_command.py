@@ -67,7 +67,7 @@ class LoopOptions:
     quantity: Annotated[str, QUANTITY] = "strain"
     known_stiffness: Annotated[str | None, KNOWN_STIFFNESS] = None
     reference: Annotated[str, REFERENCE] = "staircase"
-    estimator: Annotated[str, ESTIMATOR] = "polynomial"
+    estimator: Annotated[str | None, ESTIMATOR] = None
     controller: Annotated[str, CONTROLLER] = FUZZY_PID
     rules: Annotated[str, RULES] = DEFAULT_RULES
     on_board: Annotated[bool, ON_BOARD] = False
@@ -97,7 +97,7 @@ def control(
     homing.check(on_board=loop.on_board)
     refuse_single_run_options(many, single_run_options(loop, timing, output, overwrite) | homing.given())
     if many.runs is not None:
-        chosen = {"estimator": loop.estimator, "controller": loop.controller, "settings": settings, "load": load}
+        chosen = {"estimator": estimator_of(loop), "controller": loop.controller, "settings": settings, "load": load}
         with open_rig(rig, seed=seed) as opened:
             follows = target or staircase_for(loaded, load, opened.leg_length_m)
         run_many_loops(rig, seed, many, {"model": loaded, **chosen}, follows, json)
@@ -170,9 +170,9 @@ def loop_of(
         from musclewire.experiment.closed_loop import control as control_on_host
 
         return partial(
-            control_on_host, estimator=loop.estimator, controller=loop.controller, settings=settings, load=load
+            control_on_host, estimator=estimator_of(loop), controller=loop.controller, settings=settings, load=load
         )
-    if (loop.estimator, loop.controller) != ("polynomial", FUZZY_PID):
+    if loop.estimator is not None or loop.controller != FUZZY_PID:
         raise CallerError("--on-board runs the firmware's own estimator and controller: leave both names out")
     if load is not None:
         raise CallerError("--on-board runs by the firmware's own numbers: leave out --known-stiffness")
@@ -183,6 +183,13 @@ def loop_of(
     return partial(control_on_board, checksum=loop_checksum(model, settings_for(model, settings)))
 
 
+def estimator_of(loop: LoopOptions) -> str:
+    """Return the name of the estimator that the host runs."""
+    from musclewire.sensing.estimator import DEFAULT_ESTIMATOR
+
+    return loop.estimator or DEFAULT_ESTIMATOR
+
+
 def settings_of(loop: LoopOptions) -> FuzzyPidSettings | None:
     """Return the settings of the fuzzy-tuned PID, None for another controller, whose own are its defaults.
 
@@ -191,7 +198,7 @@ def settings_of(loop: LoopOptions) -> FuzzyPidSettings | None:
     from musclewire.controllers import CONTROLLERS, FuzzyPidSettings
     from musclewire.sensing import ESTIMATORS
 
-    ESTIMATORS.find(loop.estimator)
+    ESTIMATORS.find(estimator_of(loop))
     CONTROLLERS.find(loop.controller)
     if loop.controller == FUZZY_PID:
         return FuzzyPidSettings(rule_base=loop.rules)

@@ -103,7 +103,7 @@ def estimate(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
     recording: RecordingPath,
     reading: ReadingOptions,
-    estimator: Annotated[str, ESTIMATOR] = "polynomial",
+    estimator: Annotated[str | None, ESTIMATOR] = None,
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
@@ -127,7 +127,9 @@ def error_numbers(report: EstimateReport | None) -> dict[str, Any]:
 
     All are None without an estimate: a printed table of branches is no recording to estimate from.
     """
-    return {name: getattr(report, name, None) for name in ("valid_share", "rms_pct", "max_pct", "no_reference")}
+    return {
+        name: getattr(report, name, None) for name in ("valid_share", "rms_pct", "max_pct", "no_reference", "estimator")
+    }
 
 
 def error_text(report: EstimateReport) -> str:
@@ -137,7 +139,10 @@ def error_text(report: EstimateReport) -> str:
         if report.rms_pct is None
         else f"error {report.rms_pct:.3f} % rms, {report.max_pct:.3f} % largest, of stroke"
     )
-    return f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in range and between B and C; {errors}"
+    return (
+        f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in range and between B and C; {errors} "
+        f"(estimator {report.estimator})"
+    )
 
 
 def rules(

@@ -104,7 +104,11 @@ KNOWN_STIFFNESS = quantity(
     "N/m",
     "Known stiffness of the load or of the object, as '588.6 N/m': gives force from a model of strain.",
 )
-ESTIMATOR = option("--estimator", help="Estimator by name: computes strain, displacement or force from voltages.")
+ESTIMATOR = option(
+    "--estimator",
+    help="Estimator by name: computes strain, displacement or force from voltages; gated by default, polynomial is the "
+    "paper's.",
+)
 CONTROLLER = option("--controller", help="Controller by name: computes the drive voltage from target and estimate.")
 RULES = option("--rules", help="Rule base of the fuzzy tuning; see 'musclewire rules'.")
 HOME = option(

@@ -28,7 +28,7 @@ from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.identify.use_of_model import check_made_for, error_unit_for
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.curve import SHOWN_AS
-from musclewire.sensing.estimator import ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup
+from musclewire.sensing.estimator import DEFAULT_ESTIMATOR, ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.known_load import KnownSpring, force_model
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.slow_corrections import CORRECTION_COLUMN, InLine, InThread, SlowCorrections, SlowStatus
@@ -58,7 +58,10 @@ def controller_for(
 
 
 def estimator_for(
-    rig: Rig, model: SensingModel, load: KnownSpring | None = None, estimator: str | EstimatorFactory = "polynomial"
+    rig: Rig,
+    model: SensingModel,
+    load: KnownSpring | None = None,
+    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
 ) -> Estimator:
     """Return an estimator for a rig's circuit by a model; with a ``load`` the model is one of the force on it."""
     factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
@@ -155,7 +158,7 @@ def control(
     model: SensingModel,
     reference: Reference | None = None,
     *,
-    estimator: str | EstimatorFactory = "polynomial",
+    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
     controller: str | ControllerFactory = "fuzzy-pid",
     settings: Any = None,
     load: KnownSpring | None = None,
@@ -176,7 +179,8 @@ def control(
         The target over time, in the model's quantity: ``staircase`` and ``sampled_reference`` make one. The paper's
         staircase if None.
     estimator
-        Name of an estimator (``musclewire.sensing.ESTIMATORS``), or a factory of one; the default is the paper's.
+        Name of an estimator (``musclewire.sensing.ESTIMATORS``), or a factory of one; the default moves
+        along the branch of the direction in which the wire is driven, the paper's own is "polynomial".
     controller
         Name of a controller (``musclewire.controllers.CONTROLLERS``), or a factory of one; the default is the paper's.
     settings
@@ -243,7 +247,7 @@ def control(
 class LoopChoice:
     """Estimator and controller of a loop with their settings, a known spring, and the time of the approach."""
 
-    estimator: str | EstimatorFactory = "polynomial"
+    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR
     controller: str | ControllerFactory = "fuzzy-pid"
     settings: Any = None
     load: KnownSpring | None = None

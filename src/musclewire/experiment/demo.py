@@ -17,6 +17,7 @@ from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
 from musclewire.identify.sensing_model import fit
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.protocol import Rig
+from musclewire.sensing.estimator import PAPER_ESTIMATOR
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.recording import Recording
 
@@ -77,7 +78,16 @@ def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -
         model = fit(major)
         model.save(files["model"])
         with progress("Staircase, sensed by resistance", APPROACH_S + steps.duration_s) as on_sample:
-            run = control(rig, model, steps, path=files["staircase"], overwrite=True, on_sample=on_sample)
+            # The paper's own estimator: the demo shows its figures.
+            run = control(
+                rig,
+                model,
+                steps,
+                estimator=PAPER_ESTIMATOR,
+                path=files["staircase"],
+                overwrite=True,
+                on_sample=on_sample,
+            )
     with (
         open_rig("simulated", seed=seed) as rig,
         progress("Pretension sweep", 8 * PAPER_PERIOD_S) as on_sample,

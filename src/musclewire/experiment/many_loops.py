@@ -33,7 +33,7 @@ from musclewire.rigs.compiled_loop.running import CompiledRun, LoopTicks, Target
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.kinds import DeviceConfiguration
-from musclewire.sensing.estimator import EstimatorFactory
+from musclewire.sensing.estimator import DEFAULT_ESTIMATOR, EstimatorFactory
 from musclewire.sensing.known_load import KnownSpring
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.compiled_tick import declared_tick
@@ -88,7 +88,7 @@ def control_many(
     reference: Reference | None = None,
     *,
     seeds: Iterable[int],
-    estimator: str | EstimatorFactory = "polynomial",
+    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
     controller: str | ControllerFactory = "fuzzy-pid",
     settings: Any = None,
     load: KnownSpring | None = None,
@@ -168,7 +168,7 @@ def control_compiled(
     model: SensingModel,
     reference: Reference | None = None,
     *,
-    estimator: str | EstimatorFactory = "polynomial",
+    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
     controller: str | ControllerFactory = "fuzzy-pid",
     settings: Any = None,
     load: KnownSpring | None = None,

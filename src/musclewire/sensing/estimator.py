@@ -23,8 +23,10 @@ from musclewire.signals.exchange import EstimatorStep, RawSample, WireSample
 from musclewire.wire.constants import WireConstants
 
 __all__ = [
+    "DEFAULT_ESTIMATOR",
     "ESTIMATORS",
     "MAX_DROPOUTS",
+    "PAPER_ESTIMATOR",
     "CompiledEstimator",
     "Estimator",
     "EstimatorFactory",
@@ -33,6 +35,10 @@ __all__ = [
     "dropout_failure",
 ]
 
+# What a loop runs, and a recording is read by, where nobody names another estimator (docs/explanation/estimators.md).
+DEFAULT_ESTIMATOR = "gated"
+# The one with which the paper's figures were made.
+PAPER_ESTIMATOR = "polynomial"
 # A sample without current is bridged by holding the drive; this many in a row are a broken wire or circuit.
 MAX_DROPOUTS = 10
 

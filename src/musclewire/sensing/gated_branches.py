@@ -4,8 +4,9 @@ Ambient temperature and moving air do not enter the relation of resistance and s
 the wire's history. Resistance alone does not say the direction: after a turn the strain stands still while resistance
 follows the temperature, so that it is not monotone there. Electrical power does: above its own slow mean the wire
 heats, below it cools. Heating, the strain only rises, towards the heating branch, and only while the resistance falls;
-cooling, it only falls, towards the cooling branch, while the resistance rises. Otherwise it approaches that branch
-slowly, so that a wrong direction is forgotten, and it never leaves the two branches by more than a small margin.
+cooling, it only falls, towards the cooling branch, while the resistance rises. Without motion it approaches that branch
+slowly while power supports the direction, and the mean of both, more slowly, once it does not, so that a wrong
+direction is forgotten. It never leaves the two branches by more than a small margin.
 
 In front is a Kalman filter of one number, the resistance. The noise that it assumes is measured, from the second
 differences of the readings, and referred to the shunt's voltage, because a small current makes a noisy resistance. The
@@ -28,25 +29,28 @@ __all__ = ["NUMBERS", "BranchState", "Followed", "GatedBranches", "TimeStep", "t
 NUMBERS = {
     # Direction: time constant of the mean power, and by how much power must differ from it.
     "mean_power_s": 3.0,
-    "turning_fraction": 0.05,
+    "turning_fraction": 0.1,
     # Filter: variance that a still wire gains per second, one whose power differs from the mean by all of the mean, and
     # the part of an unexpected change; time over which noise is learnt.
     "still_per_s": 2.5e-7,
     "driven_per_s": 0.16,
-    "surprise_per_s": 0.2,
+    "surprise_per_s": 0.15,
     "noise_s": 10.0,
     # Motion: resistance moves if it differs from its value a time constant ago by more than noise and a least change.
-    "lagging_s": 0.2,
-    "motion_deviations": 1.5,
-    "min_motion_variance": 3.6e-5,
-    # Approach of the branch without motion, and back to it from beyond.
-    "approach_s": 3.0,
+    "lagging_s": 0.25,
+    "motion_deviations": 1.7,
+    "min_motion_variance": 1e-4,
+    # Without motion: approach of the branch while power is beyond its mean in that direction by a fraction (below 0: a
+    # little less than the mean will do), and of the mean of both branches otherwise. Back to the branch from beyond.
+    "supporting_fraction": -0.01,
+    "approach_s": 1.0,
+    "middle_s": 8.0,
     "return_s": 1.0,
     # How far beyond the branches the quantity may be.
-    "beyond": 0.01,
+    "beyond": 0.015,
     # Standard deviation: part of the distance of the branches, and of the range (squared).
-    "gap_fraction": 0.25,
-    "range_variance": 1.6e-5,
+    "gap_fraction": 0.2,
+    "range_variance": 1.0e-5,
 }
 # Nearer to R_min than this a wire cannot be before B, as for the paper's estimator.
 AMBIGUOUS_ABOVE = 0.8
@@ -108,7 +112,7 @@ class TimeStep(NamedTuple):
     ----------
     dt_s
         The time [s].
-    mean_power_gain, lagging_gain, approach_gain, return_gain
+    mean_power_gain, lagging_gain, approach_gain, middle_gain, return_gain
         The part of a difference that is gone after it, for each time constant of ``NUMBERS``.
     """
 
@@ -116,6 +120,7 @@ class TimeStep(NamedTuple):
     mean_power_gain: float
     lagging_gain: float
     approach_gain: float
+    middle_gain: float
     return_gain: float
 
 
@@ -131,7 +136,7 @@ def time_step(dt_s: float) -> TimeStep:
     -------
     The time and its gains.
     """
-    times_s = (NUMBERS[f"{name}_s"] for name in ("mean_power", "lagging", "approach", "return"))
+    times_s = (NUMBERS[f"{name}_s"] for name in ("mean_power", "lagging", "approach", "middle", "return"))
     return TimeStep(dt_s, *(dt_s / (dt_s + time_s) for time_s in times_s))
 
 
@@ -157,9 +162,10 @@ class GatedBranches:
 
     def tick_constants(self, step: TimeStep) -> dict[str, float]:
         """Return the numbers that ``step`` reads, by their names in ``gated_tick.CONSTANTS``."""
-        names = ("turning_fraction", "still_per_s", "driven_per_s", "surprise_per_s", "noise_s", "motion_deviations")
+        own = ("turning_fraction", "supporting_fraction", "still_per_s", "driven_per_s", "surprise_per_s", "noise_s")
+        gates = ("motion_deviations", "min_motion_variance", "gap_fraction")
         return {
-            **{name: NUMBERS[name] for name in (*names, "min_motion_variance", "gap_fraction")},
+            **{name: NUMBERS[name] for name in (*own, *gates)},
             **step._asdict(),
             "beyond": self._beyond,
             "min_variance": self._min_variance,
@@ -262,16 +268,17 @@ class GatedBranches:
             noise_v2, learnt_s, (read - before) - (before - before_last), per_volt, after.dt_s
         )
         # The gate.
-        turned = (ratio < -NUMBERS["turning_fraction"]) if heating != 0.0 else (ratio > NUMBERS["turning_fraction"])
-        if turned:  # motion counts from the turn
-            heating, lagging = 1.0 - heating, resistance
+        # By how much power is beyond its mean in the direction of the wire.
+        support = ratio if heating != 0.0 else -ratio
+        if support < -NUMBERS["turning_fraction"]:  # motion counts from the turn
+            heating, support, lagging = 1.0 - heating, -support, resistance
         moved = resistance - lagging
         if not moved * moved > NUMBERS["motion_deviations"] * variance + NUMBERS["min_motion_variance"]:
             moved = 0.0
         sensing = self._sensing_after(sensing, resistance, variance, heating, moved)
         inside = min(max(resistance, self._low), self._high)
         hot, cold, slope = self._branches(inside)
-        value = self._moved(value, hot, cold, heating, moved, after)
+        value = self._moved((value, hot, cold), heating, moved, support, after)
         gap = NUMBERS["gap_fraction"] * (hot - cold)
         slope = slope / 2.0
         off = slope * (resistance - inside)
@@ -281,16 +288,21 @@ class GatedBranches:
         )
         return Followed(spread, on_curve, now)
 
-    def _moved(self, value: float, hot: float, cold: float, heating: float, moved: float, after: TimeStep) -> float:
-        """Return the quantity, moved towards its branch and kept within both."""
+    def _moved(
+        self, at: tuple[float, float, float], heating: float, moved: float, support: float, after: TimeStep
+    ) -> float:
+        """Return the quantity, moved from its value towards its branch and kept within both branches."""
+        value, hot, cold = at
         branch, towards = (hot, -moved) if heating != 0.0 else (cold, moved)
         ahead = branch - value if heating != 0.0 else value - branch
         if ahead < 0.0:
             value += (branch - value) * after.return_gain
         elif towards > 0.0:
             value = branch
-        else:
+        elif support > NUMBERS["supporting_fraction"]:
             value += (branch - value) * after.approach_gain
+        else:
+            value += ((hot + cold) / 2.0 - value) * after.middle_gain
         return min(max(value, min(hot, cold) - self._beyond), max(hot, cold) + self._beyond)
 
     def _sensing_after(self, sensing: float, resistance: float, variance: float, heating: float, moved: float) -> float:

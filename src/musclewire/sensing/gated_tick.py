@@ -20,11 +20,11 @@ CONSTANTS = np.dtype(
     [
         (name, np.float64)
         for name in (
-            "dt_s", "mean_power_gain", "lagging_gain", "approach_gain", "return_gain", "turning_fraction",
-            "still_per_s", "driven_per_s", "surprise_per_s", "noise_s", "motion_deviations", "min_motion_variance",
-            "gap_fraction", "beyond", "min_variance", "first_variance", "min_noise", "max_power_w",
-            "max_ratio", "max_noise_v2", "ambiguous_above", "resistance_min_ohm", "per_ohm", "normalised_min",
-            "normalised_max", "normalised_margin",
+            "dt_s", "mean_power_gain", "lagging_gain", "approach_gain", "middle_gain", "return_gain",
+            "turning_fraction", "supporting_fraction", "still_per_s", "driven_per_s", "surprise_per_s", "noise_s",
+            "motion_deviations", "min_motion_variance", "gap_fraction", "beyond", "min_variance", "first_variance",
+            "min_noise", "max_power_w", "max_ratio", "max_noise_v2", "ambiguous_above", "resistance_min_ohm", "per_ohm",
+            "normalised_min", "normalised_max", "normalised_margin",
         )
     ]
 )  # fmt: skip
@@ -94,8 +94,9 @@ def follow(
     ratio = min(power_w / now["mean_power_w"] - 1.0, of["max_ratio"])
     filtered(of, now, read, noise, ratio)
     learn_noise(of, now, read, per_volt)
-    turning = of["turning_fraction"]
-    if ratio < -turning if now["heating"] != 0.0 else ratio > turning:
+    support = ratio if now["heating"] != 0.0 else -ratio
+    if support < -of["turning_fraction"]:
+        support = -support
         now["heating"], now["lagging"] = 1.0 - now["heating"], now["resistance"]
     inside = min(max(now["resistance"], of["normalised_min"]), of["normalised_max"])
     hot, cold, slope = branches(both, inside)
@@ -103,7 +104,7 @@ def follow(
     if not moved * moved > of["motion_deviations"] * now["variance"] + of["min_motion_variance"]:
         moved = 0.0
     locate(of, now, moved)
-    move(of, now, hot, cold, moved)
+    move(of, now, hot, cold, moved, support)
     gap = of["gap_fraction"] * (hot - cold)
     slope = slope / 2.0
     off = slope * (now["resistance"] - inside)
@@ -176,7 +177,7 @@ def learn_noise(of: Row, now: Row, read: float, per_volt: float) -> None:
 
 
 @compiled
-def move(of: Row, now: Row, hot: float, cold: float, moved: float) -> None:
+def move(of: Row, now: Row, hot: float, cold: float, moved: float, support: float) -> None:
     """Move the quantity towards its branch and keep it within both."""
     value = now["value"]
     if now["heating"] != 0.0:
@@ -187,8 +188,10 @@ def move(of: Row, now: Row, hot: float, cold: float, moved: float) -> None:
         value += (branch - value) * of["return_gain"]
     elif towards > 0.0:
         value = branch
-    else:
+    elif support > of["supporting_fraction"]:
         value += (branch - value) * of["approach_gain"]
+    else:
+        value += ((hot + cold) / 2.0 - value) * of["middle_gain"]
     now["value"] = min(max(value, min(hot, cold) - of["beyond"]), max(hot, cold) + of["beyond"])
 
 

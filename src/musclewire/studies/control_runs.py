@@ -21,6 +21,7 @@ from musclewire.rigs.compiled_loop.running import uncompiled
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.quantities import measured_in
 from musclewire.sensing import SensingModel, load_model
+from musclewire.sensing.estimator import DEFAULT_ESTIMATOR
 from musclewire.studies.run_kind import KindOptions, Outcome, Quantity, Run, RunKind, Runs, each
 
 __all__ = ["CONTROL", "ControlOptions"]
@@ -87,7 +88,7 @@ class ControlOptions(KindOptions):
     """
 
     model: str = "own"
-    estimator: str = "polynomial"
+    estimator: str = DEFAULT_ESTIMATOR
     controller: str = "fuzzy-pid"
     in_python: bool = False
     period: Seconds = 90.0

@@ -17,6 +17,7 @@ from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_wire, read_published
 from musclewire.rigs.configuration import open_rig, simulated_configuration
 from musclewire.rigs.guarded import GuardedRig
+from musclewire.sensing.estimator import PAPER_ESTIMATOR
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.exchange import RawSample
 
@@ -78,7 +79,7 @@ class FingerRuns:
         """The staircase of Fig. 18, on a rig that has just run its slow sine."""
         rig = self.open()
         model = fit(characterize(rig, cycles=CYCLES), quantity="displacement")
-        run = control_compiled(rig, model, staircase_of_fig18())
+        run = control_compiled(rig, model, staircase_of_fig18(), estimator=PAPER_ESTIMATOR)
         self._on_run()
         return run
 

@@ -18,6 +18,7 @@ from musclewire.identify.isobaric_loops import Isobar, IsobarSummary
 from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_bench, load_wire, read_published
 from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.sensing.estimator import PAPER_ESTIMATOR
 from musclewire.sensing.model import SensingModel
 
 __all__ = ["ISOBAR_WIRE", "Runs"]
@@ -94,7 +95,8 @@ class Runs:
         """The staircase of Fig. 11, on a rig that has just run the loop of Fig. 9."""
         pretension = read_published("lan_fan_2010")["loop_100um"]["pretension_n"]
         rig = open_rig("simulated", wire=MAIN_WIRE, seed=self._seed, pretension_n=pretension)
-        run = control_compiled(rig, fit(characterize(rig, cycles=CYCLES)), self.staircase)
+        model = fit(characterize(rig, cycles=CYCLES))
+        run = control_compiled(rig, model, self.staircase, estimator=PAPER_ESTIMATOR)
         self._on_run()
         return run
 
