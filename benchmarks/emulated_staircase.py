@@ -48,7 +48,7 @@ def on_simulated(model: SensingModel, reference: Staircase) -> ControlRun:
     """Return the run on the simulated rig, its drive within the board's limits."""
     mounted = rig_file("none")
     with open_rig("simulated", sense_voltage_v=mounted.sense_voltage, maximum_voltage_v=mounted.maximum_voltage) as rig:
-        return control(rig, model, reference, approach_s=APPROACH_S)
+        return control(rig, model, reference, estimator="polynomial", approach_s=APPROACH_S)
 
 
 def on_emulated(model: SensingModel, reference: Staircase, *, closed_by_board: bool) -> ControlRun:
@@ -59,7 +59,7 @@ def on_emulated(model: SensingModel, reference: Staircase, *, closed_by_board: b
                 checksum = loop_checksum(model, FuzzyPidSettings())
                 run = control_on_board(rig, model, reference, checksum=checksum, approach_s=APPROACH_S)
             else:
-                run = control(rig, model, reference, approach_s=APPROACH_S)
+                run = control(rig, model, reference, estimator="polynomial", approach_s=APPROACH_S)
         truth = board.log()["displacement_m"]
     # No tick passes before the first command, so the samples are the bench's ticks from the first one on.
     ticks = round(float(run.metadata["sample_period_s"] or 0.0) / float(run.metadata["board_tick_s"] or 1.0))

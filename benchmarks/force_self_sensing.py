@@ -6,6 +6,8 @@ and the friction measured on the first spring is not. Bar: with a known stiffnes
 5 % (mean absolute error, Eq. 7, against the load cell, after the approach) at the default seed. Exit 1 if it is not.
 From the first target on, the first step is larger; both are printed.
 
+The estimator is the paper's polynomial.
+
     python benchmarks/force_self_sensing.py [--quick]     six seeds, or the default one
 """
 
@@ -33,7 +35,7 @@ def run_on(model: SensingModel, stiffness: float, seed: int, load: KnownSpring |
     """Return how a force staircase went; it is the one that fits the stiffness."""
     strain_staircase = staircase_within(model if load is None else force_model(model, stiffness, 0.07))
     with mw.open_rig("simulated", seed=seed, spring_stiffness_n_per_m=stiffness) as rig:
-        return control(rig, model, strain_staircase, load=load).metrics
+        return control(rig, model, strain_staircase, estimator="polynomial", load=load).metrics
 
 
 def main() -> int:

@@ -103,7 +103,7 @@ def estimate(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
     recording: RecordingPath,
     reading: ReadingOptions,
-    estimator: Annotated[str | None, ESTIMATOR] = None,
+    estimator: Annotated[str, ESTIMATOR] = "polynomial",
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
@@ -127,9 +127,7 @@ def error_numbers(report: EstimateReport | None) -> dict[str, Any]:
 
     All are None without an estimate: a printed table of branches is no recording to estimate from.
     """
-    return {
-        name: getattr(report, name, None) for name in ("valid_share", "rms_pct", "max_pct", "no_reference", "estimator")
-    }
+    return {name: getattr(report, name, None) for name in ("valid_share", "rms_pct", "max_pct", "no_reference")}
 
 
 def error_text(report: EstimateReport) -> str:
@@ -139,10 +137,7 @@ def error_text(report: EstimateReport) -> str:
         if report.rms_pct is None
         else f"error {report.rms_pct:.3f} % rms, {report.max_pct:.3f} % largest, of stroke"
     )
-    return (
-        f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in range and between B and C; {errors} "
-        f"(estimator {report.estimator})"
-    )
+    return f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in range and between B and C; {errors}"
 
 
 def rules(

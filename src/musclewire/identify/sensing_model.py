@@ -20,13 +20,7 @@ from musclewire.identify.recordings import (
 )
 from musclewire.identify.sensing_segment import in_sensing_segment
 from musclewire.physics.resistance import ArrayReading
-from musclewire.sensing.estimator import (
-    DEFAULT_ESTIMATOR,
-    ESTIMATORS,
-    PAPER_ESTIMATOR,
-    EstimatorFactory,
-    EstimatorSetup,
-)
+from musclewire.sensing.estimator import ESTIMATORS, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.segments import find_segments
@@ -37,8 +31,8 @@ from musclewire.signals.recording import Recording
 __all__ = ["EstimateReport", "estimate", "fit"]
 
 PAPER_ORDER = 6
-# What an estimator that runs sample by sample reads of a recording.
-MEASURED = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
+# The estimator that can process a recording as a whole.
+WHOLE_RECORDING = "polynomial"
 WIRE_NOTES = (
     "wire",
     "wire_diameter_m",
@@ -216,8 +210,6 @@ class EstimateReport:
         Largest error [%] of the stroke; None without a reference.
     no_reference
         Why there is no reference to compare with, and what would give one; "" with a reference.
-    estimator
-        Name of the estimator.
     """
 
     recording: Recording
@@ -225,7 +217,6 @@ class EstimateReport:
     rms_pct: float | None
     max_pct: float | None
     no_reference: str = ""
-    estimator: str = PAPER_ESTIMATOR
 
 
 def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
@@ -239,7 +230,7 @@ def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
 
 
 def estimate(
-    model: SensingModel, recording: Recording, *, estimator: str | EstimatorFactory | None = None
+    model: SensingModel, recording: Recording, *, estimator: str | EstimatorFactory = WHOLE_RECORDING
 ) -> EstimateReport:
     """Estimate strain (or the model's quantity) from a recording's resistance, sample by sample.
 
@@ -252,11 +243,10 @@ def estimate(
     model
         The model of this wire.
     recording
-        Time, drive and both voltages with the shunt; the paper's estimator needs no more than a resistance.
+        Resistance, or both voltages and the shunt; drive and both voltages for another estimator than the default.
     estimator
-        Name or factory of an estimator. The default is that of a closed loop, "gated", sample by sample; on a recording
-        without drive or voltages it is the paper's, "polynomial", which processes the whole recording at once and can
-        lose and find the wire's segment again. The report says which it was.
+        Name or factory of an estimator. The default, the paper's, processes the whole recording at once and can lose
+        and find the wire's segment again; any other runs sample by sample, as in a closed loop.
 
     Returns
     -------
@@ -278,9 +268,8 @@ def estimate(
     >>> report.recording["estimated_strain"].shape == loop["time_s"].shape
     True
     """
-    chosen = default_for(recording) if estimator is None else estimator
-    factory = ESTIMATORS.find(chosen) if isinstance(chosen, str) else chosen
-    whole = chosen == PAPER_ESTIMATOR
+    factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
+    whole = estimator == WHOLE_RECORDING
     columns = at_once(model, recording) if whole else one_by_one(factory, model, recording)
     suffix = COLUMN_SUFFIX[model.quantity]
     valid, value = columns["valid"] > 0.0, columns[f"estimated_{suffix}"]
@@ -295,14 +284,7 @@ def estimate(
         rms_pct=None if errors is None else float(np.sqrt(np.mean(errors**2))),
         max_pct=None if errors is None else float(np.abs(errors).max()),
         no_reference=why_no_reference(recording, model.quantity),
-        estimator=chosen if isinstance(chosen, str) else str(getattr(chosen, "__name__", type(chosen).__name__)),
     )
-
-
-def default_for(recording: Recording) -> str:
-    """Return the estimator of a recording for which none is named: one with a memory needs the voltages."""
-    measured = all(name in recording.columns for name in MEASURED) and "shunt_resistance_ohm" in recording.metadata
-    return DEFAULT_ESTIMATOR if measured else PAPER_ESTIMATOR
 
 
 def at_once(model: SensingModel, recording: Recording) -> dict[str, FloatArray]:
@@ -320,9 +302,10 @@ def one_by_one(factory: EstimatorFactory, model: SensingModel, recording: Record
     times = recording["time_s"]
     period_s = float(np.median(np.diff(times))) if times.size > 1 else 0.0
     made = factory(EstimatorSetup(model, recording.facts.shunt_resistance_ohm, period_s))
+    names = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
     air = recording.columns.get("ambient_temperature_k")
     air_k = [None] * times.size if air is None else air.tolist()
-    rows = zip(*(recording[name].tolist() for name in MEASURED), air_k, strict=True)
+    rows = zip(*(recording[name].tolist() for name in names), air_k, strict=True)
     found, recorded = zip(*estimates(made, (WireSample(*row) for row in rows)), strict=True)
     own = dict(zip(made.columns, np.array(recorded, dtype=np.float64).T, strict=True))
     value, std = (np.array([getattr(one, name) for one in found]) for name in ("value", "std"))

@@ -35,7 +35,7 @@ __all__ = [
     "dropout_failure",
 ]
 
-# What a loop runs, and a recording is read by, where nobody names another estimator (docs/explanation/estimators.md).
+# What a closed loop runs unless another is named (docs/explanation/decisions/0041-gated-branches-by-default.md).
 DEFAULT_ESTIMATOR = "gated"
 # The one with which the paper's figures were made.
 PAPER_ESTIMATOR = "polynomial"
