@@ -12,6 +12,7 @@ from pydantic_core import PydanticUndefined
 from musclewire.parameters.validation import unit_of
 from musclewire.rigs.mounted_wire import LimitsTable, MountedWire
 from musclewire.rigs.nidaq.configuration import DisplacementInput, ForceInput, NiDaqConfiguration, Output, VoltageInput
+from musclewire.rigs.pulse_width import PulseWidth
 from musclewire.rigs.replay import ReplayConfiguration
 from musclewire.rigs.segmented.configuration import (
     AgeingTable,
@@ -56,6 +57,10 @@ SECTIONS = {
     ),
 }
 SEGMENTED = {
+    "`[pwm]` of a simulated rig": (
+        PulseWidth,
+        "Heating by pulse width, and when the voltages are read: [how to](../how-to/heat_by_pulse_width.md).",
+    ),
     '`kind = "segmented"`': (
         SegmentedConfiguration,
         "A simulated wire in segments: [how to](../how-to/simulate_a_wire_in_segments.md). It has the keys of wire and "

@@ -16,8 +16,14 @@ STEP_ERROR_K = 0.1
 
 def run_warnings(recording: Recording) -> tuple[str, ...]:
     """Return the warnings of a run, the most dangerous first; none for a run without any."""
-    force, others = force_warnings(recording), (*friction_warnings(recording), *step_warnings(recording))
-    return (*force, *extrapolation_warnings(recording), *others)
+    own = (*friction_warnings(recording), *step_warnings(recording), *pulse_warnings(recording))
+    return (*force_warnings(recording), *extrapolation_warnings(recording), *own)
+
+
+def pulse_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return a warning if a wire heated by pulses was read at a wrong time in them; none otherwise."""
+    problem = recording.facts.text_or_none("pwm_problem")
+    return () if problem is None else (problem,)
 
 
 def instrument_warnings(recording: Recording) -> tuple[str, ...]:

@@ -74,6 +74,6 @@ def simulated_wire(rig: str | Path | RigConfiguration = "simulated", **settings:
     inside = device.inside()
     if not isinstance(inside.wires, OneWire):
         raise CallerError(f"{where} has two wires: this needs a rig with one")
-    quiet = configuration.surroundings.still and not configuration.fault
+    quiet = configuration.surroundings.still and not configuration.fault and configuration.pwm is None
     name = str(device.metadata()["wire"])
     return SimulatedWire(name, inside.wires.constants, device.facts.limits, inside.bench, inside.stepping, quiet)

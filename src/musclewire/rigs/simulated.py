@@ -52,6 +52,7 @@ class SimulatedInside(NamedTuple):
     reference_columns: tuple[str, ...]
     faulty: bool
     paced: bool
+    pulsed: bool = False
 
 
 # NumPy sums up to this many numbers in eight rows, and more of them in two halves.

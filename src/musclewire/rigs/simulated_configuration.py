@@ -16,6 +16,7 @@ from musclewire.rigs.air import Surroundings
 from musclewire.rigs.kinds import DeviceConfiguration
 from musclewire.rigs.load_kinds import Part, Parts
 from musclewire.rigs.mounted_wire import LimitsTable
+from musclewire.rigs.pulse_width import PulseWidth
 from musclewire.rigs.simulated_faults import SimulatedFault
 from musclewire.rigs.wire_keys import WireKeys
 from musclewire.signals.units import parse_quantity
@@ -71,6 +72,8 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
         Limits of the protection that replace those which follow from wire and circuit.
     fault
         Faults of wire, circuit, channels and clock, with their times.
+    pwm
+        Heating by pulse width instead of a steady voltage, and when the voltages are read within the pulses.
     """
 
     kind: Literal["simulated"] = "simulated"
@@ -82,6 +85,15 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
     surroundings: Surroundings = Surroundings()
     limits: LimitsTable = LimitsTable()
     fault: list[SimulatedFault] = Field(default_factory=list)
+    pwm: PulseWidth | None = None
+
+    @model_validator(mode="after")
+    def _pulses_heat_one_sound_wire(self) -> RigConfiguration:
+        if self.pwm is not None and self.fault:
+            raise ValueError("[pwm] and [[fault]] do not go together: faults are of a steady drive; leave one out")
+        if self.pwm is not None and any(part.second_wire is not None for part in self.load):
+            raise ValueError("[pwm] heats one wire: leave out the second one, or [pwm]")
+        return self
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> RigConfiguration:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from musclewire.errors import CallerError
 from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.seeds import require_seed
 from musclewire.rigs.kinds import DeviceKind
+from musclewire.rigs.pulse_width import PulseWidth, sampling_problem
 from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.rigs.simulated_building import Spool
 from musclewire.rigs.simulated_configuration import RigConfiguration, changed_group, with_settings
+from musclewire.rigs.simulated_pwm import PulsedDevice
 
 __all__ = ["SIMULATED", "device_of", "open_simulated", "parameters_of"]
 
@@ -70,7 +73,8 @@ def device_of(
             f"{where}: the setting 'spring_stiffness_n_per_m' belongs to the bench's spring, and [[load]] replaces it: "
             "give a part 'spring' with a stiffness"
         )
-    device = SimulatedDevice(
+    device = device_with(
+        configuration.pwm,
         Spool(chosen, alloy, around, configuration.new_wire),
         parts=configuration.load,
         surroundings=configuration.surroundings,
@@ -85,6 +89,16 @@ def device_of(
             "pretension"
         )
     return device
+
+
+def device_with(pwm: PulseWidth | None, spool: Spool, **how: Any) -> SimulatedDevice:
+    """Return the simulated device, with a steady drive or heated by pulses. Raises CallerError for useless readings."""
+    if pwm is None:
+        return SimulatedDevice(spool, **how)
+    problem = sampling_problem(pwm, spool.bench.sense_voltage_v.value)
+    if problem is not None and problem.useless:
+        raise CallerError(f"[pwm] {problem.text}")
+    return PulsedDevice(pwm, spool, **how)
 
 
 def opened(configuration: RigConfiguration) -> SimulatedDevice:

@@ -239,7 +239,7 @@ class VariedRig:
         Raises
         ------
         CallerError
-            For values that cannot describe a wire, for two wires, moving air and faults.
+            For values that cannot describe a wire, for two wires, moving air, pulses and faults.
         """
         base = self._base(values)
         refuse_what_only_a_rig_has(base.configuration, self.where)
@@ -344,6 +344,7 @@ def refuse_what_only_a_rig_has(configuration: RigConfiguration, where: str) -> N
         "a second wire": any(part.second_wire is not None for part in configuration.load),
         "moving air": not configuration.surroundings.still,
         "faults": bool(configuration.fault),
+        "heating by pulse width": configuration.pwm is not None,
     }
     for reason, present in reasons.items():
         if present:

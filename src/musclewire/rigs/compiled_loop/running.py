@@ -70,6 +70,8 @@ def uncompiled(rig: GuardedRig) -> str:
         return "the rig is paced by the machine's clock"
     if inside.faulty:
         return "the rig file lists faults"
+    if inside.pulsed:
+        return "the rig heats by pulse width"
     if not isinstance(inside.wires, OneWire):
         return "the rig has two wires"
     if rig.protection.state is not State.ARMED:
