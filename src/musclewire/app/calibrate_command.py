@@ -27,7 +27,7 @@ from musclewire.app.options import (
     Json,
     mapping,
 )
-from musclewire.app.output import emit_json, say, show, step_bar
+from musclewire.app.output import emit_json, say, show, step_bar, warn
 from musclewire.app.recording_options import ReadingOptions
 from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
@@ -90,6 +90,7 @@ def calibrate(
     json: Json = False,
 ) -> None:
     """Identify the physical parameters of your wire from recordings of it, with uncertainty."""
+    from musclewire.experiment.extrapolation import extrapolation_warnings
     from musclewire.identify.physical.advice import next_experiments
     from musclewire.identify.physical.calibrate import calibrate as run_calibrate
     from musclewire.identify.physical.calibrated_wire import save_wire
@@ -112,6 +113,7 @@ def calibrate(
             on_step=stop_if_asked,
         )
     advice = next_experiments(found)
+    warnings = warn(f"{name}: {text}" for name, run in given.items() for text in extrapolation_warnings(run))
     if output is not None:
         save_wire(found, output)
     if page is not None:
@@ -119,7 +121,7 @@ def calibrate(
 
         write_report(found, page, advice)
     if json:
-        emit_json(document(found, advice, output, page))
+        emit_json({**document(found, advice, output, page), "warnings": warnings})
     else:
         show_result(found, advice, output, page)
     if not found.holds:

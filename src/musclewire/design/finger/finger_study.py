@@ -32,12 +32,13 @@ from musclewire.design.finger.statics import FingerEquilibrium, Sensitivity, equ
 from musclewire.design.finger.wire import WireOnFinger, wire_on_finger
 from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve
+from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.materials import Material
+from musclewire.parameters.validity import Reached, beyond_validity, section_m2, validity_of
 from musclewire.wire.loads import ElasticObject
 
 __all__ = ["FingerStudyResult", "FingerStudy", "ObjectContact", "WireToPull", "study_finger"]
 
-WORKING_STRESS_PA = 172e6
 # Tolerances between two methods for the same number.
 WANTED_TOLERANCE, PLANE_TOLERANCE, STRESS_TOLERANCE = 0.01, 0.05, 0.1
 LINEAR_FRACTION, RECIPROCAL = 0.02, 1e-4
@@ -338,8 +339,14 @@ def warnings_of_loads(
                 f"fully heated, the wire would pull the beam to {1e-6 * stress:.0f} MPa and it would yield "
                 f"({1e-6 * limit:g} MPa): end its stroke before, by a stop or by control"
             )
-    if wire is not None and wire.wire_stress_pa > WORKING_STRESS_PA:
-        found.append(
-            f"{1e-6 * wire.wire_stress_pa:.0f} MPa in the wire is more than the vendor's 172 MPa for many cycles"
-        )
-    return found
+    return found + warnings_of_wire(study.wire, wire)
+
+
+def warnings_of_wire(asked: WireToPull | None, found: WireOnFinger | None) -> list[str]:
+    """Return warnings of stresses beyond the vendor's and beyond the data of the wire's alloy."""
+    if asked is None or found is None:
+        return []
+    wire = load_wire(asked.name)
+    section = section_m2(wire.diameter_m.value, 2.0)
+    reached = Reached(asked.pretension_n / section, found.wire_stress_pa, section_m2=section)
+    return list(beyond_validity(validity_of(load_alloy(wire.alloy)), reached))

@@ -29,6 +29,7 @@ from musclewire.identify.physical.measured_channels import RawChannel
 from musclewire.identify.physical.observations import Observation, residuals_of
 from musclewire.identify.physical.search import ParallelProblem, jacobian, threads
 from musclewire.identify.physical.uncertainty import IDENTIFIABLE_FRACTION
+from musclewire.parameters.validity import Reached, ValidityLimits, beyond_validity, section_m2, validity_of
 from musclewire.simulate.paths import isobaric_path
 
 __all__ = ["Advice", "Experiment", "next_experiments", "how_to_identify", "proposed"]
@@ -198,7 +199,7 @@ def proposed(calibration: Calibration) -> Iterator[Experiment]:
 
     if driven:
         yield Experiment("half_pretension", loop(pretension=LOW_FACTOR))
-        if max_force_n(values, bench) <= values.wire["maximum_force_n"]:
+        if max_force_n(values, bench) <= values.wire["maximum_force_n"] and not beyond_stress(calibration, bench):
             yield Experiment("twice_pretension", loop(pretension=HIGH_FACTOR))
         yield Experiment("minor_loop", loop(drive=MINOR_FACTOR))
         yield Experiment("fast_step", driven_experiment(values, bench, fast_step(highest_v), FAST_SAMPLE_S, usual))
@@ -214,6 +215,14 @@ def proposed(calibration: Calibration) -> Iterator[Experiment]:
         yield Experiment("isobars", isobars_experiment(values))
     if not any(isinstance(item, CoolingObservation) for item in observations):
         yield Experiment("cooling_curve", cooling_experiment(values, bench))
+
+
+def beyond_stress(calibration: Calibration, bench: Mapping[str, float]) -> bool:
+    """Return whether twice the pretension stretches the cold wire by more than its vendor's stress for many cycles."""
+    section = section_m2(calibration.values.wire["diameter_m"], bench["legs"])
+    cold = Reached(largest_stress_pa=HIGH_FACTOR * bench["pretension_n"] / section)
+    vendors = ValidityLimits(working_stress_pa=validity_of(calibration.alloy).working_stress_pa)
+    return bool(beyond_validity(vendors, cold))
 
 
 def max_force_n(values: WireValues, bench: Mapping[str, float]) -> float:
