@@ -19,6 +19,11 @@ in which the average is within 1.96 of its standard deviations. Bars, over all w
 marks, a ruler not worse than the name alone, 90 to 99 % inside for each of them. Exit 1 where one fails. Seeds 1 to 12
 were used while it was built; 1001 to 1030 are reported.
 
+With `--population` the wires are the first six that `musclewire robustness` is tuned on: half of them in segments,
+with other grains and several barriers, which the fit knows nothing of. They are judged on the recording that is
+fitted; no bars.
+
+    python benchmarks/fit_without_instruments.py --population
     python benchmarks/fit_without_instruments.py [--quick]     30 wires, or 4 without a
                                                                verdict on fractions
 """
@@ -45,6 +50,9 @@ from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.rigs.simulated_building import Spool
 from musclewire.sensing.segments import find_loops
 from musclewire.signals.recording import Recording
+from musclewire.studies.robustness.plant import open_plant
+from musclewire.studies.robustness.population import drawn_wire as population_wire
+from musclewire.studies.robustness.population import tuning_seeds
 
 WIRE, FIRST_SEED, WIRES, QUICK_WIRES = "paper-100um", 1001, 30, 4
 BARS_PCT = {"name alone": 6.0, "marks of 1 %": 2.5}
@@ -53,6 +61,7 @@ COVERAGE_BARS = (0.90, 0.99)
 MARK_STD = 0.01 / 2.0**0.5
 LENGTH_M, RULER_M = 0.5e-3, 1e-3
 STOP_FRACTION, STOP_STD_M, STOP_STIFFNESS = 0.85, 0.05e-3, 1e6
+POPULATION_WIRES, POPULATION_DRIVE = 6, 1.08
 STATED = ("wire_length_m", "pretension_n", "spring_stiffness_n_per_m")
 
 
@@ -190,7 +199,35 @@ def pooled_rms(numbers: list[float]) -> float:
     return float(np.sqrt(np.mean(np.square(numbers))))
 
 
+def of_population(seed: int) -> dict[str, Judged]:
+    """Return the errors on a wire whose structure no model here has."""
+    wire = population_wire(seed)
+    with open_plant(wire).rig as rig:
+        loop = mw.characterize(rig, amplitude_v=POPULATION_DRIVE * load_wire(wire.base).drive_amplitude_v.value)
+    stroke_m = float(loop["displacement_m"].max())
+    marks = mw.Marks(cold_m=0.0, hot_m=stroke_m, reading_std_m=MARK_STD * stroke_m)
+    found = {"name alone": mw.fit_resistance(loop, wire.base), "marks": mw.fit_resistance(loop, wire.base, marks=marks)}
+    return {name: judged(item.model, loop, 100.0 * item.stroke_std / item.stroke) for name, item in found.items()} | {
+        "with a sensor": judged(mw.fit(loop), loop, 0.0)
+    }
+
+
+def population() -> int:
+    """Print the errors on wires of another structure; return 0."""
+    found = [of_population(seed) for seed in tuning_seeds()[:POPULATION_WIRES]]
+    print("% of stroke, wires of another structure\n\n               rms  worst  inside 95 %  stated std")
+    for name in found[0]:
+        rows = [one[name] for one in found]
+        print(
+            f"{name:13s}{pooled_rms([row.rms_pct for row in rows]):6.2f}{max(row.rms_pct for row in rows):7.2f}"
+            f"{100.0 * np.mean([row.inside for row in rows]):13.1f}{pooled_rms([row.stated_pct for row in rows]):12.2f}"
+        )
+    return 0
+
+
 def main() -> int:
+    if "--population" in sys.argv:
+        return population()
     wires = QUICK_WIRES if "--quick" in sys.argv else WIRES
     first = int(sys.argv[sys.argv.index("--first") + 1]) if "--first" in sys.argv else FIRST_SEED
     rows: dict[str, list[Judged]] = {}
