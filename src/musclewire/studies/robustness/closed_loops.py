@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping
+from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from musclewire.experiment.closed_loop import APPROACH_S, control
 from musclewire.experiment.metrics import ControlRun, StepMetrics
 from musclewire.experiment.staircases import staircase_within
 from musclewire.rigs.abilities import required_true_state
+from musclewire.sensing.estimator import ESTIMATORS, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.model import SensingModel
 from musclewire.studies.robustness.homing import homed
 from musclewire.studies.robustness.plant import Plant, open_plant
@@ -120,13 +121,12 @@ def run_loop(
         plant.disturbance.change_at(began_s + APPROACH_S + run.change_at_s)
         watched = Watched(plant)
         limit_w = rig.protection_limits.maximum_power_w
-        options: dict[str, Any] = {"estimator": estimator, "controller": controller, "on_sample": watched}
-        if users_wire is not None and "wire" in inspect.signature(control).parameters:
-            options["wire"] = users_wire
+        made_by = factory_with(estimator, users_wire)
         found: ControlRun | None = None
         ended = ""
         try:
-            found = control(rig, model, staircase_within(model), **options)
+            reference = staircase_within(model)
+            found = control(rig, model, reference, estimator=made_by, controller=controller, on_sample=watched)
         except (RigError, NumericsError, CallerError) as error:
             ended = " ".join(str(error).split())
     first, others, mean = (None, None, None) if found is None else step_errors(found, judged_from_s(condition, run))
@@ -143,6 +143,15 @@ def run_loop(
         watched.mean_k,
         watched.hottest_k,
     )
+
+
+def factory_with(name: str, wire: WireConstants | None) -> EstimatorFactory:
+    """Return the factory of a named estimator that also gets the constants of the user's wire file."""
+    factory = ESTIMATORS.find(name)
+    if wire is None or "wire" not in {item.name for item in fields(EstimatorSetup)}:
+        return factory
+    known: dict[str, Any] = {"wire": wire}
+    return lambda setup: factory(replace(setup, **known))
 
 
 def not_begun(why: str) -> LoopOutcome:
