@@ -17,7 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, sampled_reference, staircase
+    from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, load_gains, sampled_reference, staircase
     from musclewire.errors import MusclewireError
     from musclewire.experiment.closed_loop import control
     from musclewire.experiment.home import home
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from musclewire.identify.physical.calibrate import calibrate
     from musclewire.identify.resistance_alone.fitting import fit_resistance
     from musclewire.identify.resistance_alone.marks import Marks
+    from musclewire.identify.tuning import tune
     from musclewire.rigs.configuration import open_rig
     from musclewire.rigs.kinds import DEVICES
     from musclewire.rigs.load_kinds import LOAD_PARTS
@@ -56,6 +57,8 @@ __all__ = [
     "train",
     "home",
     "calibrate",
+    "tune",
+    "load_gains",
     "reproduce",
     "sweep",
     "read_study",
@@ -90,6 +93,8 @@ _HOMES = {
     "zero_tendon": "musclewire.experiment.zero_tendon",
     "train": "musclewire.experiment.training",
     "home": "musclewire.experiment.home",
+    "tune": "musclewire.identify.tuning",
+    "load_gains": "musclewire.controllers.gains",
     "calibrate": "musclewire.identify.physical.calibrate",
     "reproduce": "musclewire.experiment.reproduce",
     "sweep": "musclewire.studies",

@@ -11,7 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers import CONTROLLERS, Controller, ControllerSetup, DriveLimits, FuzzyPidSettings
+from musclewire.controllers import (
+    CONTROLLERS,
+    Controller,
+    ControllerSetup,
+    DriveLimits,
+    FeedforwardSettings,
+    FuzzyPidSettings,
+)
 from musclewire.controllers.rules import rule_base_names
 from musclewire.errors import CallerError, NumericsError
 from musclewire.signals.columns import COLUMNS
@@ -21,7 +28,28 @@ from musclewire.signals.exchange import Drive, QuantityEstimate, Reason
 LIMITS = DriveLimits(0.4, 3.2)
 DT_S = 0.05
 NO_CURRENT = QuantityEstimate(0.02, 0.03, False, Reason.NO_CURRENT)
-MADE: dict[str, Controller] = {name: CONTROLLERS.find(name)(ControllerSetup(LIMITS)) for name in CONTROLLERS.names()}
+# One that has no defaults, because it acts by what it knows of its wire, is given a wire: round numbers of one of
+# 100 micrometres and 14 cm.
+NEEDED: dict[str, Any] = {
+    "feedforward": FeedforwardSettings(
+        lowest=0.005,
+        highest=0.035,
+        heating_power_w=(0.35, 0.42, 0.47, 0.55),
+        cooling_power_w=(0.25, 0.28, 0.32, 0.45),
+        resistance_ohm=(17.4, 16.7, 16.0, 15.2),
+        shunt_resistance_ohm=1.0,
+        thermal_time_constant_s=0.8,
+        heat_per_unit=2.5,
+        closed_loop_time_s=0.1,
+        dead_time_s=0.1,
+        integral_time_s=0.8,
+        tolerance=2e-4,
+        maximum_steady_power_w=0.98,
+    )
+}
+MADE: dict[str, Controller] = {
+    name: CONTROLLERS.find(name)(ControllerSetup(LIMITS, settings=NEEDED.get(name))) for name in CONTROLLERS.names()
+}
 
 every_controller = pytest.mark.parametrize("name", CONTROLLERS.names())
 strains = st.floats(-0.01, 0.06)
@@ -90,7 +118,7 @@ def test_it_saturates_without_windup(name: str, target: float, limit: float) -> 
 
 @every_controller
 def test_samples_without_current_are_bridged_by_the_last_command(name: str) -> None:
-    found = drives(MADE[name], 1.5, 0.03, [0.02, 0.021, None, None, None, 0.022])
+    found = drives(MADE[name], 1.5, 0.0202, [0.02, 0.0201, None, None, None, 0.0203])
     assert found[1] == found[2] == found[3] == found[4] != found[5]
     assert drives(MADE[name], 1.5, 0.03, [None, None]) == [1.5, 1.5]
 
@@ -127,7 +155,7 @@ def test_settings_of_another_controller_are_refused(name: str) -> None:
 
 COMPILED = [name for name in CONTROLLERS.names() if declared_tick(MADE[name], 1.0) is not None]
 SETTINGS: list[tuple[str, Any]] = [
-    *((name, None) for name in COMPILED),
+    *((name, NEEDED.get(name)) for name in COMPILED),
     *(("fuzzy-pid", FuzzyPidSettings(rule_base=rules)) for rules in rule_base_names()),
 ]
 

@@ -23,6 +23,7 @@ from musclewire.app.many_loops_command import (
 from musclewire.app.options import (
     CONTROLLER,
     ESTIMATOR,
+    GAINS,
     KNOWN_STIFFNESS,
     ON_BOARD,
     OUTPUT,
@@ -41,7 +42,6 @@ from musclewire.app.stopping import stops_between_samples
 from musclewire.errors import CallerError, nearest_hint
 
 if TYPE_CHECKING:
-    from musclewire.controllers import FuzzyPidSettings
     from musclewire.controllers.references import Reference
     from musclewire.experiment.metrics import ControlMetrics, ControlRun
     from musclewire.sensing.known_load import KnownSpring
@@ -53,6 +53,7 @@ __all__ = ["add_control_command", "metrics_json"]
 STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
 # The paper's controller, whose rule base --rules names.
 FUZZY_PID, DEFAULT_RULES = "fuzzy-pid", "zhao-1993"
+NO_RULES = "--rules belong to the controller fuzzy-pid, not to {}: leave one of them out"
 
 
 def add_control_command(app: typer.Typer) -> None:
@@ -68,8 +69,9 @@ class LoopOptions:
     known_stiffness: Annotated[str | None, KNOWN_STIFFNESS] = None
     reference: Annotated[str, REFERENCE] = "staircase"
     estimator: Annotated[str | None, ESTIMATOR] = None
-    controller: Annotated[str, CONTROLLER] = FUZZY_PID
-    rules: Annotated[str, RULES] = DEFAULT_RULES
+    controller: Annotated[str | None, CONTROLLER] = None
+    rules: Annotated[str | None, RULES] = None
+    gains: Annotated[Path | None, GAINS] = None
     on_board: Annotated[bool, ON_BOARD] = False
 
 
@@ -86,25 +88,25 @@ def control(
     json: Json = False,
 ) -> None:
     """Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds."""
-    from musclewire.experiment.closed_loop import APPROACH_S
+    from musclewire.experiment.closed_loop import approach_of
     from musclewire.rigs.configuration import open_rig
     from musclewire.sensing import load_model
 
     loaded = load_model(model)
     load = known_spring(loaded, model, loop.quantity, in_si("--known-stiffness", loop.known_stiffness))
     target = read_reference(loop.reference, loop.quantity)
-    settings = settings_of(loop)
+    controller, settings = settings_of(loop)
     homing.check(on_board=loop.on_board)
     refuse_single_run_options(many, single_run_options(loop, timing, output, overwrite) | homing.given())
     if many.runs is not None:
-        chosen = {"estimator": estimator_of(loop), "controller": loop.controller, "settings": settings, "load": load}
+        chosen = {"estimator": estimator_of(loop), "controller": controller, "settings": settings, "load": load}
         with open_rig(rig, seed=seed) as opened:
             follows = target or staircase_for(loaded, load, opened.leg_length_m)
         run_many_loops(rig, seed, many, {"model": loaded, **chosen}, follows, json)
         return
     if output is not None:
         require_recording_file(output, overwrite)
-    follow = loop_of(loaded, settings, load, loop)
+    follow = loop_of(loaded, controller, settings, load, loop)
     home_answer: dict[str, Any] | None = None
     with stops_between_samples(), open_rig(rig, seed=seed, real_time=timing.real_time) as opened:
         refused = timing.apply(opened)
@@ -112,7 +114,7 @@ def control(
             loaded, home_answer = homing.homed(opened, loaded, quiet=json)
         if target is None:
             target = staircase_for(loaded, load, opened.leg_length_m)
-        with progress_bar("Closed loop", APPROACH_S + target.duration_s, quiet=json) as on_sample:
+        with progress_bar("Closed loop", approach_of(controller) + target.duration_s, quiet=json) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":
             loaded, home_answer = homing.homed(opened, loaded, quiet=json)
@@ -160,7 +162,7 @@ def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> d
 
 
 def loop_of(
-    model: SensingModel, settings: FuzzyPidSettings | None, load: KnownSpring | None, loop: LoopOptions
+    model: SensingModel, controller: str, settings: Any, load: KnownSpring | None, loop: LoopOptions
 ) -> Callable[..., ControlRun]:
     """Return what runs the closed loop: on the host, or on the board that was built for this model and controller.
 
@@ -170,9 +172,9 @@ def loop_of(
         from musclewire.experiment.closed_loop import control as control_on_host
 
         return partial(
-            control_on_host, estimator=estimator_of(loop), controller=loop.controller, settings=settings, load=load
+            control_on_host, estimator=estimator_of(loop), controller=controller, settings=settings, load=load
         )
-    if loop.estimator is not None or loop.controller != FUZZY_PID:
+    if loop.estimator is not None or controller != FUZZY_PID:
         raise CallerError("--on-board runs the firmware's own estimator and controller: leave both names out")
     if load is not None:
         raise CallerError("--on-board runs by the firmware's own numbers: leave out --known-stiffness")
@@ -190,23 +192,29 @@ def estimator_of(loop: LoopOptions) -> str:
     return loop.estimator or DEFAULT_ESTIMATOR
 
 
-def settings_of(loop: LoopOptions) -> FuzzyPidSettings | None:
-    """Return the settings of the fuzzy-tuned PID, None for another controller, whose own are its defaults.
+def settings_of(loop: LoopOptions) -> tuple[str, Any]:
+    """Return controller and settings: those of a gains file, or by name; None for settings that are its defaults.
 
-    Raises CallerError for an unknown estimator or controller, and for rules without the controller they belong to.
+    Raises CallerError for an unknown estimator or controller, and for rules or a name that contradict the gains file.
     """
-    from musclewire.controllers import CONTROLLERS, FuzzyPidSettings
+    from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, load_gains
     from musclewire.sensing import ESTIMATORS
 
     ESTIMATORS.find(estimator_of(loop))
-    CONTROLLERS.find(loop.controller)
-    if loop.controller == FUZZY_PID:
-        return FuzzyPidSettings(rule_base=loop.rules)
-    if loop.rules != DEFAULT_RULES:
-        raise CallerError(
-            f"--rules belong to the controller {FUZZY_PID}, not to {loop.controller}: leave one of them out"
-        )
-    return None
+    if loop.gains is not None:
+        if loop.rules is not None:
+            raise CallerError(f"gains file {loop.gains} names its own rule base: leave out --rules")
+        gains = load_gains(loop.gains)
+        if loop.controller not in (None, gains.controller):
+            raise CallerError(f"gains file {loop.gains} is for {gains.controller}: leave out --controller")
+        return gains.controller, gains.settings
+    controller = FUZZY_PID if loop.controller is None else loop.controller
+    CONTROLLERS.find(controller)
+    if controller == FUZZY_PID:
+        return controller, FuzzyPidSettings(rule_base=DEFAULT_RULES if loop.rules is None else loop.rules)
+    if loop.rules is not None:
+        raise CallerError(NO_RULES.format(controller))
+    return controller, None
 
 
 def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:

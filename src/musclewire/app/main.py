@@ -29,6 +29,7 @@ from musclewire.app.rig_commands import add_rig_commands
 from musclewire.app.robustness_command import add_robustness_command
 from musclewire.app.stopping import STOPPED, Stopped, ignore_signals, listen_for_signals
 from musclewire.app.sweep_command import add_sweep_command
+from musclewire.app.tune_command import add_tune_command
 from musclewire.app.wire_commands import add_wire_commands
 from musclewire.errors import MusclewireError, RecordingNotWrittenError
 
@@ -70,6 +71,7 @@ add_control_command(app)
 add_home_command(app)
 add_doctor_command(app)
 add_model_commands(app)
+add_tune_command(app)
 add_grip_command(app)
 add_wire_commands(app)
 add_linearise_command(app)

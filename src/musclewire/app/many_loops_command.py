@@ -51,12 +51,12 @@ def run_many_loops(
     rig: str, seed: int | None, many: ManyLoopsOptions, loop: dict[str, Any], target: Reference, json: bool
 ) -> None:
     """Run the loops and show their errors; exit code 1 if an error ended one of them."""
-    from musclewire.experiment.closed_loop import APPROACH_S
+    from musclewire.experiment.closed_loop import approach_of
     from musclewire.experiment.many_loops import control_many
 
     assert many.runs is not None
     first = 1 if seed is None else seed
-    duration_s, done = APPROACH_S + target.duration_s, 0
+    duration_s, done = approach_of(loop["controller"]) + target.duration_s, 0
     with progress_bar("Closed loops", many.runs * duration_s, quiet=json) as advance:
 
         def on_outcome(_: LoopOutcome) -> None:

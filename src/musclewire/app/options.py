@@ -109,8 +109,13 @@ ESTIMATOR = option(
     help="Estimator by name: computes strain, displacement or force from voltages; gated by default, polynomial is the "
     "paper's.",
 )
-CONTROLLER = option("--controller", help="Controller by name: computes the drive voltage from target and estimate.")
-RULES = option("--rules", help="Rule base of the fuzzy tuning; see 'musclewire rules'.")
+CONTROLLER = option(
+    "--controller",
+    help="Controller by name: computes the drive voltage. Default: that of --gains, else fuzzy-pid.",
+)
+RULES = option("--rules", help="Rule base of the fuzzy tuning; see 'musclewire rules'. Default: zhao-1993.")
+GAINS = option("--gains", help="Gains file from 'musclewire tune': controller and settings.")
+CLOSED_LOOP_TIME = quantity("--closed-loop-time", "s", "tau_c of the tuning rule; by default the dead time.")
 HOME = option(
     "--home", help="When to make a home move: start (before the run), idle (after it, while the wire cools) or never."
 )

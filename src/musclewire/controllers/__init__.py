@@ -11,8 +11,10 @@ from musclewire.controllers.controller import (
     ControllerSetup,
 )
 from musclewire.controllers.drive_limits import DriveLimits
+from musclewire.controllers.feedforward import FeedforwardController, FeedforwardSettings
 from musclewire.controllers.fuzzy import FuzzyRatios, RatioSurface, infer_ratios, infer_surface
 from musclewire.controllers.fuzzy_pid import ControllerState, FuzzyPid, FuzzyPidController, FuzzyPidSettings, StepResult
+from musclewire.controllers.gains import Gains, load_gains
 from musclewire.controllers.pid import PidController, PidSettings
 from musclewire.controllers.plots import plot_rule_surfaces
 from musclewire.controllers.references import (
@@ -31,6 +33,10 @@ __all__ = [
     "CompiledController",
     "ControllerFactory",
     "ControllerSetup",
+    "FeedforwardController",
+    "FeedforwardSettings",
+    "Gains",
+    "load_gains",
     "FuzzyPidController",
     "PidController",
     "PidSettings",

@@ -136,6 +136,7 @@ CONTROLLERS: Registry[ControllerFactory] = Registry(
     "controller",
     "musclewire.controllers",
     {
+        "feedforward": "musclewire.controllers.feedforward:FeedforwardController",
         "fuzzy-pid": "musclewire.controllers.fuzzy_pid:fuzzy_pid_controller",
         "pid": "musclewire.controllers.pid:pid_controller",
     },

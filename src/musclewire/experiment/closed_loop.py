@@ -35,13 +35,21 @@ from musclewire.sensing.slow_corrections import CORRECTION_COLUMN, InLine, InThr
 from musclewire.signals.exchange import Command, Drive, EstimatorStep, RawSample, WireSample, wire_sample
 from musclewire.signals.recording import MetadataValue
 
-__all__ = ["SelfSensingPolicy", "control", "controller_for"]
+__all__ = ["SelfSensingPolicy", "approach_of", "control", "controller_for"]
 
 # A wire at rest is cold, where resistance does not determine strain; it gets this long to come to the first target
 # before the first step begins. Eq. 7 is given from the first target on, and after this approach.
 APPROACH_S = 12.0
 # Of an estimator without a slow part no status is recorded.
 NO_STATUS: tuple[float, ...] = ()
+
+
+def approach_of(controller: str | ControllerFactory, given_s: float | None = None) -> float:
+    """Return the time [s] a controller has to come to the first target: as given, its own, or that of any."""
+    if given_s is not None:
+        return given_s
+    factory = CONTROLLERS.find(controller) if isinstance(controller, str) else controller
+    return float(getattr(factory, "approach_s", APPROACH_S))
 
 
 def controller_for(
@@ -162,7 +170,7 @@ def control(
     controller: str | ControllerFactory = "fuzzy-pid",
     settings: Any = None,
     load: KnownSpring | None = None,
-    approach_s: float = APPROACH_S,
+    approach_s: float | None = None,
     **run: Unpack[RunOptions],
 ) -> ControlRun:
     """Move the wire along a target in a closed loop that senses by the wire's resistance alone.
@@ -189,9 +197,9 @@ def control(
         A known spring: then force is controlled, and a model of strain, or of the connector's displacement, yields it
         through the spring's stiffness.
     approach_s
-        Time [s] for which the reference's start is held before the reference begins; by default enough for a wire to
-        warm up from cold. The metrics give Eq. 7 from the first target on, which counts the first step without it, and
-        after it; with 0 both are the same.
+        Time [s] for which the reference's start is held before the reference begins. By default 12 s, enough for a wire
+        to warm up from cold, and 0 for a controller that brings it there by itself ("feedforward"). The metrics give
+        Eq. 7 from the first target on, which counts the first step without it, and after it; with 0 both are the same.
     run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row.
 
@@ -219,7 +227,7 @@ def control(
     >>> [step.target for step in run.metrics.steps]
     [0.015, 0.018, 0.015]
     """
-    choice = LoopChoice(estimator, controller, settings, load, approach_s)
+    choice = LoopChoice(estimator, controller, settings, load, approach_of(controller, approach_s))
     loop = prepared_loop(rig, model, reference, choice)
     made = loop.estimator
     slow = None if made.slow_part is None else SlowCorrections(made.slow_part, InThread() if rig.paced else InLine())
@@ -228,7 +236,7 @@ def control(
         loop.controller,
         loop.reference,
         sample_period_s=rig.sample_period_s,
-        approach_s=approach_s,
+        approach_s=choice.approach_s,
         first_drive_voltage_v=rig.drive_voltage_v,
         slow=slow,
     )

@@ -20,7 +20,7 @@ from musclewire.arrays import FloatArray
 from musclewire.controllers.controller import ControllerFactory
 from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.experiment.closed_loop import APPROACH_S, LoopChoice, PreparedLoop, control, name_of, prepared_loop
+from musclewire.experiment.closed_loop import LoopChoice, PreparedLoop, approach_of, control, name_of, prepared_loop
 from musclewire.experiment.endings import cause_of, software_version
 from musclewire.experiment.extrapolation import extrapolation_metadata
 from musclewire.experiment.loop_outcomes import LoopOutcome, ManyControlRuns
@@ -148,7 +148,7 @@ def control_many(
     >>> runs.mae_pct.shape  # loops, steps
     (3, 3)
     """
-    choice = LoopChoice(estimator, controller, settings, load, options.get("approach_s", APPROACH_S))
+    choice = LoopChoice(estimator, controller, settings, load, approach_of(controller, options.get("approach_s")))
     cases = cases_of(rig, model, tuple(seeds))
     if options.get("in_python", False):
         found = outcomes_in_python(cases, reference, choice)
@@ -172,7 +172,7 @@ def control_compiled(
     controller: str | ControllerFactory = "fuzzy-pid",
     settings: Any = None,
     load: KnownSpring | None = None,
-    approach_s: float = APPROACH_S,
+    approach_s: float | None = None,
 ) -> ControlRun:
     """Run the loop of ``control`` from the present state of a simulated rig in compiled code, and close the rig.
 
@@ -196,7 +196,7 @@ def control_compiled(
     load
         A known spring, if force is controlled through its stiffness.
     approach_s
-        Time [s] for which the reference's start is held before the reference begins.
+        Time [s] for which the reference's start is held before the reference begins; as of ``control`` if None.
 
     Returns
     -------
@@ -211,7 +211,7 @@ def control_compiled(
     NumericsError
         As ``control`` does, and if a compiled tick ends a run that its ``step`` in Python does not end.
     """
-    choice = LoopChoice(estimator, controller, settings, load, approach_s)
+    choice = LoopChoice(estimator, controller, settings, load, approach_of(controller, approach_s))
     with rig:
         loop = compiled_loop_on(rig, model, reference, choice)
         run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)

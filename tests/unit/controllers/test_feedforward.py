@@ -1,0 +1,125 @@
+"""The feedforward controller on a wire written down in ten lines: heat balance, and play between two branches."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.controllers import ControllerSetup, DriveLimits, FeedforwardController, FeedforwardSettings
+from musclewire.errors import CallerError
+from musclewire.signals.exchange import Drive, QuantityEstimate, Reason
+
+LIMITS = DriveLimits(0.3, 3.6)
+DT_S = 0.05
+KNOWN = FeedforwardSettings(
+    lowest=0.005,
+    highest=0.035,
+    heating_power_w=(0.35, 0.40, 0.45, 0.50),
+    cooling_power_w=(0.25, 0.30, 0.35, 0.40),
+    resistance_ohm=(17.4, 17.4 - 2.2 / 3.0, 15.2 + 2.2 / 3.0, 15.2),
+    shunt_resistance_ohm=1.0,
+    thermal_time_constant_s=0.8,
+    heat_per_unit=2.5,
+    closed_loop_time_s=0.1,
+    dead_time_s=0.1,
+    integral_time_s=0.8,
+    tolerance=2e-4,
+    maximum_steady_power_w=0.98,
+)
+SLOPE_W = 5.0  # of both branches, per unit strain
+
+
+class PlayWire:
+    """A wire with straight branches 0.1 W apart; ``loss`` scales its loss to the air, cold below 0.5 %."""
+
+    def __init__(self, loss: float = 1.0) -> None:
+        self.loss, self.balance_w, self.strain, self.warmest_w = loss, 0.0, 0.0, 0.0
+
+    def after(self, drive_v: float) -> QuantityEstimate:
+        for _ in range(50):
+            resistance = 17.4 - 2.2 / 0.03 * min(max(self.strain - 0.005, 0.0), 0.03)
+            power = (drive_v / (resistance + 1.0)) ** 2 * resistance
+            heating = self.balance_w > 0.35 + SLOPE_W * (self.strain - 0.005)
+            cooling = self.balance_w < 0.25 + SLOPE_W * (self.strain - 0.005) and self.strain > 0.0
+            tau_s = 0.8 + (2.5 / SLOPE_W if heating or cooling else 0.0)
+            change = 0.001 * (power - self.loss * self.balance_w) / tau_s
+            self.balance_w += change
+            if heating:
+                self.strain = max(self.strain, 0.005 + (self.balance_w - 0.35) / SLOPE_W)
+            elif cooling:
+                self.strain = max(min(self.strain, 0.005 + (self.balance_w - 0.25) / SLOPE_W), 0.0)
+            self.warmest_w = max(self.warmest_w, self.balance_w)
+        cold = self.strain < 0.005
+        return QuantityEstimate(self.strain if not cold else 0.006, 1e-4, not cold, Reason.COLD if cold else Reason.OK)
+
+
+def follow(
+    targets: list[float], hold_s: float = 6.0, loss: float = 1.0, **changed: float
+) -> tuple[PlayWire, list[float]]:
+    """Return the wire and its strains after every sample."""
+    controller = FeedforwardController(ControllerSetup(LIMITS, settings=KNOWN.model_copy(update=changed)))
+    wire, strains = PlayWire(loss), []
+    state, estimate = controller.start(0.3), PlayWire().after(0.3)
+    for target in targets:
+        for _ in range(round(hold_s / DT_S)):
+            command, state, _ = controller.step(state, target, estimate, DT_S)
+            assert isinstance(command, Drive)
+            estimate = wire.after(command.voltage_v)
+            strains.append(wire.strain)
+    return wire, strains
+
+
+def test_a_cold_wire_is_at_its_first_target_within_a_second_and_a_half() -> None:
+    _, strains = follow([0.015])
+    assert all(strain == pytest.approx(0.015, rel=0.03) for strain in strains[30:])
+
+
+def test_a_step_of_the_paper_is_done_within_half_a_second_both_ways() -> None:
+    _, strains = follow([0.015, 0.018, 0.015])
+    ten = round(0.5 / DT_S)
+    assert strains[120 + ten] >= 0.015 + 0.9 * 0.003
+    assert strains[240 + 2 * ten] <= 0.018 - 0.9 * 0.003
+
+
+@pytest.mark.parametrize("loss", [0.8, 1.2])
+def test_feedback_removes_what_the_feedforward_does_not_know(loss: float) -> None:
+    _, strains = follow([0.015, 0.018, 0.021, 0.018], hold_s=10.0, loss=loss)
+    for index, target in enumerate([0.015, 0.018, 0.021, 0.018]):
+        assert strains[200 * (index + 1) - 1] == pytest.approx(target, abs=4e-4)
+
+
+@given(st.floats(0.006, 0.06), st.floats(0.3, 0.6))
+def test_the_heat_balance_never_exceeds_the_highest_temperature(target: float, limit_w: float) -> None:
+    wire, _ = follow([target], hold_s=4.0, maximum_steady_power_w=limit_w)
+    # A drive is held for a sample, while resistance falls by a few percent and power rises by as much.
+    assert wire.warmest_w <= 1.03 * limit_w
+
+
+def test_without_gains_it_says_where_they_come_from() -> None:
+    with pytest.raises(CallerError, match="musclewire tune"):
+        FeedforwardController(ControllerSetup(LIMITS))
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"cooling_power_w": (0.4, 0.45, 0.5, 0.55)}, "swapped"),
+        ({"resistance_ohm": (17.0, 16.0, 15.0)}, "one length"),
+        ({"highest": 0.001}, "above lowest"),
+        ({"heating_power_w": (0.35, 0.34, 0.45, 0.5)}, "must not fall"),
+        ({"toleranse": 1e-4}, "did you mean 'tolerance'"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused(changed: dict[str, object], message: str) -> None:
+    with pytest.raises(CallerError, match=message):
+        FeedforwardSettings(**{**KNOWN.model_dump(), **changed})
+
+
+def test_the_gain_follows_the_slope_of_the_branch() -> None:
+    heating, cooling = KNOWN.branch_slopes()
+    assert heating == pytest.approx([SLOPE_W] * 4)
+    assert cooling == pytest.approx([SLOPE_W] * 4)
+    assert math.isclose(KNOWN.levels[1], 0.015)

@@ -1,0 +1,158 @@
+"""Tuning: SIMC against the closed forms of its literature, and the plant of a loop that is known."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, load_gains
+from musclewire.errors import CallerError, RecordingError
+from musclewire.identify.tuning import Tuning, feedback_gains, margins_of, tune, worst_margins
+from musclewire.sensing.model import SensingModel
+from musclewire.signals.recording import Recording
+
+PERIOD_S, RESISTANCE_OHM = 0.05, 16.0
+LIMITS: dict[str, Any] = {
+    "limit_heat_capacity_j_per_k": 0.0044,
+    "limit_heat_loss_w_per_k": 0.0055,
+    "limit_maximum_temperature_k": 473.15,
+    "limit_ambient_temperature_k": 295.15,
+}
+MODEL = SensingModel(15.0, 17.5, (0.035, -0.03), (0.035, -0.03), 0.0, 1.0)
+
+
+def plant(**changed: Any) -> FeedforwardSettings:
+    known: dict[str, Any] = {
+        "lowest": 0.005,
+        "highest": 0.035,
+        "heating_power_w": (0.35, 0.40, 0.45, 0.50),
+        "cooling_power_w": (0.25, 0.30, 0.35, 0.40),
+        "resistance_ohm": (17.4, 16.7, 16.0, 15.2),
+        "shunt_resistance_ohm": 1.0,
+        "thermal_time_constant_s": 0.8,
+        "heat_per_unit": 0.0,
+        "closed_loop_time_s": 0.1,
+        "dead_time_s": 0.1,
+        "integral_time_s": 0.8,
+        "tolerance": 2e-4,
+        "maximum_steady_power_w": 0.98,
+    }
+    return FeedforwardSettings(**{**known, **changed})
+
+
+def slow_loop(branch_w_per_unit: float = 5.0, gap_w: float = 0.1, period_s: float = 90.0) -> Recording:
+    """Return a loop so slow that power is all loss, with straight branches a known power apart."""
+    time_s = np.arange(1, round(period_s / PERIOD_S) + 1) * PERIOD_S
+    swing = 0.5 * (1.0 - np.cos(2.0 * math.pi * time_s / period_s))
+    strain = 0.002 + 0.036 * swing
+    heating = time_s <= 0.5 * period_s
+    power = 0.1 + np.where(heating, gap_w, 0.0) + branch_w_per_unit * strain
+    current = np.sqrt(power / RESISTANCE_OHM)
+    columns = {
+        "time_s": time_s,
+        "wire_voltage_v": current * RESISTANCE_OHM,
+        "shunt_voltage_v": current * 1.0,
+        "displacement_m": strain * 0.07,
+    }
+    facts = {"sample_period_s": PERIOD_S, "shunt_resistance_ohm": 1.0, "leg_length_m": 0.07}
+    return Recording(columns, {**facts, **LIMITS})
+
+
+def test_simc_of_a_lag_dominant_plant_has_the_margins_of_its_literature() -> None:
+    """Skogestad 2003, Table 1: an integrating process with tau_c = theta has 2.96, 46.9 deg and 1.59 theta."""
+    lag_s, dead_s = 1e4, 0.1
+    settings = plant(thermal_time_constant_s=lag_s, dead_time_s=dead_s)
+    margins = margins_of(lag_s * 5.0 / 0.2, 5.0, settings)
+    assert margins.gain == pytest.approx(2.96, abs=0.03)
+    assert math.degrees(margins.phase_rad) == pytest.approx(46.9, abs=0.5)
+    assert margins.delay_s == pytest.approx(1.59 * dead_s, rel=0.03)
+
+
+def test_simc_of_a_first_order_plant_has_the_margins_of_its_literature() -> None:
+    """The same table, first order with T_i = tau: 3.14, 61.4 deg and 2.14 theta."""
+    margins = margins_of(0.8 * 5.0 / 0.2, 5.0, plant())
+    assert margins.gain == pytest.approx(3.14, abs=0.03)
+    assert math.degrees(margins.phase_rad) == pytest.approx(61.4, abs=0.5)
+    assert margins.delay_s == pytest.approx(2.14 * 0.1, rel=0.03)
+
+
+def test_gains_follow_the_rule() -> None:
+    heating, cooling = feedback_gains(plant(heat_per_unit=2.5))
+    assert heating == pytest.approx([(0.8 * 5.0 + 2.5) / 0.2] * 4)
+    assert cooling == pytest.approx(heating)
+
+
+def test_a_longer_closed_loop_time_has_larger_margins() -> None:
+    quick, slow = worst_margins(plant()), worst_margins(plant(closed_loop_time_s=0.4))
+    assert slow.gain > quick.gain
+    assert slow.delay_s > quick.delay_s
+
+
+def test_the_branches_of_a_slow_loop_are_found() -> None:
+    found = tune(MODEL, slow_loop(period_s=900.0)).plant
+    inside = slice(3, -3)
+    wanted = 0.1 + 5.0 * found.levels
+    assert np.array(found.heating_power_w)[inside] == pytest.approx(wanted[inside] + 0.1, abs=2e-3)
+    assert np.array(found.cooling_power_w)[inside] == pytest.approx(wanted[inside], abs=2e-3)
+    assert np.array(found.resistance_ohm) == pytest.approx(RESISTANCE_OHM)
+    assert found.thermal_time_constant_s == pytest.approx(0.8)
+    assert found.maximum_steady_power_w == pytest.approx(0.0055 * 178.0)
+    assert found.integral_time_s == pytest.approx(0.8)
+
+
+def test_the_fuzzy_pid_keeps_its_ranges_and_gets_a_scale() -> None:
+    found = tune(MODEL, slow_loop(), controller="fuzzy-pid", rule_base="fixed").settings
+    assert isinstance(found, FuzzyPidSettings)
+    assert found.kp_range == FuzzyPidSettings().kp_range
+    assert found.rule_base == "fixed"
+    assert 5.0 < found.input_scale < 100.0
+
+
+@pytest.mark.parametrize("controller", ["feedforward", "fuzzy-pid"])
+def test_a_gains_file_holds_what_was_found(controller: str, tmp_path: Path) -> None:
+    found = tune(MODEL, slow_loop(), controller=controller)
+    found.save(tmp_path / "gains.toml")
+    read = load_gains(tmp_path / "gains.toml")
+    assert (read.controller, read.settings) == (controller, found.settings)
+
+
+def test_what_is_missing_is_named() -> None:
+    whole = slow_loop()
+    bare = Recording(whole.columns, {key: value for key, value in whole.metadata.items() if "limit" not in key})
+    with pytest.raises(RecordingError, match="heat balance"):
+        tune(MODEL, bare)
+    half = Recording({key: row[:900] for key, row in whole.columns.items()}, whole.metadata)
+    with pytest.raises(RecordingError, match="both branches"):
+        tune(MODEL, half)
+
+
+def test_what_cannot_be_tuned_is_refused() -> None:
+    with pytest.raises(CallerError, match="'feedforward'"):
+        tune(MODEL, slow_loop(), controller="feedfoward")
+    with pytest.raises(CallerError, match="rule base"):
+        tune(MODEL, slow_loop(), rule_base="fixed")
+    with pytest.raises(CallerError, match="above 0 s"):
+        tune(MODEL, slow_loop(), closed_loop_time_s=0.0)
+
+
+def test_files_that_are_no_gains_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "gains.toml"
+    path.write_text('format = "musclewire-gains"\ncontroller = "feedforwad"\n[settings]\n')
+    with pytest.raises(CallerError, match="did you mean 'feedforward'"):
+        load_gains(path)
+    path.write_text("a = 1\n")
+    with pytest.raises(CallerError, match="not a gains file"):
+        load_gains(path)
+    with pytest.raises(CallerError, match="musclewire tune"):
+        load_gains(tmp_path / "none.toml")
+
+
+def test_its_text_states_gains_and_margins() -> None:
+    found: Tuning = tune(MODEL, slow_loop())
+    assert "SIMC" in str(found)
+    assert "gain" in str(found).splitlines()[-1]
+    assert found.plot().get_xlabel() == "steady electrical power [W]"
