@@ -32,6 +32,7 @@ from musclewire.app.options import (
     REFERENCE,
     RULES,
     SEED,
+    WIRE_FILE,
     Json,
     RigName,
     in_si,
@@ -69,6 +70,7 @@ class LoopOptions:
     known_stiffness: Annotated[str | None, KNOWN_STIFFNESS] = None
     reference: Annotated[str, REFERENCE] = "staircase"
     estimator: Annotated[str | None, ESTIMATOR] = None
+    wire_file: Annotated[Path | None, WIRE_FILE] = None
     controller: Annotated[str | None, CONTROLLER] = None
     rules: Annotated[str | None, RULES] = None
     gains: Annotated[Path | None, GAINS] = None
@@ -123,9 +125,19 @@ def control(
         emit_json(answer)
     else:
         show(str(run.metrics))
+    end_by(run)
+
+
+def end_by(run: ControlRun) -> None:
+    """End with 1 where the result of a run does not hold."""
+    from musclewire.experiment.health import result_holds
+
     if run.metrics.valid_share < MIN_VALID_FRACTION:
         sensed_pct = 100 * run.metrics.valid_share
         say(f"musclewire: only {sensed_pct:.0f} % of the samples could be sensed; this does not hold")
+        raise typer.Exit(1)
+    if not result_holds(run):
+        say("musclewire: this does not hold: see the warnings above")
         raise typer.Exit(1)
 
 
@@ -137,6 +149,7 @@ def single_run_options(
         "--output": output is not None,
         "--overwrite": overwrite,
         "--on-board": loop.on_board,
+        "--wire-file": loop.wire_file is not None,
         "--real-time": timing.real_time,
         "--real-time-priority": timing.real_time_priority,
         "--cpu": timing.cpu is not None,
@@ -155,6 +168,7 @@ def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> d
         "known_friction_n": None if load is None else load.friction_n,
         "estimator": run.metadata.get("estimator"),
         "controller": run.metadata.get("controller"),
+        "health": run.metadata.get("health", ""),
         "ended": run.metadata["ended"],
         "samples": len(run),
         "warnings": [*refused, *warn(run_warnings(run))],
@@ -172,10 +186,17 @@ def loop_of(
         from musclewire.experiment.closed_loop import control as control_on_host
 
         return partial(
-            control_on_host, estimator=estimator_of(loop), controller=controller, settings=settings, load=load
+            control_on_host,
+            estimator=estimator_of(loop),
+            controller=controller,
+            settings=settings,
+            load=load,
+            wire_file=loop.wire_file,
         )
-    if loop.estimator is not None or controller != FUZZY_PID:
-        raise CallerError("--on-board runs the firmware's own estimator and controller: leave both names out")
+    if loop.estimator is not None or controller != FUZZY_PID or loop.wire_file is not None:
+        raise CallerError(
+            "--on-board runs the firmware's own estimator and controller: leave both names and --wire-file out"
+        )
     if load is not None:
         raise CallerError("--on-board runs by the firmware's own numbers: leave out --known-stiffness")
     from musclewire.experiment.on_board import control_on_board
@@ -187,9 +208,9 @@ def loop_of(
 
 def estimator_of(loop: LoopOptions) -> str:
     """Return the name of the estimator that the host runs."""
-    from musclewire.sensing.estimator import DEFAULT_ESTIMATOR
+    from musclewire.experiment.closed_loop import default_estimator
 
-    return loop.estimator or DEFAULT_ESTIMATOR
+    return loop.estimator or default_estimator(loop.wire_file)
 
 
 def settings_of(loop: LoopOptions) -> tuple[str, Any]:

@@ -9,7 +9,7 @@ import typer
 
 from musclewire.app.commands import add_command
 from musclewire.app.files import require_figure_file, require_free, require_model_file, save_figure
-from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, PLOT, QUANTITY, Json, mapping
+from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, PLOT, QUANTITY, WIRE_FILE, Json, mapping
 from musclewire.app.output import emit_json, show
 from musclewire.app.recording_options import ReadingOptions
 from musclewire.app.resistance_options import ResistanceOptions
@@ -103,7 +103,8 @@ def estimate(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
     recording: RecordingPath,
     reading: ReadingOptions,
-    estimator: Annotated[str, ESTIMATOR] = "polynomial",
+    estimator: Annotated[str | None, ESTIMATOR] = None,
+    wire_file: Annotated[Path | None, WIRE_FILE] = None,
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
@@ -112,7 +113,7 @@ def estimate(
     from musclewire.identify import estimate as run_estimate
     from musclewire.sensing import load_model
 
-    report = run_estimate(load_model(model), reading.read(recording), estimator=estimator)
+    report = run_estimate(load_model(model), reading.read(recording), estimator=estimator, wire_file=wire_file)
     if output is not None:
         require_free(output, overwrite)
         report.recording.save(output)

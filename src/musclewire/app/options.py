@@ -116,6 +116,11 @@ CONTROLLER = option(
 RULES = option("--rules", help="Rule base of the fuzzy tuning; see 'musclewire rules'. Default: zhao-1993.")
 GAINS = option("--gains", help="Gains file from 'musclewire tune': controller and settings.")
 CLOSED_LOOP_TIME = quantity("--closed-loop-time", "s", "tau_c of the tuning rule; by default the dead time.")
+WIRE_FILE = option(
+    "--wire-file",
+    metavar="FILE",
+    help="The wire's own file, from 'musclewire calibrate': estimates by physics whatever load and air do.",
+)
 HOME = option(
     "--home", help="When to make a home move: start (before the run), idle (after it, while the wire cools) or never."
 )

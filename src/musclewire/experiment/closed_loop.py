@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
 from musclewire.controllers.controller import (
@@ -26,6 +27,7 @@ from musclewire.experiment.run import Decision, RunOptions, run_on_rig
 from musclewire.experiment.staircases import staircase_within
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.identify.use_of_model import check_made_for, error_unit_for
+from musclewire.identify.users_wire import users_wire
 from musclewire.rigs.protocol import Rig
 from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.estimator import DEFAULT_ESTIMATOR, ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup
@@ -35,11 +37,13 @@ from musclewire.sensing.slow_corrections import CORRECTION_COLUMN, InLine, InThr
 from musclewire.signals.exchange import Command, Drive, EstimatorStep, RawSample, WireSample, wire_sample
 from musclewire.signals.recording import MetadataValue
 
-__all__ = ["SelfSensingPolicy", "approach_of", "control", "controller_for"]
+__all__ = ["SelfSensingPolicy", "approach_of", "control", "controller_for", "default_estimator"]
 
 # A wire at rest is cold, where resistance does not determine strain; it gets this long to come to the first target
 # before the first step begins. Eq. 7 is given from the first target on, and after this approach.
 APPROACH_S = 12.0
+# What a loop takes if it has the wire's own file.
+DEFAULT_WITH_WIRE_FILE = "particle-filter"
 # Of an estimator without a slow part no status is recorded.
 NO_STATUS: tuple[float, ...] = ()
 
@@ -70,10 +74,12 @@ def estimator_for(
     model: SensingModel,
     load: KnownSpring | None = None,
     estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
+    wire_file: str | Path | None = None,
 ) -> Estimator:
     """Return an estimator for a rig's circuit by a model; with a ``load`` the model is one of the force on it."""
     factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
-    return factory(EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load))
+    wire = None if wire_file is None else users_wire(wire_file, rig.metadata())
+    return factory(EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load, wire))
 
 
 class SelfSensingPolicy:
@@ -161,17 +167,23 @@ class SelfSensingPolicy:
         return step, (float(status),)
 
 
+class LoopRunOptions(RunOptions, total=False):
+    """What the caller of a closed loop chooses beyond estimator and controller."""
+
+    wire_file: str | Path | None
+
+
 def control(
     rig: Rig,
     model: SensingModel,
     reference: Reference | None = None,
     *,
-    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
+    estimator: str | EstimatorFactory | None = None,
     controller: str | ControllerFactory = "fuzzy-pid",
     settings: Any = None,
     load: KnownSpring | None = None,
     approach_s: float | None = None,
-    **run: Unpack[RunOptions],
+    **run: Unpack[LoopRunOptions],
 ) -> ControlRun:
     """Move the wire along a target in a closed loop that senses by the wire's resistance alone.
 
@@ -187,8 +199,8 @@ def control(
         The target over time, in the model's quantity: ``staircase`` and ``sampled_reference`` make one. The paper's
         staircase if None.
     estimator
-        Name of an estimator (``musclewire.sensing.ESTIMATORS``), or a factory of one; the default moves
-        along the branch of the direction in which the wire is driven, the paper's own is "polynomial".
+        Name of an estimator (``musclewire.sensing.ESTIMATORS``), or a factory of one. None for the default: the
+        particle filter with a ``wire_file``, without one the gated branches; "polynomial" is the paper's.
     controller
         Name of a controller (``musclewire.controllers.CONTROLLERS``), or a factory of one; the default is the paper's.
     settings
@@ -201,7 +213,8 @@ def control(
         to warm up from cold, and 0 for a controller that brings it there by itself ("feedforward"). The metrics give
         Eq. 7 from the first target on, which counts the first step without it, and after it; with 0 both are the same.
     run
-        ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row.
+        ``wire_file``, the wire's own file as ``calibrate`` writes it, for an estimator on physics; ``path`` of the
+        recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row.
 
     Returns
     -------
@@ -227,7 +240,10 @@ def control(
     >>> [step.target for step in run.metrics.steps]
     [0.015, 0.018, 0.015]
     """
-    choice = LoopChoice(estimator, controller, settings, load, approach_of(controller, approach_s))
+    wire_file = run.get("wire_file")
+    kept = RunOptions(path=run.get("path"), overwrite=run.get("overwrite", False), on_sample=run.get("on_sample"))
+    named = estimator or default_estimator(wire_file)
+    choice = LoopChoice(named, controller, settings, load, approach_of(controller, approach_s), wire_file)
     loop = prepared_loop(rig, model, reference, choice)
     made = loop.estimator
     slow = None if made.slow_part is None else SlowCorrections(made.slow_part, InThread() if rig.paced else InLine())
@@ -243,7 +259,7 @@ def control(
     # The corrections of a slow part are known only at the end and are added to the policy's metadata.
     policy.metadata |= {**loop.metadata, **({} if slow is None else slow.metadata())}
     try:
-        recording = run_on_rig(rig, policy, loop.duration_s, metadata=policy.metadata, **run)
+        recording = run_on_rig(rig, policy, loop.duration_s, metadata=policy.metadata, **kept)
     finally:
         if slow is not None:
             slow.close()
@@ -260,6 +276,7 @@ class LoopChoice:
     settings: Any = None
     load: KnownSpring | None = None
     approach_s: float = APPROACH_S
+    wire_file: str | Path | None = None
 
     @property
     def options(self) -> dict[str, Any]:
@@ -274,9 +291,16 @@ class LoopChoice:
             "estimator": name_of(self.estimator),
             "controller": name_of(self.controller),
         }
+        if self.wire_file is not None:
+            known["wire_file"] = Path(self.wire_file).name
         if self.load is not None:
             known |= {"known_stiffness_n_per_m": self.load.stiffness_n_per_m, "known_friction_n": self.load.friction_n}
         return known
+
+
+def default_estimator(wire_file: str | Path | None) -> str:
+    """Return the name of the estimator that a loop takes if none is named."""
+    return DEFAULT_ESTIMATOR if wire_file is None else DEFAULT_WITH_WIRE_FILE
 
 
 class PreparedLoop(NamedTuple):
@@ -301,7 +325,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
     return PreparedLoop(
         model,
         chosen,
-        estimator_for(rig, model, load, choice.estimator),
+        estimator_for(rig, model, load, choice.estimator, choice.wire_file),
         controller_for(rig, model, choice.settings, load, choice.controller),
         choice.approach_s + chosen.duration_s,
         {"experiment": "closed loop", "quantity": model.quantity, **choice.metadata},

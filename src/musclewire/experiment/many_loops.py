@@ -23,6 +23,7 @@ from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.experiment.closed_loop import LoopChoice, PreparedLoop, approach_of, control, name_of, prepared_loop
 from musclewire.experiment.endings import cause_of, software_version
 from musclewire.experiment.extrapolation import extrapolation_metadata
+from musclewire.experiment.health import health_metadata
 from musclewire.experiment.loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import NO_CLOCK, what_protects
@@ -362,7 +363,7 @@ def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recor
         "ended": "done",
     }
     recording = Recording({**columns, "time_s": loop.elapsed_s}, metadata)
-    return recording.with_metadata(extrapolation_metadata(recording))
+    return recording.with_metadata({**extrapolation_metadata(recording), **health_metadata(recording)})
 
 
 def outcome_in_python(

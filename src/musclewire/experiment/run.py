@@ -24,6 +24,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingNotWrittenError
 from musclewire.experiment.endings import cause_of, first_line, rescued, software_version
 from musclewire.experiment.extrapolation import extrapolation_metadata
+from musclewire.experiment.health import health_metadata
 from musclewire.experiment.known_drive import TakenRun, run_compiled_drive
 from musclewire.experiment.timing_facts import percentiles
 from musclewire.rigs.abilities import exchange_times_of, protection_limits_of
@@ -210,7 +211,7 @@ def run_on_rig(
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
                 # Once more: what a rig counts, lost frames for one, is known only now.
                 recorder.describe({**rig.metadata(), **(metadata or {}), **how_taken(taken, timing)})
-            recorder.describe(extrapolation_metadata(recorder.recording()))
+            recorder.describe({**extrapolation_metadata(recorder.recording()), **health_metadata(recorder.recording())})
     finally:
         rig.make_safe()
     return recorder.recording()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from musclewire.experiment.extrapolation import extrapolation_warnings
 from musclewire.experiment.force_limit import force_warnings
+from musclewire.experiment.health import health_warnings
 from musclewire.signals.recording import Recording
 
 __all__ = ["friction_warnings", "instrument_warnings", "run_warnings", "step_warnings"]
@@ -17,7 +18,7 @@ STEP_ERROR_K = 0.1
 def run_warnings(recording: Recording) -> tuple[str, ...]:
     """Return the warnings of a run, the most dangerous first; none for a run without any."""
     own = (*friction_warnings(recording), *step_warnings(recording), *pulse_warnings(recording))
-    return (*force_warnings(recording), *extrapolation_warnings(recording), *own)
+    return (*force_warnings(recording), *extrapolation_warnings(recording), *health_warnings(recording), *own)
 
 
 def pulse_warnings(recording: Recording) -> tuple[str, ...]:

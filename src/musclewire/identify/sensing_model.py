@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from musclewire.identify.recordings import (
     without_loop,
 )
 from musclewire.identify.sensing_segment import in_sensing_segment
+from musclewire.identify.users_wire import users_wire
 from musclewire.physics.resistance import ArrayReading
 from musclewire.sensing.estimator import ESTIMATORS, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.fitting import fit_branches, fit_loop
@@ -27,12 +29,15 @@ from musclewire.sensing.segments import find_segments
 from musclewire.sensing.slow_corrections import estimates
 from musclewire.signals.exchange import WireSample
 from musclewire.signals.recording import Recording
+from musclewire.wire.constants import WireConstants
 
 __all__ = ["EstimateReport", "estimate", "fit"]
 
 PAPER_ORDER = 6
 # The estimator that can process a recording as a whole.
 WHOLE_RECORDING = "polynomial"
+# What takes its place where there is a wire file.
+ON_PHYSICS = "particle-filter"
 WIRE_NOTES = (
     "wire",
     "wire_diameter_m",
@@ -230,7 +235,11 @@ def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
 
 
 def estimate(
-    model: SensingModel, recording: Recording, *, estimator: str | EstimatorFactory = WHOLE_RECORDING
+    model: SensingModel,
+    recording: Recording,
+    *,
+    estimator: str | EstimatorFactory | None = None,
+    wire_file: str | Path | None = None,
 ) -> EstimateReport:
     """Estimate strain (or the model's quantity) from a recording's resistance, sample by sample.
 
@@ -246,7 +255,10 @@ def estimate(
         Resistance, or both voltages and the shunt; drive and both voltages for another estimator than the default.
     estimator
         Name or factory of an estimator. The default, the paper's, processes the whole recording at once and can lose
-        and find the wire's segment again; any other runs sample by sample, as in a closed loop.
+        and find the wire's segment again; any other runs sample by sample, as in a closed loop. With a ``wire_file``
+        the default is the particle filter.
+    wire_file
+        The wire's own file, as ``calibrate`` writes it, for an estimator on physics; None without one.
 
     Returns
     -------
@@ -268,9 +280,11 @@ def estimate(
     >>> report.recording["estimated_strain"].shape == loop["time_s"].shape
     True
     """
+    estimator = estimator or (WHOLE_RECORDING if wire_file is None else ON_PHYSICS)
     factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
     whole = estimator == WHOLE_RECORDING
-    columns = at_once(model, recording) if whole else one_by_one(factory, model, recording)
+    wire = None if wire_file is None else users_wire(wire_file, recording.metadata)
+    columns = at_once(model, recording) if whole else one_by_one(factory, model, recording, wire)
     suffix = COLUMN_SUFFIX[model.quantity]
     valid, value = columns["valid"] > 0.0, columns[f"estimated_{suffix}"]
     if not valid.any():
@@ -297,11 +311,13 @@ def at_once(model: SensingModel, recording: Recording) -> dict[str, FloatArray]:
     }
 
 
-def one_by_one(factory: EstimatorFactory, model: SensingModel, recording: Recording) -> dict[str, FloatArray]:
+def one_by_one(
+    factory: EstimatorFactory, model: SensingModel, recording: Recording, wire: WireConstants | None = None
+) -> dict[str, FloatArray]:
     """Return the columns of an estimator that runs sample by sample, its slow part computed in line."""
     times = recording["time_s"]
     period_s = float(np.median(np.diff(times))) if times.size > 1 else 0.0
-    made = factory(EstimatorSetup(model, recording.facts.shunt_resistance_ohm, period_s))
+    made = factory(EstimatorSetup(model, recording.facts.shunt_resistance_ohm, period_s, wire=wire))
     names = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
     air = recording.columns.get("ambient_temperature_k")
     air_k = [None] * times.size if air is None else air.tolist()

@@ -72,6 +72,7 @@ _ALL = (
     Column("stiffness_ratio", "", "estimated stiffness of the load over that of the characterisation", "control"),
     Column("changed_air", "", "probability that temperature or flow of the air has changed", "control"),
     Column("changed_load", "", "probability that force or stiffness of the load has changed", "control"),
+    Column("health", "", "what is wrong: 0 nothing known, 1 saturation, 2 load, 3 air, 4 wire, 5 stalled", "control"),
     Column("target_grip_force_n", "N", "target of the force between fingers and object", "control"),
     Column("estimated_grip_force_n", "N", "force between fingers and object estimated from resistance", "control"),
     Column("contact_score", "", "evidence for contact against no contact, in standard deviations", "control"),

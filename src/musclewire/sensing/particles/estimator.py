@@ -11,6 +11,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.sensing.estimator import EstimatorSetup
 from musclewire.sensing.gated_estimator import GatedEstimator, GatedState, gated_estimator
+from musclewire.sensing.health import ChangeEvidence, ChangeState, after_evidence, change_of
 from musclewire.sensing.particles.cloud import cloud_at_rest, cloud_of, state_of
 from musclewire.sensing.particles.explanations import Opinion, after_sample, combined, weights_of
 from musclewire.sensing.particles.kernel import SUMMARY, Measured, Numbers, Wire, follow_sample
@@ -32,11 +33,14 @@ PARTICLE_COLUMNS = (
     "stiffness_ratio",
     "changed_air",
     "changed_load",
+    "health",
 )
 # A time between two samples further from the period than this factor is a gap or a clock that was set.
 ODD_TIME = 5.0
 # A reading by which the wire would warm up faster than this is a fault of the reading.
 MAX_RATE_K_PER_S = 2000.0
+# A change of load is judged over the pretension; with less than this over this.
+MIN_PRETENSION_N = 0.05
 # A smoothed misfit of so many deviations, and the value is not valid: no hypothesis explains the resistance.
 UNEXPLAINED_MISFIT = 3.0
 
@@ -45,13 +49,14 @@ class ParticleState(NamedTuple):
     """The estimator's state.
 
     That of the gated branches, which say whether a sample is valid; the last time; hypotheses of and evidence for each
-    explanation; and the last value.
+    explanation; for how long something has changed; and the last value.
     """
 
     branches: GatedState
     time_s: float | None
     hypotheses: tuple[bytes, ...]
     evidence: tuple[float, ...]
+    change: ChangeState
     value: float
 
 
@@ -103,7 +108,9 @@ class ParticleFilter:
         self._numbers = tuple(numbers_of(settings, name, place) for place, name in enumerate(EXPLANATIONS))
         rest = state_of(cloud_at_rest(resting_state(wire), settings, self._period_s))
         n = len(EXPLANATIONS)
-        self._start = ParticleState(branches.start(), None, (rest,) * n, (0.0,) * n, branches.curve.quantity_min)
+        self._start = ParticleState(
+            branches.start(), None, (rest,) * n, (0.0,) * n, ChangeState(), branches.curve.quantity_min
+        )
 
     def start(self) -> ParticleState:
         """Return the state before the first sample: the wire at rest, and nothing has changed."""
@@ -126,10 +133,12 @@ class ParticleFilter:
         weight = weights_of(evidence, self._settings.load_cost, 1.0)
         shown = weight @ np.array(answers)
         reason = seen.reason if seen.reason is not Reason.OK else self._doubts(shown[SUMMARY.misfit], std)
+        recorded = self._recorded(measured.resistance_ohm, std, shown)
+        change = after_evidence(state.change, self._evidence(recorded, reason), measured.duration_s)
         return EstimatorStep(
             QuantityEstimate(value, std, reason is Reason.OK, reason, seen.failure),
-            ParticleState(branches, sample.time_s, hypotheses, evidence, value),
-            self._recorded(measured.resistance_ohm, std, shown),
+            ParticleState(branches, sample.time_s, hypotheses, evidence, change, value),
+            (*recorded, float(change_of(change))),
         )
 
     def _followed(self, state: ParticleState, measured: Measured) -> tuple[tuple[bytes, ...], list[FloatArray]]:
@@ -187,8 +196,21 @@ class ParticleFilter:
         current_a = sample.drive_voltage_v / (usual_ohm + self._shunt_ohm)
         return Measured(min(current_a * current_a * usual_ohm, self._max_power_w), 0.0, 0.0, duration_s)
 
+    def _evidence(self, recorded: tuple[float, ...], reason: Reason) -> ChangeEvidence:
+        """Return what has been found of changes in a sample."""
+        found = dict(zip(PARTICLE_COLUMNS, recorded, strict=False))
+        return ChangeEvidence(
+            found["changed_air"],
+            found["changed_load"],
+            found["convection_ratio"],
+            found["ambient_change_k"],
+            found["load_change_n"] / max(self._wire.pretension_n, MIN_PRETENSION_N),
+            found["stiffness_ratio"],
+            reason,
+        )
+
     def _recorded(self, resistance_ohm: float, std: float, shown: FloatArray) -> tuple[float, ...]:
-        """Return the numbers to record."""
+        """Return the numbers to record, but for the health."""
         unknown = dict(zip(UNKNOWNS, shown[SUMMARY.first_unknown : SUMMARY.first_change].tolist(), strict=True))
         changed = dict(zip(UNKNOWNS, shown[SUMMARY.first_change : SUMMARY.evidence].tolist(), strict=True))
         return (

@@ -1,0 +1,66 @@
+"""A wire file makes the particle filter the estimator of control and estimate; what does not fit is said."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import musclewire as mw
+from musclewire.app.main import app
+from musclewire.errors import CallerError
+from musclewire.identify.users_wire import users_wire
+from musclewire.parameters.library import load_alloy, load_wire
+from musclewire.parameters.wire_file import wire_file_text
+
+
+@pytest.fixture(scope="module")
+def wire_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The shipped wire as a user's file: the wire of the simulated rig itself."""
+    path = tmp_path_factory.mktemp("wire") / "mine.toml"
+    text = wire_file_text("mine", "as shipped", load_wire("paper-100um"), load_alloy("flexinol"), {})
+    path.write_text(text, "utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def model_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("model") / "model.json"
+    with mw.open_rig("simulated", seed=2) as rig:
+        mw.fit(mw.characterize(rig)).save(path)
+    return path
+
+
+def test_control_takes_the_particle_filter_and_records_what_it_finds(
+    wire_file: Path, model_file: Path, tmp_path: Path
+) -> None:
+    run_file = tmp_path / "run.h5"
+    steps = ["--reference", "1.5 % to 2.1 % by 0.3 %"]
+    given = ["control", "simulated", str(model_file), "--wire-file", str(wire_file), *steps, "-o", str(run_file)]
+    result = CliRunner().invoke(app, [*given, "--json"])
+    assert result.exit_code == 0, result.output
+    answer = json.loads(result.stdout)
+    assert answer["estimator"] == "particle-filter"
+    assert answer["mae_max_approached_pct"] < 2.62  # the largest error of the paper
+    assert answer["health"] == ""
+    run = mw.read_recording(run_file)
+    assert run.metadata["wire_file"] == "mine.toml"
+    assert abs(run["load_change_n"][-1]) < 0.3
+    report = mw.estimate(mw.load_model(model_file), run, wire_file=wire_file)
+    assert report.rms_pct is not None
+    assert report.rms_pct < 1.5
+
+
+def test_without_a_wire_file_the_particle_filter_is_refused(model_file: Path) -> None:
+    result = CliRunner().invoke(app, ["control", "simulated", str(model_file), "--estimator", "particle-filter"])
+    assert isinstance(result.exception, CallerError)
+    assert "needs a wire file" in str(result.exception)
+
+
+def test_a_load_that_nobody_states_is_refused(wire_file: Path) -> None:
+    with pytest.raises(CallerError, match="states spring_stiffness_n_per_m, pretension_n"):
+        users_wire(wire_file, {"wire_length_m": 0.14})
+    with pytest.raises(CallerError, match="is no wire file"):
+        users_wire("paper-100um", {})

@@ -1,0 +1,81 @@
+"""Causes for which a closed loop does not hold are found in its recording, with their time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from musclewire.experiment.health import findings, health_metadata, health_warnings, result_holds
+from musclewire.sensing.health import Cause
+from musclewire.signals.recording import Recording
+
+PERIOD_S = 0.05
+FACTS = {"limit_sense_voltage_v": 0.3, "limit_maximum_voltage_v": 3.6, "approach_s": 5.0}
+
+
+def loop(**columns: np.ndarray) -> Recording:
+    """A loop of 40 s on a staircase of two targets that is followed well, with some columns replaced."""
+    time_s = PERIOD_S * np.arange(1, 801)
+    target = np.where(time_s < 20.0, 0.015, 0.02)
+    usual = {
+        "time_s": time_s,
+        "drive_voltage_v": np.full(800, 2.0),
+        "wire_resistance_ohm": 15.0 + 0.3 * np.sin(time_s),
+        "target_strain": target,
+        "estimated_strain": target + 1e-5,
+    }
+    return Recording({**usual, **columns}, FACTS)
+
+
+def between(first_s: float, last_s: float) -> np.ndarray:
+    time_s = PERIOD_S * np.arange(1, 801)
+    return (time_s > first_s) & (time_s <= last_s)
+
+
+def test_a_loop_that_follows_its_target_has_no_finding() -> None:
+    assert findings(loop()) == ()
+    assert health_metadata(loop()) == {}
+    assert result_holds(loop())
+
+
+def test_a_drive_at_its_upper_limit_below_the_target_is_saturated_after_a_second() -> None:
+    missing = between(25.0, 35.0)
+    run = loop(
+        drive_voltage_v=np.where(missing, 3.6, 2.0),
+        estimated_strain=np.where(missing, 0.017, np.where(between(0.0, 19.97), 0.015, 0.02)),
+    )
+    (found,) = findings(run)
+    assert found.cause is Cause.SATURATION
+    assert 26.0 <= found.from_s <= 26.2
+    assert not result_holds(run)
+    assert health_metadata(run)["health"].startswith("saturation at 26.")
+    assert "a slower reference" in health_warnings(run)[0]
+
+
+def test_cooling_may_take_its_time() -> None:
+    run = loop(drive_voltage_v=np.where(between(25.0, 28.0), 0.3, 2.0), estimated_strain=np.full(800, 0.0205))
+    assert findings(run) == ()
+
+
+def test_a_wire_that_heats_at_the_limit_while_its_resistance_stands_still_is_stalled() -> None:
+    stuck = between(22.0, 38.0)
+    run = loop(
+        drive_voltage_v=np.where(stuck, 3.6, 2.0),
+        estimated_strain=np.where(stuck, 0.017, np.where(between(0.0, 19.97), 0.015, 0.02)),
+        wire_resistance_ohm=np.where(stuck, 15.0, 15.2),
+    )
+    assert Cause.STALLED in {one.cause for one in findings(run)}
+    assert not result_holds(run)
+
+
+def test_what_the_estimator_has_found_counts() -> None:
+    run = loop(health=np.where(between(30.0, 40.0), 2.0, np.where(between(10.0, 12.0), 3.0, 0.0)))
+    assert [(one.cause, round(one.from_s), round(one.lasted_s)) for one in findings(run)] == [
+        (Cause.CHANGED_AIR, 10, 2),
+        (Cause.CHANGED_LOAD, 30, 10),
+    ]
+    assert not result_holds(run)
+    assert result_holds(loop(health=np.where(between(10.0, 12.0), 3.0, 0.0)))
+
+
+def test_a_recording_without_a_target_has_no_findings() -> None:
+    assert findings(Recording({"time_s": [0.0, 0.05], "drive_voltage_v": [3.6, 3.6]}, FACTS)) == ()
