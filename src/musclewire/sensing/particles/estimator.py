@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from musclewire.errors import CallerError
 from musclewire.sensing.estimator import EstimatorSetup
 from musclewire.sensing.gated_estimator import GatedEstimator, GatedState, gated_estimator
 from musclewire.sensing.health import ChangeEvidence, ChangeState, after_evidence, change_of
+from musclewire.sensing.home_move import HomeMove
 from musclewire.sensing.particles.cloud import cloud_at_rest, cloud_of, state_of
 from musclewire.sensing.particles.explanations import Opinion, after_sample, combined, weights_of
 from musclewire.sensing.particles.kernel import SUMMARY, Measured, Numbers, Wire, follow_sample
@@ -41,6 +43,9 @@ ODD_TIME = 5.0
 MAX_RATE_K_PER_S = 2000.0
 # A change of load is judged over the pretension; with less than this over this.
 MIN_PRETENSION_N = 0.05
+MIN_RESISTANCE_OHM = 1e-3
+# A shift of the transformation temperatures that a home move knows no better than this [K] is left out.
+KNOWN_SHIFT_K = 3.0
 # A smoothed misfit of so many deviations, and the value is not valid: no hypothesis explains the resistance.
 UNEXPLAINED_MISFIT = 3.0
 
@@ -94,6 +99,9 @@ class ParticleFilter:
     ) -> None:
         """Take the numbers; the state of a run is not kept here."""
         self.quantity = branches.quantity
+        home = getattr(setup.model, "home", None)
+        settings, wire = after_home(settings, wire, home)
+        self._scale, self._offset_ohm = resistance_after(home)
         self._branches, self._wire, self._settings = branches, wire, settings
         if setup.model.wire.get("finger") and branches.quantity == "displacement":
             raise CallerError(
@@ -127,9 +135,7 @@ class ParticleFilter:
             gained = [answer[SUMMARY.evidence] for answer in answers]
             evidence = after_sample(evidence, gained, measured.duration_s, self._settings)
         opinions = self._opinions(answers, seen if seen.reason is Reason.OK else None)
-        value, std = combined(opinions, evidence, self._settings)
-        if not readable:
-            value, std = state.value, self._range
+        value, std = combined(opinions, evidence, self._settings) if readable else (state.value, self._range)
         weight = weights_of(evidence, self._settings.load_cost, 1.0)
         shown = weight @ np.array(answers)
         reason = seen.reason if seen.reason is not Reason.OK else self._doubts(shown[SUMMARY.misfit], std)
@@ -191,7 +197,9 @@ class ParticleFilter:
         if readable:
             resistance_ohm, _ = self._branches.read(sample.wire_voltage_v, sample.shunt_voltage_v)
             power_w = sample.wire_voltage_v * sample.shunt_voltage_v / self._shunt_ohm
-            return Measured(min(power_w, self._max_power_w), resistance_ohm, abs(sample.shunt_voltage_v), duration_s)
+            # The calibrated wire has the resistance of its characterisation; a home move says what became of it.
+            calibrated_ohm = max((resistance_ohm - self._offset_ohm) / self._scale, MIN_RESISTANCE_OHM)
+            return Measured(min(power_w, self._max_power_w), calibrated_ohm, abs(sample.shunt_voltage_v), duration_s)
         usual_ohm = self._branches.curve.resistance_max_ohm
         current_a = sample.drive_voltage_v / (usual_ohm + self._shunt_ohm)
         return Measured(min(current_a * current_a * usual_ohm, self._max_power_w), 0.0, 0.0, duration_s)
@@ -225,6 +233,30 @@ class ParticleFilter:
             max(changed["convection"], changed["ambient"]),
             max(changed["load"], changed["stiffness"]),
         )
+
+
+def resistance_after(home: HomeMove | None) -> tuple[float, float]:
+    """Return scale and offset [ohm] of the resistance since the characterisation, as the last home move found them."""
+    if home is None or not home.corrected:
+        return 1.0, 0.0
+    return home.resistance_scale, home.resistance_offset_ohm
+
+
+def after_home(
+    settings: ParticleSettings, wire: WireConstants, home: HomeMove | None
+) -> tuple[ParticleSettings, WireConstants]:
+    """Return the wire with what a home move found of its temperatures, and settings that leave open what it did not."""
+    if home is None:
+        return settings, wire
+    at_rest = dict(zip(UNKNOWNS, settings.spread_at_rest, strict=True))
+    if home.transformation_shift_std_k < KNOWN_SHIFT_K:
+        shift_k = home.transformation_shift_k
+        wire = wire.replace(
+            martensite_temperature_k=wire.martensite_temperature_k + shift_k,
+            r_phase_temperature_k=wire.r_phase_temperature_k + shift_k,
+        )
+        at_rest["transformation"] = home.transformation_shift_std_k
+    return replace(settings, spread_at_rest=tuple(at_rest.values())), wire
 
 
 def numbers_of(settings: ParticleSettings, explanation: str, place: int) -> Numbers:

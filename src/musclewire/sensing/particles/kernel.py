@@ -121,8 +121,7 @@ def follow_sample(cloud: Cloud, wire: Wire, numbers: Numbers, measured: Measured
     noise_ohm = noise_of(cloud.clock, measured)
     advance_all(cloud, wire, measured, shown)
     own_ohm = numbers.resistance_error * measured.resistance_ohm
-    correlated = max(numbers.error_time_s / measured.duration_s, 1.0)
-    variance = own_ohm * own_ohm * correlated + noise_ohm * noise_ohm
+    variance = own_ohm * own_ohm * max(numbers.error_time_s / measured.duration_s, 1.0) + noise_ohm * noise_ohm
     compare(cloud, shown, measured.resistance_ohm, variance)
     evidence = gained(cloud.log_weight)
     effective = weigh(cloud.log_weight, shown[3])
