@@ -106,8 +106,8 @@ KNOWN_STIFFNESS = quantity(
 )
 ESTIMATOR = option(
     "--estimator",
-    help="Estimator by name: computes strain, displacement or force from voltages; gated by default, polynomial is the "
-    "paper's.",
+    help="Estimator by name: computes strain, displacement or force from voltages. Default: particle-filter with a "
+    "wire file; without one gated in a closed loop, polynomial (the paper's) for a recording.",
 )
 CONTROLLER = option(
     "--controller",
