@@ -9,7 +9,8 @@ def test_every_column_is_registered_under_its_own_name_and_says_what_it_is():
 
 
 def test_the_last_part_of_a_name_is_its_unit():
-    suffixes = {"s": "s", "v": "V", "a": "A", "ohm": "ohm", "m": "m", "n": "N", "pa": "Pa", "k": "K"}
+    same = {"s": "s", "v": "V", "a": "A", "ohm": "ohm", "m": "m", "n": "N"}
+    suffixes = {**same, "pa": "Pa", "k": "K", "w": "W", "j": "J"}
     for name, column in COLUMNS.items():
         assert column.unit == suffixes.get(name.rpartition("_")[2], ""), name
 
