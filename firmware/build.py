@@ -25,6 +25,7 @@ from musclewire.export.c import write_library
 from musclewire.identify.use_of_model import settings_for
 from musclewire.parameters.validation import validated
 from musclewire.rigs.mounted_wire import MountedWire
+from musclewire.sensing.estimator import PAPER_ESTIMATOR
 from musclewire.sensing.model import SensingModel, load_model
 
 FIRMWARE = Path(__file__).resolve().parent
@@ -129,7 +130,9 @@ def board_constants(board: str, description: dict[str, Any], model: SensingModel
     return f"{start}#ifndef {guard}\n#define {guard}\n\n" + "\n".join(lines) + "\n\n#endif\n"
 
 
-def write_sources(board: str, model_file: Path, wire_file: Path, folder: Path) -> None:
+def write_sources(
+    board: str, model_file: Path, wire_file: Path, folder: Path, estimator: str = PAPER_ESTIMATOR
+) -> None:
     """Write the exported controller and the board's constants into a folder. Raises CallerError."""
     description = board_description(board)
     model, wire = load_model(model_file), read_wire(wire_file)
@@ -139,7 +142,7 @@ def write_sources(board: str, model_file: Path, wire_file: Path, folder: Path) -
     )
     constants = board_constants(board, description, model, wire)
     drive = DriveLimits(wire.sense_voltage, wire.maximum_voltage)
-    write_library(model, settings_for(model), drive, limits, folder)
+    write_library(model, settings_for(model), drive, limits, folder, estimator=estimator)
     (folder / "src" / "board_constants.h").write_text(constants, encoding="utf-8")
 
 
@@ -167,6 +170,7 @@ def build(
     *,
     model_file: Path = MODEL,
     wire_file: Path = WIRE,
+    estimator: str = PAPER_ESTIMATOR,
     options: Sequence[str] = (),
 ) -> Path:
     """Build the firmware and return its ELF file. ``options`` go to the compiler, such as ``-DMW_STANDALONE``.
@@ -176,7 +180,7 @@ def build(
     description = board_description(board)
     chain = TOOLCHAINS[description["processor"]]
     compiler = tool(chain, "gcc")
-    write_sources(board, model_file, wire_file, folder)
+    write_sources(board, model_file, wire_file, folder, estimator)
     places = [FIRMWARE / "src", FIRMWARE / "boards" / board, folder / "src"]
     sources = [file for place in places for file in sorted(place.glob("*.c"))]
     includes = [f"-I{place}" for place in places]
@@ -202,6 +206,7 @@ def main() -> int:
     parser.add_argument("--board", default="mps2-an386", help=f"one of: {', '.join(boards())}")
     parser.add_argument("--model", type=Path, default=MODEL, help="sensing model, as musclewire fit writes it")
     parser.add_argument("--wire", type=Path, default=WIRE, help="the wire on the board (TOML)")
+    parser.add_argument("--estimator", default=PAPER_ESTIMATOR, help="the board's: polynomial, the paper's, or gated")
     parser.add_argument("-o", "--out", type=Path, default=None, help="folder; firmware/build/BOARD without it")
     parser.add_argument("--standalone", action="store_true", help="closes the loop by itself, started by a button")
     parser.add_argument(
@@ -213,7 +218,14 @@ def main() -> int:
     options = [flag for flag, wanted in flags.items() if wanted]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        elf = build(given.board, folder, model_file=given.model, wire_file=given.wire, options=options)
+        elf = build(
+            given.board,
+            folder,
+            model_file=given.model,
+            wire_file=given.wire,
+            estimator=given.estimator,
+            options=options,
+        )
         print(size_of(given.board, elf), end="")
     except MusclewireError as error:
         print(f"error: {error}", file=sys.stderr)

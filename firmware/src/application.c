@@ -80,6 +80,18 @@ static void send_identity(mw_application *application)
     send(application, &message);
 }
 
+/* What the board's model makes of a resistance. Gated branches have a memory: while the loop is closed it is the loop's. */
+static float estimate_of(const mw_control_loop *loop, mw_real resistance_ohm)
+{
+#if defined(MW_GATED)
+    if (loop->closed_loop && loop->core.started)
+        return (float)loop->core.estimation.value;
+#else
+    (void)loop;
+#endif
+    return (float)mw_estimate(resistance_ohm).value;
+}
+
 /* Sends the means over the ticks since the last sample, with resistance and estimate; NaN without a reading. */
 static void send_sample(mw_application *application)
 {
@@ -101,7 +113,7 @@ static void send_sample(mw_application *application)
     mw_put_f32(at + MW_AT_SAMPLE_WIRE_VOLTAGE_V, wire_voltage_v);
     mw_put_f32(at + MW_AT_SAMPLE_SHUNT_VOLTAGE_V, shunt_voltage_v);
     mw_put_f32(at + MW_AT_SAMPLE_RESISTANCE_OHM, (float)resistance_ohm);
-    mw_put_f32(at + MW_AT_SAMPLE_ESTIMATE, resistance_ohm > 0 ? (float)mw_estimate(resistance_ohm).value : NAN);
+    mw_put_f32(at + MW_AT_SAMPLE_ESTIMATE, resistance_ohm > 0 ? estimate_of(loop, resistance_ohm) : NAN);
     mw_put_f32(at + MW_AT_SAMPLE_TARGET, loop->target);
     send(application, &message);
     memset(sums, 0, sizeof *sums);

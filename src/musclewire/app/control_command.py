@@ -193,7 +193,7 @@ def loop_of(
             load=load,
             wire_file=loop.wire_file,
         )
-    if loop.estimator is not None or controller != FUZZY_PID or loop.wire_file is not None:
+    if loop.estimator not in (None, "polynomial", "gated") or controller != FUZZY_PID or loop.wire_file is not None:
         raise CallerError(
             "--on-board runs the firmware's own estimator and controller: leave both names and --wire-file out"
         )
@@ -202,8 +202,11 @@ def loop_of(
     from musclewire.experiment.on_board import control_on_board
     from musclewire.export.c import loop_checksum
     from musclewire.identify.use_of_model import settings_for
+    from musclewire.sensing.estimator import PAPER_ESTIMATOR
 
-    return partial(control_on_board, checksum=loop_checksum(model, settings_for(model, settings)))
+    board = loop.estimator or PAPER_ESTIMATOR
+    checksum = loop_checksum(model, settings_for(model, settings), estimator=board)
+    return partial(control_on_board, checksum=checksum)
 
 
 def estimator_of(loop: LoopOptions) -> str:

@@ -9,7 +9,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app.commands import add_command
-from musclewire.app.options import DOUBLE, NAME, OUTPUT, OVERWRITE, RIG, RULES, SETTINGS, SOURCES_ONLY, Json
+from musclewire.app.options import (
+    DOUBLE,
+    EXPORTED_ESTIMATOR,
+    NAME,
+    OUTPUT,
+    OVERWRITE,
+    RIG,
+    RULES,
+    SETTINGS,
+    SOURCES_ONLY,
+    Json,
+)
 from musclewire.app.output import emit_json, show
 from musclewire.errors import CallerError
 
@@ -44,6 +55,7 @@ def export_c(
     controller: ControllerOptions,
     rig: Annotated[str, RIG] = "simulated",
     double: Annotated[bool, DOUBLE] = False,
+    estimator: Annotated[str, EXPORTED_ESTIMATOR] = "polynomial",
     name: Annotated[str, NAME] = "musclewire_wire",
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
@@ -68,6 +80,7 @@ def export_c(
         name,
         double=double,
         overwrite=overwrite,
+        estimator=estimator,
     )
     answer = {
         "folder": str(output),
@@ -75,6 +88,7 @@ def export_c(
         "files": list(library.files),
         "quantity": loaded.quantity,
         "rule_base": chosen.rule_base,
+        "estimator": estimator,
         "precision": "double" if double else "single",
         "limits": finite_numbers(limits._asdict()),
         "single_error_share": library.single_error_share,

@@ -104,6 +104,9 @@ KNOWN_STIFFNESS = quantity(
     "N/m",
     "Known stiffness of the load or of the object, as '588.6 N/m': gives force from a model of strain.",
 )
+EXPORTED_ESTIMATOR = option(
+    "--estimator", help="Estimator of the C library: polynomial, the paper's, or gated, direction-gated branches."
+)
 ESTIMATOR = option(
     "--estimator",
     help="Estimator by name: computes strain, displacement or force from voltages. Default: particle-filter with a "

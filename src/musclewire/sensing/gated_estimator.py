@@ -60,7 +60,7 @@ class GatedEstimator:
     """
 
     columns = ("wire_resistance_ohm",)
-    has_c_form = False
+    has_c_form = True
     slow_part = None
 
     def __init__(

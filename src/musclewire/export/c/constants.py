@@ -18,10 +18,13 @@ from musclewire.controllers.fuzzy import packed_rules
 from musclewire.controllers.protection import Event, ProtectionLimits, protection_table
 from musclewire.controllers.protection import protect as protection_rules
 from musclewire.controllers.protection.table import Drive
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, nearest_hint
 from musclewire.physics.resistance import wire_resistance
 from musclewire.sensing.curve import MARGIN
+from musclewire.sensing.estimator import PAPER_ESTIMATOR
+from musclewire.sensing.gated_branches import NUMBERS, GatedBranches, time_step
 from musclewire.sensing.model import SensingModel
+from musclewire.sensing.polynomial_estimator import MISMATCH_FRACTION
 
 __all__ = ["ACTIONS", "CONTROL_HEADINGS", "Constant", "Constants", "collect", "control_numbers"]
 
@@ -32,10 +35,16 @@ INFERENCES = {"constant": 0, "product-weighted-sum": 1, "min-max-centroid": 2}
 MICROSECONDS_PER_S = 1e6
 RANGE_ENDS = {f"k{k}_{end}": f"k{k}_range[{i}]" for k in "pid" for i, end in enumerate(("minimum", "maximum"))}
 # The groups that define the closed loop, independently of the board. Their text is part of the model's checksum.
-CONTROL_HEADINGS = (
-    "the self-sensing model (Lan and Fan 2010, Eqs. 3 to 5)",
-    "the fuzzy-tuned PID (Eq. 6)",
-    "its rule base",
+MODEL_HEADING = "the self-sensing model (Lan and Fan 2010, Eqs. 3 to 5)"
+CONTROLLER_HEADING = "the fuzzy-tuned PID (Eq. 6)"
+RULES_HEADING = "its rule base"
+GATES_HEADING = "the direction-gated branches"
+CONTROL_HEADINGS = (MODEL_HEADING, CONTROLLER_HEADING, RULES_HEADING, GATES_HEADING)
+GATED = "gated"
+GATE_NUMBERS = (
+    *("turning_fraction", "supporting_fraction", "still_per_s", "driven_per_s", "surprise_per_s", "motion_deviations"),
+    *("min_motion_variance", "beyond", "first_variance", "min_noise", "max_power_w", "max_ratio", "max_noise_v2"),
+    "ambiguous_above",
 )
 
 
@@ -72,6 +81,7 @@ def collect(
     rule_base: RuleBase,
     limits: DriveLimits,
     protection: ProtectionLimits,
+    estimator: str = PAPER_ESTIMATOR,
 ) -> Constants:
     """Return the numbers of a library. Raises CallerError if drive limits and protection disagree."""
     checked = protection.checked()
@@ -84,17 +94,42 @@ def collect(
     return Constants(
         {
             "circuit and limits of the drive": _circuit(checked),
-            **control_numbers(model, settings, rule_base).groups,
+            **control_numbers(model, settings, rule_base, estimator).groups,
             "limits of the protection": _protection(checked),
             "the protection table": _table(),
         }
     )
 
 
-def control_numbers(model: SensingModel, settings: FuzzyPidSettings, rule_base: RuleBase) -> Constants:
-    """Return the numbers of a model and its controller: those that the checksum covers."""
-    groups = (_model(model), _controller(settings), _rules(rule_base))
-    return Constants(dict(zip(CONTROL_HEADINGS, groups, strict=True)))
+def control_numbers(
+    model: SensingModel, settings: FuzzyPidSettings, rule_base: RuleBase, estimator: str = PAPER_ESTIMATOR
+) -> Constants:
+    """Return the numbers of a model, its estimator and its controller: those that the checksum covers."""
+    groups = {
+        MODEL_HEADING: _model(model),
+        CONTROLLER_HEADING: _controller(settings),
+        RULES_HEADING: _rules(rule_base),
+    }
+    if estimator == GATED:
+        groups[GATES_HEADING] = _gates(model)
+    elif estimator != PAPER_ESTIMATOR:
+        hint = nearest_hint(estimator, (GATED, PAPER_ESTIMATOR))
+        raise CallerError(f"estimator {estimator!r} has no C form{hint}: export {GATED} or {PAPER_ESTIMATOR}")
+    return Constants(groups)
+
+
+def _gates(model: SensingModel) -> list[Constant]:
+    """Return the numbers of the direction-gated branches; their names are those of ``sensing.gated_branches``."""
+    numbers = GatedBranches(model).tick_constants(time_step(0.0))
+    margin = MISMATCH_FRACTION * (model.resistance_max_ohm - model.resistance_min_ohm)
+    times = {name: value for name, value in NUMBERS.items() if name.endswith("_s") and not name.endswith("_per_s")}
+    return [
+        _integer("GATED", 1, "the estimate is mw_follow's"),
+        _real("OWN_LOW_OHM", model.resistance_min_ohm - margin, "a resistance beyond is another wire's"),
+        _real("OWN_HIGH_OHM", model.resistance_max_ohm + margin),
+        *(_real(name.upper(), value, "time constant") for name, value in times.items()),
+        *(_real(name.upper(), numbers[name]) for name in GATE_NUMBERS),
+    ]
 
 
 def _circuit(limits: ProtectionLimits) -> list[Constant]:

@@ -16,6 +16,7 @@ from musclewire.export.c.golden import golden_vectors
 from musclewire.export.c.header import constants_header, model_checksum
 from musclewire.export.c.precision import check_precision, single_error_share
 from musclewire.export.c.reference import ReferenceTick
+from musclewire.sensing.estimator import PAPER_ESTIMATOR
 from musclewire.sensing.model import SensingModel
 
 __all__ = ["Library", "library_sources", "loop_checksum", "write_library"]
@@ -70,9 +71,14 @@ def project_files(name: str, quantity: str) -> dict[str, str]:
     return texts
 
 
-def loop_checksum(model: SensingModel, settings: FuzzyPidSettings, rule_base: RuleBase | None = None) -> int:
+def loop_checksum(
+    model: SensingModel,
+    settings: FuzzyPidSettings,
+    rule_base: RuleBase | None = None,
+    estimator: str = PAPER_ESTIMATOR,
+) -> int:
     """Return the checksum of a library with this model and controller, which a board built with it reports."""
-    return model_checksum(control_numbers(model, settings, rule_base or load_rule_base(settings.rule_base)))
+    return model_checksum(control_numbers(model, settings, rule_base or load_rule_base(settings.rule_base), estimator))
 
 
 def library_sources() -> dict[str, str]:
@@ -93,12 +99,14 @@ def write_library(
     *,
     double: bool = False,
     overwrite: bool = True,
+    estimator: str = PAPER_ESTIMATOR,
 ) -> Library:
     """Write the library into a folder, which is made if need be; files of the same names are replaced.
 
     Without ``overwrite`` a file there with another content is left alone, and nothing is written at all.
 
-    ``double`` makes double precision the library's choice; without it all is checked to survive single precision.
+    ``estimator`` is "polynomial", the paper's, or "gated". ``double`` makes double precision the choice; without
+    it all is checked to survive single precision.
     Everything is checked before anything is written.
 
     Raises:
@@ -109,7 +117,7 @@ def write_library(
     if not NAME.fullmatch(name):
         raise CallerError(f"the library's name {name!r} must be a C identifier of at most 31 letters, digits and _")
     rules = load_rule_base(settings.rule_base)
-    constants = collect(model, settings, rules, limits, protection)
+    constants = collect(model, settings, rules, limits, protection, estimator)
     if not double:
         check_precision(model, constants)
     header = constants_header(
@@ -120,7 +128,7 @@ def write_library(
         quantity=model.quantity,
         double=double,
     )
-    reference = ReferenceTick(model, settings, limits, protection, rules)
+    reference = ReferenceTick(model, settings, limits, protection, rules, estimator)
     texts = {f"src/{file}": text for file, text in sorted(library_sources().items())}
     texts["src/mw_constants.h"] = header
     texts |= project_files(name, model.quantity)

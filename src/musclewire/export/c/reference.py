@@ -23,8 +23,10 @@ from musclewire.controllers.protection import (
     protection_table,
     tripped_by,
 )
+from musclewire.sensing.estimator import PAPER_ESTIMATOR
+from musclewire.sensing.gated_branches import BranchState, GatedBranches, time_step
 from musclewire.sensing.model import SensingModel
-from musclewire.sensing.polynomial_estimator import PolynomialEstimator
+from musclewire.sensing.polynomial_estimator import MISMATCH_FRACTION, PolynomialEstimator
 from musclewire.signals.exchange import QuantityEstimate, Reason, drive_voltage_of
 
 __all__ = ["Outcome", "ReferenceTick"]
@@ -66,12 +68,16 @@ class ReferenceTick:
     limits: DriveLimits
     protection_limits: ProtectionLimits
     rule_base: RuleBase | None = None
+    estimator: str = PAPER_ESTIMATOR
     protection: ProtectionState = field(init=False)
 
     def __post_init__(self) -> None:
         """Build the controller and start."""
         self._controller = FuzzyPidController(FuzzyPid(self.settings, self.limits, self.rule_base))
         self._estimator = PolynomialEstimator(self.model, self.protection_limits.shunt_resistance_ohm)
+        self._branches = GatedBranches(self.model)
+        margin = MISMATCH_FRACTION * (self.model.resistance_max_ohm - self.model.resistance_min_ohm)
+        self._own_ohm = (self.model.resistance_min_ohm - margin, self.model.resistance_max_ohm + margin)
         self.start()
 
     def start(self) -> None:
@@ -80,6 +86,8 @@ class ReferenceTick:
         self._pid: ControllerState | None = None
         self._mean, self._block = Sums(), Sums()
         self._resistance_ohm = 0.0
+        self._voltages_v = (0.0, 0.0)
+        self._gates: BranchState | None = None
         self._estimate, self._valid = self.model.quantity_min, False
         self._gains: tuple[float, ...] = (0.0, 0.0, 0.0)
 
@@ -128,14 +136,15 @@ class ReferenceTick:
         mean, self._mean = self._mean, Sums()
         self._resistance_ohm = 0.0
         if mean.samples:
-            self._resistance_ohm = self._estimator.read(mean.wire_v / mean.samples, mean.shunt_v / mean.samples)[0]
+            self._voltages_v = (mean.wire_v / mean.samples, mean.shunt_v / mean.samples)
+            self._resistance_ohm = self._estimator.read(*self._voltages_v)[0]
         drive_v = self._controlled(target, dt_s) if math.isfinite(target) else -1.0
         self.protection = protect_command(self.protection, self.protection_limits, drive_v)
         return self.outcome()
 
     def _controlled(self, target: float, dt_s: float) -> float:
         """Return the controller's drive [V]; before the first estimate, the drive stays as it is."""
-        estimate = self._sensed()
+        estimate = self._sensed(dt_s)
         self._estimate, self._valid = estimate.value, estimate.valid
         if self._pid is None and estimate.reason is Reason.NO_CURRENT:
             self._gains = (0.0, 0.0, 0.0)
@@ -144,8 +153,24 @@ class ReferenceTick:
         command, self._pid, self._gains = self._controller.step(before, target, estimate, dt_s)
         return drive_voltage_of(command)
 
-    def _sensed(self) -> QuantityEstimate:
+    def _sensed(self, dt_s: float) -> QuantityEstimate:
         """Return the estimate from the last resistance; without current, the previous estimate."""
         if not self._resistance_ohm > 0.0:
             return QuantityEstimate(self._estimate, 0.0, False, Reason.NO_CURRENT)
-        return QuantityEstimate(*self.model.estimate(self._resistance_ohm))
+        if self.estimator == PAPER_ESTIMATOR:
+            return QuantityEstimate(*self.model.estimate(self._resistance_ohm))
+        return self._followed(self._resistance_ohm, dt_s)
+
+    def _followed(self, resistance_ohm: float, dt_s: float) -> QuantityEstimate:
+        """Return the estimate by the branch of the direction; a resistance of another wire leaves it as it is."""
+        if not self._own_ohm[0] <= resistance_ohm <= self._own_ohm[1]:
+            return QuantityEstimate(self._estimate, 0.0, False, Reason.MISMATCH)
+        wire_v, shunt_v = self._voltages_v
+        power_w = wire_v * wire_v / resistance_ohm
+        if self._gates is None:
+            found = self._branches.start(resistance_ohm, power_w)
+        else:
+            found = self._branches.step(self._gates, resistance_ohm, power_w, shunt_v, time_step(dt_s))
+        self._gates = found.state
+        valid = found.on_curve and found.state.sensing != 0.0
+        return QuantityEstimate(found.state.value, 0.0, valid, Reason.OK if valid else Reason.COLD)

@@ -31,6 +31,21 @@ typedef struct {
  * is not finite reads as fully contracted, so that a loop which ignores `valid` cools. */
 mw_estimation mw_estimate(mw_real resistance_ohm);
 
+#if defined(MW_GATED)
+/* ---- direction-gated branches: mw_gated.c, if exported with --estimator gated ------------------------- */
+
+/* What the estimate remembers of a wire; cleared to zero before its first sample. */
+typedef struct {
+    mw_real value, resistance, lagging, variance, before, before_last, noise_v2, learnt_s, mean_power_w;
+    uint8_t followed, heating, sensing;
+} mw_gates;
+
+/* Quantity after one more reading, dt_s after the one before. A resistance that the model's wire never has leaves the
+ * value as it is and is not valid; nor is a wire that is colder than B, or a reading outside the model's range. */
+mw_estimation mw_follow(mw_gates *gates, mw_real resistance_ohm, mw_real wire_voltage_v, mw_real shunt_voltage_v,
+                        mw_real dt_s);
+#endif
+
 /* ---- fuzzy inference: mw_fuzzy.c ---------------------------------------------------------------------- */
 
 typedef struct {
@@ -91,6 +106,10 @@ typedef struct mw_controller {
     uint8_t started;                 /* the PID has seen a first measurement */
     mw_real resistance_ohm;          /* of the last mw_control, 0 without current */
     mw_estimation estimation;
+#if defined(MW_GATED)
+    mw_gates gates;
+    mw_real wire_voltage_v, shunt_voltage_v; /* means of the last mw_control */
+#endif
     mw_real kp, ki, kd;              /* gains of the last step, 0 where there was none */
 } mw_controller;
 

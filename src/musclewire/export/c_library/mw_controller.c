@@ -6,6 +6,9 @@ void mw_start(mw_controller *controller)
 {
     const mw_controller cold = {.estimation = {MW_QUANTITY_MIN, 0}};
     *controller = cold;
+#if defined(MW_GATED)
+    controller->gates.value = MW_QUANTITY_MIN;
+#endif
     mw_protect_arm(&controller->protection);
 }
 
@@ -67,7 +70,12 @@ mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real s
 static mw_real controlled(mw_controller *controller, mw_real target, mw_real dt_s)
 {
     mw_pid_step step;
+#if defined(MW_GATED)
+    controller->estimation = mw_follow(&controller->gates, controller->resistance_ohm, controller->wire_voltage_v,
+                                       controller->shunt_voltage_v, dt_s);
+#else
     controller->estimation = mw_estimate(controller->resistance_ohm);
+#endif
     if (!controller->started) {
         mw_fuzzy_pid_start(&controller->pid, mw_protect_allowed(&controller->protection),
                            controller->estimation.value, target);
@@ -96,9 +104,17 @@ mw_output mw_control(mw_controller *controller, mw_real target, mw_real dt_s)
     const mw_real samples = (mw_real)controller->samples;
     mw_real drive_voltage_v = -1; /* refused: what a target that is not a number leads to */
     controller->resistance_ohm = 0;
+#if defined(MW_GATED)
+    if (controller->samples > 0) {
+        controller->wire_voltage_v = controller->wire_sum_v / samples;
+        controller->shunt_voltage_v = controller->shunt_sum_v / samples;
+        controller->resistance_ohm = mw_resistance(controller->wire_voltage_v, controller->shunt_voltage_v);
+    }
+#else
     if (controller->samples > 0)
         controller->resistance_ohm =
             mw_resistance(controller->wire_sum_v / samples, controller->shunt_sum_v / samples);
+#endif
     forget_samples(controller);
     if (target >= -MW_LARGEST && target <= MW_LARGEST)
         drive_voltage_v =

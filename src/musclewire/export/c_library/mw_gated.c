@@ -1,0 +1,165 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
+/* Direction-gated branches: the quantity moves towards the branch of the direction in which power drives the wire. The
+ * arithmetic is that of musclewire.sensing.gated_branches, operation by operation. */
+#include "musclewire.h"
+
+#if defined(MW_GATED)
+
+typedef struct {
+    mw_real hot, cold;
+} both_branches;
+
+static mw_real within(mw_real number, mw_real low, mw_real high)
+{
+    return number < low ? low : number > high ? high : number;
+}
+
+static both_branches branches_at(mw_real normalised)
+{
+    MW_TABLE mw_real heating_powers[MW_COEFFICIENTS] = MW_HEATING_FALLING;
+    MW_TABLE mw_real cooling_powers[MW_COEFFICIENTS] = MW_COOLING_FALLING;
+    const mw_real inside = within(normalised, MW_NORMALISED_MIN, MW_NORMALISED_MAX);
+    both_branches found;
+    uint8_t index;
+    found.hot = heating_powers[0];
+    found.cold = cooling_powers[0];
+    for (index = 1; index < MW_COEFFICIENTS; index++) {
+        found.hot = found.hot * inside + heating_powers[index];
+        found.cold = found.cold * inside + cooling_powers[index];
+    }
+    return found;
+}
+
+static mw_real gain(mw_real dt_s, mw_real time_constant_s)
+{
+    return dt_s / (dt_s + time_constant_s);
+}
+
+/* The first sample: the mean of both branches, heating; near R_max a wire counts as cold. */
+static void begin(mw_gates *gates, mw_real read, mw_real power_w)
+{
+    const both_branches at = branches_at(read);
+    gates->value = (at.hot + at.cold) / 2;
+    gates->resistance = gates->lagging = gates->before = gates->before_last = read;
+    gates->variance = MW_FIRST_VARIANCE;
+    gates->noise_v2 = 0;
+    gates->learnt_s = -1;
+    gates->mean_power_w = power_w;
+    gates->heating = 1;
+    gates->sensing = read < MW_AMBIGUOUS_ABOVE;
+    gates->followed = 1;
+}
+
+static void filter(mw_gates *gates, mw_real read, mw_real noise, mw_real ratio, mw_real dt_s)
+{
+    const mw_real away = read - gates->resistance;
+    mw_real variance = gates->variance, surprise = away * away - noise - variance, weight;
+    if (surprise < 0)
+        surprise = 0;
+    variance += dt_s * (MW_STILL_PER_S + MW_DRIVEN_PER_S * ratio * ratio + MW_SURPRISE_PER_S * surprise);
+    weight = variance / (variance + noise);
+    gates->resistance += weight * away;
+    gates->variance = variance - weight * variance;
+    gates->lagging += (gates->resistance - gates->lagging) * gain(dt_s, MW_LAGGING_S);
+}
+
+static void learn_noise(mw_gates *gates, mw_real read, mw_real per_volt, mw_real dt_s)
+{
+    const mw_real bend_v = ((read - gates->before) - (gates->before - gates->before_last)) / per_volt;
+    mw_real noise_v2 = bend_v * bend_v / 6;
+    gates->before_last = gates->before;
+    gates->before = read;
+    if (gates->learnt_s < 0) {
+        gates->learnt_s = 0;
+        return;
+    }
+    gates->learnt_s += dt_s;
+    if (gates->learnt_s > MW_NOISE_S)
+        gates->learnt_s = MW_NOISE_S;
+    if (!(noise_v2 <= MW_MAX_NOISE_V2))
+        noise_v2 = MW_MAX_NOISE_V2;
+    gates->noise_v2 += (noise_v2 - gates->noise_v2) * (dt_s / gates->learnt_s);
+}
+
+/* Moves the quantity towards its branch and keeps it within both. */
+static void move(mw_gates *gates, mw_real moved, mw_real support, mw_real dt_s)
+{
+    const both_branches at = branches_at(gates->resistance);
+    const mw_real branch = gates->heating ? at.hot : at.cold;
+    const mw_real ahead = gates->heating ? branch - gates->value : gates->value - branch;
+    const mw_real low = at.hot < at.cold ? at.hot : at.cold, high = at.hot < at.cold ? at.cold : at.hot;
+    mw_real value = gates->value;
+    if (ahead < 0)
+        value += (branch - value) * gain(dt_s, MW_RETURN_S);
+    else if (gates->heating ? moved < 0 : moved > 0)
+        value = branch;
+    else if (support > MW_SUPPORTING_FRACTION)
+        value += (branch - value) * gain(dt_s, MW_APPROACH_S);
+    else
+        value += ((at.hot + at.cold) / 2 - value) * gain(dt_s, MW_MIDDLE_S);
+    gates->value = within(value, low - MW_BEYOND, high + MW_BEYOND);
+}
+
+static void locate(mw_gates *gates, mw_real moved)
+{
+    const mw_real below = MW_AMBIGUOUS_ABOVE - gates->resistance;
+    if (gates->resistance > MW_NORMALISED_MAX)
+        gates->sensing = 0;
+    else if ((gates->heating && moved < 0) || (below > 0 && below * below > 9 * gates->variance))
+        gates->sensing = 1;
+}
+
+/* Whether a reading can be one of the valid range, within three deviations of its noise. */
+static uint8_t on_curve(mw_real read, mw_real noise)
+{
+    mw_real outside = MW_VALID_FROM - read;
+    if (read - MW_VALID_TO > outside)
+        outside = read - MW_VALID_TO;
+    return !(outside > 0) || outside * outside <= 9 * noise;
+}
+
+mw_estimation mw_follow(mw_gates *gates, mw_real resistance_ohm, mw_real wire_voltage_v, mw_real shunt_voltage_v,
+                        mw_real dt_s)
+{
+    const mw_real read = (resistance_ohm - MW_RESISTANCE_MIN_OHM) * MW_SHARE_PER_OHM;
+    const mw_real per_volt = resistance_ohm * MW_SHARE_PER_OHM / shunt_voltage_v;
+    mw_real noise, power_w = wire_voltage_v * wire_voltage_v / resistance_ohm, ratio, support, moved;
+    mw_estimation result = {gates->value, 0};
+    /* A wire that this model never has: the estimate stays. Written so that a NaN counts as one. */
+    if (!(resistance_ohm >= MW_OWN_LOW_OHM && resistance_ohm <= MW_OWN_HIGH_OHM && dt_s > 0 && dt_s <= MW_LARGEST))
+        return result;
+    if (!(power_w <= MW_MAX_POWER_W))
+        power_w = MW_MAX_POWER_W;
+    if (!gates->followed) {
+        begin(gates, read, power_w);
+        result.value = gates->value;
+        result.valid = gates->sensing && read >= MW_VALID_FROM && read <= MW_VALID_TO;
+        return result;
+    }
+    noise = gates->noise_v2 * per_volt * per_volt + MW_MIN_NOISE;
+    gates->mean_power_w += (power_w - gates->mean_power_w) * gain(dt_s, MW_MEAN_POWER_S);
+    ratio = power_w / gates->mean_power_w - 1;
+    if (ratio > MW_MAX_RATIO)
+        ratio = MW_MAX_RATIO;
+    result.valid = on_curve(read, noise);
+    filter(gates, read, noise, ratio, dt_s);
+    learn_noise(gates, read, per_volt, dt_s);
+    support = gates->heating ? ratio : -ratio;
+    if (support < -MW_TURNING_FRACTION) { /* motion counts from the turn */
+        support = -support;
+        gates->heating = !gates->heating;
+        gates->lagging = gates->resistance;
+    }
+    moved = gates->resistance - gates->lagging;
+    if (!(moved * moved > MW_MOTION_DEVIATIONS * gates->variance + MW_MIN_MOTION_VARIANCE))
+        moved = 0;
+    locate(gates, moved);
+    move(gates, moved, support, dt_s);
+    result.value = gates->value;
+    result.valid = result.valid && gates->sensing;
+    return result;
+}
+
+#else
+typedef int mw_no_gates; /* the library was exported with the polynomial */
+#endif
