@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypedDict, Unpack
 
 from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase, load_rule_base
 from musclewire.controllers.protection import ProtectionLimits
@@ -89,6 +89,14 @@ def library_sources() -> dict[str, str]:
     }
 
 
+class LibraryForm(TypedDict, total=False):
+    """Keywords of :func:`write_library`: precision, estimator, and whether files of another library are replaced."""
+
+    double: bool
+    estimator: str
+    overwrite: bool
+
+
 def write_library(
     model: SensingModel,
     settings: FuzzyPidSettings,
@@ -96,10 +104,7 @@ def write_library(
     protection: ProtectionLimits,
     folder: str | Path,
     name: str = "musclewire",
-    *,
-    double: bool = False,
-    overwrite: bool = True,
-    estimator: str = PAPER_ESTIMATOR,
+    **form: Unpack[LibraryForm],
 ) -> Library:
     """Write the library into a folder, which is made if need be; files of the same names are replaced.
 
@@ -114,6 +119,8 @@ def write_library(
             other than the protection's; a name that is no C identifier; a folder that cannot be written, or holds
             other files of these names without ``overwrite``.
     """
+    double, overwrite = form.get("double", False), form.get("overwrite", True)
+    estimator = form.get("estimator", PAPER_ESTIMATOR)
     if not NAME.fullmatch(name):
         raise CallerError(f"the library's name {name!r} must be a C identifier of at most 31 letters, digits and _")
     rules = load_rule_base(settings.rule_base)
