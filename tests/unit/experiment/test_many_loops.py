@@ -94,7 +94,7 @@ def test_friction_that_holds_the_wire_is_said_by_both(model: SensingModel) -> No
     assert shown == tuple(f"in 1 of 2 loops, the first of them that of seed 1: {text}" for text in fast.warnings)
 
 
-# The feedforward controller needs its wire's gains; its own loops are in test_feedforward_loops.
+# The feedforward controller needs its wire's gains; the contract test of controllers compares its two ticks.
 WITH_DEFAULTS = [name for name in CONTROLLERS.names() if name != "feedforward"]
 any_rig = st.fixed_dictionaries(
     {
