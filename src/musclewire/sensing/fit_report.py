@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from math import hypot
 
 from musclewire.sensing.curve import Pairs, ResistanceCurve, require_in_range
 from musclewire.sensing.home_move import DRIFT_FRACTION, HomeMove
@@ -80,5 +81,9 @@ class FittedCurve(ResistanceCurve):
 
     def curve(self) -> ResistanceCurve:
         """Return the curve alone: the few numbers that an estimator uses."""
-        names = (one.name for one in fields(ResistanceCurve) if one.init)
-        return ResistanceCurve(**{name: getattr(self, name) for name in names})
+        numbers = {one.name: getattr(self, one.name) for one in fields(ResistanceCurve) if one.init}
+        if self.home is not None:
+            # What may have drifted since the last home move is in every standard deviation.
+            per_ohm = (self.quantity_max - self.quantity_min) / (self.resistance_max_ohm - self.resistance_min_ohm)
+            numbers["offset_std"] = hypot(self.offset_std, per_ohm * self.drift_resistance_ohm)
+        return ResistanceCurve(**numbers)

@@ -172,7 +172,7 @@ class ParticleFilter:
 
     def _opinion(self, answer: FloatArray) -> Opinion:
         """Return value and standard deviation by one explanation, in the model's quantity."""
-        own_std = self._settings.structural_strain * self._range
+        own_std = math.hypot(self._settings.structural_strain * self._range, self._branches.curve.offset_std)
         factor, value, std = 1.0, answer[SUMMARY.contraction], answer[SUMMARY.contraction_std]
         if self.quantity == "force":
             value, std = answer[SUMMARY.force_n], answer[SUMMARY.force_std_n]
