@@ -143,3 +143,11 @@ def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[...
     assert (without.code, "--known-stiffness" in without.err) == (2, True)
     wrong = musclewire("control", "simulated", model, "--known-stiffness", "588.6 N/m")
     assert (wrong.code, "--quantity force" in wrong.err) == (2, True)
+
+
+def test_a_held_force_beyond_its_tolerance_ends_with_1(musclewire: Callable[..., Any], learned: Path) -> None:
+    known = ("grip", "--known-stiffness", "200 N/m", "--learned", learned)
+    assert musclewire(*known, "--tolerance", "0.2 N").code == 0
+    answer = musclewire(*known, "--tolerance", "0.0001 N")
+    assert answer.code == 1
+    assert "the held force misses its target by" in answer.err

@@ -108,6 +108,7 @@ CALLS = {
     "robustness": ["--quick", "--condition", "none", "--track", "sines", "--controllers", "none"],
     "calibrate": ["short.h5", "--effort", "quick", "-o", "wire.toml"],
     "fit": ["loop.h5"],
+    "tune": ["model.json", "loop.h5"],
     "estimate": ["model.json", "loop.h5"],
     "protection": ["simulated"],
     "bench": ["--quick", "--only", "step[10ms,numba]"],

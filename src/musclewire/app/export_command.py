@@ -11,7 +11,7 @@ import typer
 from musclewire.app.commands import add_command
 from musclewire.app.options import (
     DOUBLE,
-    EXPORTED_ESTIMATOR,
+    ESTIMATOR,
     NAME,
     OUTPUT,
     OVERWRITE,
@@ -55,7 +55,7 @@ def export_c(
     controller: ControllerOptions,
     rig: Annotated[str, RIG] = "simulated",
     double: Annotated[bool, DOUBLE] = False,
-    estimator: Annotated[str, EXPORTED_ESTIMATOR] = "polynomial",
+    estimator: Annotated[str, ESTIMATOR] = "polynomial",
     name: Annotated[str, NAME] = "musclewire_wire",
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,

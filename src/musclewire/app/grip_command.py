@@ -21,6 +21,7 @@ from musclewire.app.options import (
     PLOT,
     SEED,
     TARGET,
+    TOLERANCE,
     Json,
     in_si,
 )
@@ -51,6 +52,7 @@ class GripOptions:
 
     target: Annotated[str, TARGET] = "0.3 N"
     known_stiffness: Annotated[str | None, KNOWN_STIFFNESS] = None
+    tolerance: Annotated[str | None, TOLERANCE] = None
 
     def in_si(self) -> tuple[float, float | None]:
         """Return force and stiffness. Raises CallerError if one of them is not above 0."""
@@ -126,7 +128,23 @@ def grip(
         save_figure(plot_grip(run, knowledge), plot)
     warnings = warn(run_warnings(run))
     emit_json({**grip_json(run, simulated, known), "warnings": warnings}) if json else show(grip_text(run, known))
+    end_by(run, in_si("--tolerance", goal.tolerance))
+
+
+def end_by(run: GripRun, tolerance_n: float | None) -> None:
+    """End with 1 if nothing is held, or the held force misses its tolerance by the instrument.
+
+    Raises CallerError for a tolerance without an instrument that could judge it.
+    """
     if not run.held:
+        raise typer.Exit(1)
+    if tolerance_n is None:
+        return
+    if run.true_force_n is None:
+        raise CallerError("--tolerance needs a load cell at the endpoint: this rig has none, leave it out")
+    missed_n = run.true_force_n - run.target_n
+    if abs(missed_n) > tolerance_n:
+        say(f"musclewire: the held force misses its target by {missed_n:+.3f} N, more than {tolerance_n:g} N")
         raise typer.Exit(1)
 
 

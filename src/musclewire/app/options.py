@@ -104,8 +104,8 @@ KNOWN_STIFFNESS = quantity(
     "N/m",
     "Known stiffness of the load or of the object, as '588.6 N/m': gives force from a model of strain.",
 )
-EXPORTED_ESTIMATOR = option(
-    "--estimator", help="Estimator of the C library: polynomial, the paper's, or gated, direction-gated branches."
+TOLERANCE = quantity(
+    "--tolerance", "N", "Exit code 1 if the instrument shows a held force further from the target than this.", low=0.0
 )
 ESTIMATOR = option(
     "--estimator",
