@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.open_loop import characterize
     from musclewire.experiment.pretension import pretension_sweep
     from musclewire.experiment.reproduce import reproduce
+    from musclewire.experiment.speed_limits import speed_limits
     from musclewire.experiment.training import train
     from musclewire.experiment.zero_tendon import zero_tendon
     from musclewire.export.fmu import export_fmu
@@ -58,6 +59,7 @@ __all__ = [
     "home",
     "calibrate",
     "tune",
+    "speed_limits",
     "load_gains",
     "reproduce",
     "sweep",
@@ -93,6 +95,7 @@ _HOMES = {
     "zero_tendon": "musclewire.experiment.zero_tendon",
     "train": "musclewire.experiment.training",
     "home": "musclewire.experiment.home",
+    "speed_limits": "musclewire.experiment.speed_limits",
     "tune": "musclewire.identify.tuning",
     "load_gains": "musclewire.controllers.gains",
     "calibrate": "musclewire.identify.physical.calibrate",

@@ -40,11 +40,12 @@ from musclewire.app.options import (
 from musclewire.app.output import emit_json, progress_bar, say, show, warn
 from musclewire.app.rig_options import TimingOptions
 from musclewire.app.stopping import stops_between_samples
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import CallerError, RecordingError, nearest_hint
 
 if TYPE_CHECKING:
     from musclewire.controllers.references import Reference
     from musclewire.experiment.metrics import ControlMetrics, ControlRun
+    from musclewire.rigs.protocol import Rig
     from musclewire.sensing.known_load import KnownSpring
     from musclewire.sensing.model import SensingModel
 
@@ -104,6 +105,7 @@ def control(
         chosen = {"estimator": estimator_of(loop), "controller": controller, "settings": settings, "load": load}
         with open_rig(rig, seed=seed) as opened:
             follows = target or staircase_for(loaded, load, opened.leg_length_m)
+            said_of_speed(opened, loaded, follows, settings, load)
         run_many_loops(rig, seed, many, {"model": loaded, **chosen}, follows, json)
         return
     if output is not None:
@@ -116,16 +118,33 @@ def control(
             loaded, home_answer = homing.homed(opened, loaded, quiet=json)
         if target is None:
             target = staircase_for(loaded, load, opened.leg_length_m)
+        too_fast = said_of_speed(opened, loaded, target, settings, load)
         with progress_bar("Closed loop", approach_of(controller) + target.duration_s, quiet=json) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":
             loaded, home_answer = homing.homed(opened, loaded, quiet=json)
-    answer = run_json(run, load, refused) | {"home": home_answer}
+    answer = run_json(run, load, [*refused, *too_fast.pop("warnings")]) | too_fast | {"home": home_answer}
     if json:
         emit_json(answer)
     else:
         show(str(run.metrics))
     end_by(run)
+
+
+def said_of_speed(
+    opened: Rig, loaded: SensingModel, target: Reference, settings: Any, load: KnownSpring | None
+) -> dict[str, Any]:
+    """Print where a reference is faster than the wire, before it is heated; return the warnings and the numbers.
+
+    The numbers are None if model or rig do not state what they follow from.
+    """
+    from musclewire.experiment.speed_limits import speed_limits
+
+    try:
+        limits = speed_limits(opened, loaded, target, settings=settings, load=load)
+    except RecordingError:
+        return {"warnings": [], "speed_limits": None}
+    return {"warnings": warn(limits.warnings), "speed_limits": limits.report()}
 
 
 def end_by(run: ControlRun) -> None:

@@ -21,15 +21,16 @@ from musclewire.controllers.controller import (
 )
 from musclewire.controllers.drive_limits import DriveLimits
 from musclewire.controllers.references import Reference
-from musclewire.errors import CallerError, RigError
+from musclewire.errors import RigError
 from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import Decision, RunOptions, run_on_rig
+from musclewire.experiment.speed_limits import speed_metadata
 from musclewire.experiment.staircases import staircase_within
+from musclewire.experiment.target_range import check_targets
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.identify.use_of_model import check_made_for, error_unit_for
 from musclewire.identify.users_wire import users_wire
 from musclewire.rigs.protocol import Rig
-from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.estimator import DEFAULT_ESTIMATOR, ESTIMATORS, Estimator, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.known_load import KnownSpring, force_model
 from musclewire.sensing.model import SensingModel
@@ -258,6 +259,7 @@ def control(
     )
     # The corrections of a slow part are known only at the end and are added to the policy's metadata.
     policy.metadata |= {**loop.metadata, **({} if slow is None else slow.metadata())}
+    policy.metadata |= speed_metadata(rig, loop.model, loop.reference, settings)
     try:
         recording = run_on_rig(rig, policy, loop.duration_s, metadata=policy.metadata, **kept)
     finally:
@@ -344,23 +346,3 @@ def check_same_wire(model: SensingModel, rig: Rig) -> None:
     displacement of a finger's endpoint belongs to that finger.
     """
     check_made_for(model, rig.metadata())
-
-
-def check_targets(model: SensingModel, reference: Reference, sample_period_s: float) -> None:
-    """Raise CallerError if a reference leaves the range in which the model senses."""
-    if reference.duration_s < sample_period_s:
-        raise CallerError(
-            f"the reference lasts {reference.duration_s:g} s, less than one sample of {sample_period_s:g} s: "
-            "its last row states when it ends"
-        )
-    times = [index * sample_period_s for index in range(round(reference.duration_s / sample_period_s) + 1)]
-    targets = reference.targets_at(times)
-    low, high = float(targets.min()), float(targets.max())
-    margin = 1e-3 * (model.quantity_max - model.quantity_min)
-    if low < model.quantity_min - margin or high > model.quantity_max + margin:
-        factor, unit = SHOWN_AS[model.quantity]
-        raise CallerError(
-            f"the reference goes from {factor * low:.4g} to {factor * high:.4g} {unit}, but this model senses "
-            f"{model.quantity} only from {factor * model.quantity_min:.4g} to {factor * model.quantity_max:.4g} "
-            f"{unit}: choose targets inside"
-        )

@@ -11,10 +11,12 @@ from pathlib import Path
 
 from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError
-from musclewire.experiment.closed_loop import APPROACH_S, check_same_wire, check_targets
+from musclewire.experiment.closed_loop import APPROACH_S, check_same_wire
 from musclewire.experiment.metrics import ControlRun, control_metrics
 from musclewire.experiment.run import Decision, OnSample, run_on_rig
+from musclewire.experiment.speed_limits import speed_metadata
 from musclewire.experiment.staircases import staircase_within
+from musclewire.experiment.target_range import check_targets
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.abilities import on_board_loop_of
 from musclewire.rigs.device import HasOnBoardLoop
@@ -132,7 +134,12 @@ def control_on_board(
         rig,
         TargetPolicy(loop, model, chosen, sample_period_s=rig.sample_period_s, approach_s=approach_s),
         approach_s + chosen.duration_s,
-        metadata={"experiment": "closed loop on the board", "quantity": model.quantity, "approach_s": approach_s},
+        metadata={
+            "experiment": "closed loop on the board",
+            "quantity": model.quantity,
+            "approach_s": approach_s,
+            **speed_metadata(rig, model, chosen, None),
+        },
         path=path,
         overwrite=overwrite,
         on_sample=on_sample,

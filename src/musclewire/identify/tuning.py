@@ -26,9 +26,11 @@ from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.identify.recordings import required_quantity, resistance_reading
 from musclewire.identify.use_of_model import error_unit_for
 from musclewire.parameters.library import load_alloy, load_wire, names
+from musclewire.parameters.parameter_groups import Alloy
 from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.recording import Recording
+from musclewire.signals.run_facts import RunFacts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -243,24 +245,29 @@ class HeatBalance(NamedTuple):
     warmest_k: float
 
 
-def heat_balance(recording: Recording) -> HeatBalance:
+def heat_balance(facts: RunFacts) -> HeatBalance:
     """Return the heat balance that a rig states. Raises RecordingError if it does not."""
     keys = ("heat_capacity_j_per_k", "heat_loss_w_per_k", "maximum_temperature_k", "ambient_temperature_k")
-    stated = [recording.facts.number_or_none(f"limit_{key}") for key in keys]
+    stated = [facts.number_or_none(f"limit_{key}") for key in keys]
     known = [number for number in stated if number is not None and number > 0.0]
     if len(known) != len(keys):
         raise RecordingError(
-            "the recording does not state the wire's heat balance (limit_heat_capacity_j_per_k, "
+            f"{facts.whose} does not state the wire's heat balance (limit_heat_capacity_j_per_k, "
             "limit_heat_loss_w_per_k and both temperatures): record the slow loop with 'musclewire characterize'"
         )
     capacity, loss, highest_k, air_k = known
     return HeatBalance(capacity, loss, highest_k - air_k)
 
 
+def alloy_of(model: SensingModel) -> Alloy:
+    """Return the alloy of a model's wire, Flexinol's for a wire that is not known by name."""
+    name = str(model.wire.get("wire", ""))
+    return load_alloy(load_wire(name).alloy if name in names("wire") else "flexinol")
+
+
 def heat_of_transformation_j(model: SensingModel, balance: HeatBalance) -> float:
     """Return the heat [J] of the whole transformation: the alloy's latent over specific heat, times the capacity."""
-    name = str(model.wire.get("wire", ""))
-    alloy = load_alloy(load_wire(name).alloy if name in names("wire") else "flexinol")
+    alloy = alloy_of(model)
     return balance.capacity_j_per_k * alloy.latent_heat_j_per_kg.value / alloy.specific_heat_j_per_kg_k.value
 
 
@@ -268,7 +275,7 @@ def identified_plant(
     model: SensingModel, recording: Recording, closed_loop_time_s: float | None
 ) -> FeedforwardSettings:
     """Return the plant of a slow loop with the gains of SIMC."""
-    balance, facts = heat_balance(recording), recording.facts
+    balance, facts = heat_balance(recording.facts), recording.facts
     tau_s = balance.capacity_j_per_k / balance.loss_w_per_k
     span = model.quantity_max - model.quantity_min
     heat = heat_of_transformation_j(model, balance) / model.quantity_max

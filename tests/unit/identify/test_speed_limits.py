@@ -1,0 +1,145 @@
+"""Speed limits: exponential cooling of a lumped capacity, latent heat, and what would help, each in closed form."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.controllers import FeedforwardSettings, sampled_reference, staircase
+from musclewire.errors import CallerError, RecordingError
+from musclewire.identify.speed_limits import speed_limits_of
+from musclewire.identify.speed_limits.help import diameter_for
+from musclewire.identify.speed_limits.plant import SpeedPlant
+from musclewire.identify.speed_limits.tracking import followed
+from musclewire.sensing.model import SensingModel
+from musclewire.signals.run_facts import RunFacts
+
+TAU_S, COOLING_W, HEATING_W = 0.8, (0.25, 0.40), (0.35, 0.50)
+LEVELS = np.linspace(0.005, 0.035, 33)
+FACTS = RunFacts(
+    {
+        "sample_period_s": 0.05,
+        "shunt_resistance_ohm": 1.0,
+        "wire_diameter_m": 1e-4,
+        "pretension_n": 1.0,
+        "limit_heat_capacity_j_per_k": 0.0044,
+        "limit_heat_loss_w_per_k": 0.0055,
+        "limit_maximum_temperature_k": 473.15,
+        "limit_ambient_temperature_k": 295.15,
+        "limit_sense_voltage_v": 0.2,
+        "limit_maximum_voltage_v": 4.5,
+    }
+)
+MODEL = SensingModel(15.0, 17.5, (0.035, -0.03), (0.035, -0.03), 0.0, 1.0)
+
+
+def plant(heat_per_unit: float = 0.0) -> SpeedPlant:
+    heating, cooling = (np.linspace(*ends, 33) for ends in (HEATING_W, COOLING_W))
+    return SpeedPlant(LEVELS, heating, cooling, np.full(33, 0.01), np.full(33, 1.2), TAU_S, heat_per_unit)
+
+
+def settings(**changed: Any) -> FeedforwardSettings:
+    known: dict[str, Any] = {
+        "lowest": 0.005,
+        "highest": 0.035,
+        "heating_power_w": tuple(np.linspace(*HEATING_W, 33)),
+        "cooling_power_w": tuple(np.linspace(*COOLING_W, 33)),
+        "resistance_ohm": tuple(np.linspace(17.4, 15.2, 33)),
+        "shunt_resistance_ohm": 1.0,
+        "thermal_time_constant_s": TAU_S,
+        "heat_per_unit": 0.0,
+        "closed_loop_time_s": 0.1,
+        "dead_time_s": 0.1,
+        "integral_time_s": 0.8,
+        "tolerance": 2e-4,
+        "maximum_steady_power_w": 0.98,
+    }
+    return FeedforwardSettings(**{**known, **changed})
+
+
+def sine(frequency_hz: float, amplitude: float = 0.0075) -> Any:
+    time_s = np.arange(0.0, 6.0 / frequency_hz, 0.05)
+    return sampled_reference(time_s, 0.02 + amplitude * np.sin(2.0 * math.pi * frequency_hz * time_s))
+
+
+def test_without_latent_heat_a_wire_cools_like_a_lumped_capacity() -> None:
+    excess = np.linspace(*COOLING_W, 33) - 0.01
+    assert plant().cooling_times_s() == pytest.approx(TAU_S * np.log(excess / excess[0]), abs=1e-12)
+    left = 1.2 - np.linspace(*HEATING_W, 33)
+    assert plant().heating_times_s() == pytest.approx(TAU_S * np.log(left[0] / left), abs=1e-12)
+
+
+def test_latent_heat_over_the_mean_power_is_added() -> None:
+    heat_j_per_unit, excess = 2.5, np.linspace(*COOLING_W, 33) - 0.01
+    slope = (COOLING_W[1] - COOLING_W[0]) / 0.03
+    latent_s = heat_j_per_unit / slope * np.log(excess / excess[0])
+    assert plant(heat_j_per_unit).cooling_times_s() == pytest.approx(
+        TAU_S * np.log(excess / excess[0]) + latent_s, abs=1e-12
+    )
+
+
+def test_a_step_down_first_crosses_the_gap_and_then_cools_exponentially() -> None:
+    found = followed(plant(), np.r_[0.03, np.full(60, 0.005)], 0.01)
+    power = HEATING_W[0] + (HEATING_W[1] - HEATING_W[0]) * 25.0 / 30.0
+    stands = TAU_S * math.log((power - 0.01) / (power - 0.1 - 0.01))
+    assert np.all(found[: int(stands / 0.01)] == pytest.approx(0.03))
+    after_s = 0.01 * np.arange(61) - stands
+    steady = 0.01 + (power - 0.1 - 0.01) * np.exp(-after_s / TAU_S)
+    expected = 0.005 + 0.03 * (steady - COOLING_W[0]) / (COOLING_W[1] - COOLING_W[0])
+    moving = after_s > 0.0
+    # Between levels time is interpolated: the error is that of a chord over one spacing of the levels.
+    assert found[moving] == pytest.approx(np.maximum(expected[moving], 0.005), abs=3e-6)
+
+
+def test_a_slow_reference_has_no_findings_and_its_whole_amplitude() -> None:
+    limits = speed_limits_of(MODEL, sine(0.02), FACTS, settings())
+    assert (limits.findings, limits.warnings) == ((), ())
+    assert limits.possible_amplitude == pytest.approx(limits.asked_amplitude, rel=0.02)
+    assert str(limits) == "the wire can follow this reference"
+
+
+def test_a_fast_one_is_named_with_what_would_help() -> None:
+    limits = speed_limits_of(MODEL, sine(1.0, 0.014), FACTS, settings(heat_per_unit=2.5))
+    assert {one.direction for one in limits.findings} == {"cooling", "heating"}
+    assert limits.possible_amplitude < 0.9 * limits.asked_amplitude
+    cooling, heating = limits.warnings
+    for word in ("cools", "moving air", "um (loss over capacity", "times slower", "Amplitude possible"):
+        assert word in cooling
+    assert "times the maximum voltage" in heating
+
+
+def test_what_would_help_does_help() -> None:
+    found = speed_limits_of(MODEL, sine(0.5), FACTS, settings()).help
+    assert found.slower is not None
+    assert found.heat_loss is not None
+    assert speed_limits_of(MODEL, sine(0.5 / (1.03 * found.slower)), FACTS, settings()).findings == ()
+
+
+def test_a_level_of_a_staircase_that_is_reached_before_its_end_is_no_finding() -> None:
+    assert speed_limits_of(MODEL, staircase(0.015, 0.03, 0.003, hold_s=6.0), FACTS, settings()).findings == ()
+    fast = speed_limits_of(MODEL, staircase(0.015, 0.03, 0.003, hold_s=0.1), FACTS, settings())
+    assert "cooling" in {one.direction for one in fast.findings}
+
+
+@given(factor=st.floats(1.05, 8.0))
+def test_loss_over_capacity_goes_with_the_diameter_to_a_power_between_one_and_two(factor: float) -> None:
+    power = -math.log(factor) / math.log(diameter_for(factor, 1e-4, 295.15) / 1e-4)
+    assert 1.5 < power < 2.0
+
+
+@given(frequency_hz=st.floats(0.05, 2.0), loss=st.floats(1.0, 4.0))
+def test_more_loss_never_cools_more_slowly(frequency_hz: float, loss: float) -> None:
+    assert np.all(plant(2.5).with_loss(loss).cooling_times_s() <= plant(2.5).cooling_times_s() + 1e-12)
+    assert np.all(np.isfinite(followed(plant(2.5), sine(frequency_hz).target, 0.05)))
+
+
+def test_what_is_not_known_is_said() -> None:
+    with pytest.raises(RecordingError, match="no power through its loop"):
+        speed_limits_of(MODEL, sine(0.1), FACTS)
+    with pytest.raises(CallerError, match="tune this model"):
+        speed_limits_of(MODEL, sine(0.1), FACTS, settings(quantity="force"))
