@@ -68,7 +68,7 @@ def speed_limits(
     >>> import numpy as np
     >>> import musclewire as mw
     >>> time_s = np.arange(0.0, 10.0, 0.05)
-    >>> fast = mw.sampled_reference(time_s, 0.022 + 0.008 * np.sin(2 * np.pi * 0.5 * time_s))
+    >>> fast = mw.sampled_reference(time_s, 0.022 + 0.008 * np.sin(2 * np.pi * 1.0 * time_s))
     >>> with mw.open_rig("simulated") as rig:
     ...     model = mw.fit(mw.characterize(rig))
     ...     limits = mw.speed_limits(rig, model, fast)
