@@ -23,7 +23,7 @@ from musclewire.signals.run_facts import RunFacts
 
 __all__ = ["SpeedLimits", "TooFast", "speed_limits_of"]
 
-# The wire misses its target from this fraction of the model's range on: half of the paper's mean error of a step.
+# The wire misses its target from this fraction of the model's range on. Chosen: near the largest error in the paper.
 TOLERANCE_FRACTION = 0.02
 # A reference that lasts longer is looked at in longer periods than the rig's.
 MAX_PERIODS = 40_000
