@@ -52,8 +52,7 @@ def users_wire(path: str | Path, known: Mapping[str, MetadataValue]) -> WireCons
         raise CallerError(
             f"wire file {name}: neither it nor the rig states {what}: calibrate on this load, or go without the file"
         )
-    wire = load_wire(name)
-    alloy = load_alloy(wire.alloy if not is_wire_file(name) else name)
+    wire, alloy = load_wire(name), load_alloy(name)
     bench = load_bench("paper").values() | in_file | stated
     leg_m = facts.leg_length_or_none_m
     if leg_m:

@@ -152,6 +152,9 @@ def test_without_a_wire_file_the_message_says_how_to_make_one() -> None:
         ({"chance": (1.0, 1.0, 0.0, 0.0, 0.0, 0.0)}, "add up to 2, not to 1"),
         ({"spread_changed": (1.0,)}, "needs 6 numbers of 0 or more for convection"),
         ({"hypotheses": 5}, "10 hypotheses or more"),
+        ({"evidence_time_s": 0.0}, "errors and times above 0"),
+        ({"softness": 0.0}, "errors and times above 0"),
+        ({"largest_std": 0.0}, "errors and times above 0"),
     ],
 )
 def test_settings_that_leave_nothing_to_weigh_are_refused(numbers: dict[str, Any], message: str) -> None:

@@ -25,7 +25,7 @@ EXPLANATIONS: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class ParticleSettings:
-    """Numbers of a particle filter; one set holds for every wire (tuned on seeds 1 to 12 of ``musclewire robustness``).
+    """Numbers of a particle filter; one set holds for every wire (tuned on seeds 1 to 8 of ``musclewire robustness``).
 
     Each hypothesis says which unknowns have changed. One that has not changed keeps within ``spread_at_rest``, what
     a calibration leaves open; one that has is drawn from ``spread_changed``, and explains the resistance only if
@@ -115,6 +115,9 @@ class ParticleSettings:
             self.resistance_error,
             self.error_time_s,
             self.structural_strain,
+            self.evidence_time_s,
+            self.softness,
+            self.largest_std,
         )
         if not min(positive) > 0.0:
             raise CallerError("a particle filter needs 10 hypotheses or more, and errors and times above 0")

@@ -12,7 +12,7 @@ from musclewire.studies.robustness.forces import force_score
 from musclewire.studies.robustness.population import drawn_wire
 from musclewire.studies.robustness.scoring import Score, pooled, score_of
 from musclewire.studies.robustness.settings import settings
-from musclewire.studies.robustness.store import Store, digest, sources, users_wire
+from musclewire.studies.robustness.store import Store, digest, known_wire, sources
 
 __all__ = ["Answer", "Job", "answer_of", "job_of_plain"]
 
@@ -135,7 +135,7 @@ def computed(job: Job, store: Store) -> Answer:
     (condition,) = settings().conditions((job.condition,))
     wire, times = drawn_wire(job.seed), settings().run
     knowledge = store.knowledge(wire)
-    own = users_wire(knowledge)
+    own = known_wire(knowledge)
     recorded = [store.run(wire, condition, reference) for reference in job.references]
     runs = [(run, knowledge._replace(model=model)) for run, model in recorded if run.counts]
     scores: dict[str, Score] = {}

@@ -21,6 +21,10 @@ __all__ = ["write_report"]
 
 # Colours from the best that was seen in the study of prototypes to what is of no use.
 MIN_PCT, MAX_PCT = 0.3, 10.0
+# Low enough for few rows, high enough for the label of the colours [in].
+MIN_HEIGHT = 3.6
+# Numbers are light on cells of the darker colours, which begin at this part of the scale.
+DARK_FROM, ON_DARK, ON_LIGHT = 0.6, "#ffffff", "#222222"
 LOOK: Mapping[Any, Any] = {**STYLE, "axes.grid": False}
 HEAD = "<thead><tr>{}</tr></thead>"
 
@@ -105,15 +109,17 @@ def wire_matrix(result: Robustness) -> tuple[list[str], list[str], Any]:
 def heat_map(rows: Sequence[str], names: Sequence[str], values: Any, label: str) -> Figure:
     """Draw numbers as colours with the number in each cell."""
     with mpl.rc_context(dict(LOOK)):
-        figure = Figure(figsize=(max(4.5, 2.4 + 0.62 * len(names)), 1.2 + 0.27 * len(rows)), layout="constrained")
+        width, height = max(4.5, 2.4 + 0.62 * len(names)), max(MIN_HEIGHT, 1.2 + 0.27 * len(rows))
+        figure = Figure(figsize=(width, height), layout="constrained")
         axes = figure.add_subplot()
         scale = LogNorm(MIN_PCT, MAX_PCT)
-        image = axes.imshow(values, aspect="auto", cmap="RdYlGn_r", norm=scale)
+        image = axes.imshow(values, aspect="auto", cmap="YlOrRd", norm=scale)
         axes.set_xticks(range(len(names)), names, rotation=30 if max(map(len, names)) > 4 else 0, ha="right")
         axes.set_yticks(range(len(rows)), rows)
         for (row, column), value in np.ndenumerate(values):
             if np.isfinite(value):
-                axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=7.5, color="#222222")
+                colour = ON_DARK if scale(value) > DARK_FROM else ON_LIGHT
+                axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=7.5, color=colour)
         figure.colorbar(image, ax=axes, label=label)
     return figure
 

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import musclewire
-from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
-from musclewire.rigs.simulated_configuration import changed_group
+from musclewire.identify.users_wire import users_wire
 from musclewire.sensing import load_model
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.whole_files import write_text_whole
@@ -19,10 +18,9 @@ from musclewire.studies.robustness.population import PopulationWire, drawn_wire
 from musclewire.studies.robustness.recorded_run import RecordedRun
 from musclewire.studies.robustness.recording_runs import record_run
 from musclewire.studies.robustness.settings import Condition, settings
-from musclewire.wire.building import constants_from
 from musclewire.wire.constants import WireConstants
 
-__all__ = ["FOLDER", "BenchmarkRun", "Store", "digest", "runs_of", "sources", "users_wire"]
+__all__ = ["FOLDER", "BenchmarkRun", "Store", "digest", "known_wire", "runs_of", "sources"]
 
 # Where runs are kept by default.
 FOLDER = Path("robustness")
@@ -130,14 +128,9 @@ def sources(*places: str) -> str:
     return found.hexdigest()[:12]
 
 
-def users_wire(knowledge: UsersKnowledge) -> WireConstants | None:
-    """Return the constants of a user's wire file on the load that his rig states."""
-    if knowledge.wire_file is None:
-        return None
-    name = str(knowledge.wire_file)
-    bench = changed_group(load_bench("paper"), bench_known_with(name), f"wire file {name}")
-    spool = load_wire(name)
-    return constants_from(load_alloy(spool.alloy), spool, bench)
+def known_wire(knowledge: UsersKnowledge) -> WireConstants | None:
+    """Return the constants of a user's wire file on the load that it states, as a loop has them; None without one."""
+    return None if knowledge.wire_file is None else users_wire(knowledge.wire_file, {})
 
 
 def runs_of(seed: int, condition: str, reference: str, folder: str | Path = FOLDER) -> BenchmarkRun:
@@ -167,4 +160,4 @@ def runs_of(seed: int, condition: str, reference: str, folder: str | Path = FOLD
     wire, store = drawn_wire(seed), Store(Path(folder))
     run, model = store.run(wire, found, reference)
     knowledge = store.knowledge(wire)
-    return BenchmarkRun(run, knowledge._replace(model=model), users_wire(knowledge), found)
+    return BenchmarkRun(run, knowledge._replace(model=model), known_wire(knowledge), found)
