@@ -17,7 +17,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, load_gains, sampled_reference, staircase
+    from musclewire.controllers import (
+        CONTROLLERS,
+        FuzzyPidSettings,
+        SteeredReference,
+        load_gains,
+        sampled_reference,
+        staircase,
+    )
     from musclewire.errors import MusclewireError
     from musclewire.experiment.closed_loop import control
     from musclewire.experiment.home import home
@@ -52,6 +59,7 @@ __all__ = [
     "control_many",
     "staircase",
     "sampled_reference",
+    "SteeredReference",
     "estimate",
     "pretension_sweep",
     "zero_tendon",
@@ -90,6 +98,7 @@ _HOMES = {
     "control_many": "musclewire.experiment.many_loops",
     "staircase": "musclewire.controllers",
     "sampled_reference": "musclewire.controllers",
+    "SteeredReference": "musclewire.controllers",
     "estimate": "musclewire.identify",
     "pretension_sweep": "musclewire.experiment.pretension",
     "zero_tendon": "musclewire.experiment.zero_tendon",

@@ -26,6 +26,7 @@ from musclewire.controllers.references import (
     staircase,
 )
 from musclewire.controllers.rules import RuleBase, load_rule_base, parse_rule_base, rule_base_names
+from musclewire.controllers.steered_reference import SteeredReference
 
 __all__ = [
     "CONTROLLERS",
@@ -50,6 +51,7 @@ __all__ = [
     "Step",
     "sampled_reference",
     "SampledReference",
+    "SteeredReference",
     "Reference",
     "rule_base_names",
     "load_rule_base",

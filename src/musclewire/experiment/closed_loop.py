@@ -197,8 +197,8 @@ def control(
     model
         The model of its wire, as ``fit`` returns it.
     reference
-        The target over time, in the model's quantity: ``staircase`` and ``sampled_reference`` make one. The paper's
-        staircase if None.
+        The target over time, in the model's quantity: ``staircase`` and ``sampled_reference`` make one, and a
+        :class:`~musclewire.controllers.SteeredReference` is moved while the loop runs. The paper's staircase if None.
     estimator
         Name of an estimator (``musclewire.sensing.ESTIMATORS``), or a factory of one. None for the default: the
         particle filter with a ``wire_file``, without one the gated branches; "polynomial" is the paper's.
@@ -215,7 +215,8 @@ def control(
         Eq. 7 from the first target on, which counts the first step without it, and after it; with 0 both are the same.
     run
         ``wire_file``, the wire's own file as ``calibrate`` writes it, for an estimator on physics; ``path`` of the
-        recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row.
+        recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row, ``until`` asked after
+        each whether the run is to end now.
 
     Returns
     -------
@@ -242,7 +243,12 @@ def control(
     [0.015, 0.018, 0.015]
     """
     wire_file = run.get("wire_file")
-    kept = RunOptions(path=run.get("path"), overwrite=run.get("overwrite", False), on_sample=run.get("on_sample"))
+    kept = RunOptions(
+        path=run.get("path"),
+        overwrite=run.get("overwrite", False),
+        on_sample=run.get("on_sample"),
+        until=run.get("until"),
+    )
     named = estimator or default_estimator(wire_file)
     choice = LoopChoice(named, controller, settings, load, approach_of(controller, approach_s), wire_file)
     loop = prepared_loop(rig, model, reference, choice)

@@ -39,6 +39,7 @@ __all__ = [
     "Decision",
     "OnSample",
     "Policy",
+    "Until",
     "RunOptions",
     "file_in",
     "refuse_unusable",
@@ -48,6 +49,7 @@ __all__ = [
 ]
 
 OnSample = Callable[[Mapping[str, float]], None]
+Until = Callable[[], bool]
 Exchange = Callable[[Command], RawSample]
 # Rows that may be lost to a power cut: about a second of a paced rig, less without a clock that paces.
 PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
@@ -63,12 +65,13 @@ class RunOptions(TypedDict, total=False):
     """Keywords of every run on a rig.
 
     ``path`` is the recording's file, none without; ``overwrite`` replaces one that exists; ``on_sample`` sees every
-    recorded row and may raise to stop the run.
+    recorded row and may raise to stop the run; ``until`` is asked after each row and ends the run early, as done.
     """
 
     path: str | Path | None
     overwrite: bool
     on_sample: OnSample | None
+    until: Until | None
 
 
 class Decision(NamedTuple):
@@ -145,12 +148,14 @@ def run_on_rig(
     path: str | Path | None = None,
     overwrite: bool = False,
     on_sample: OnSample | None = None,
+    until: Until | None = None,
 ) -> Recording:
     """Drive a rig by a policy for a time and return the recording.
 
     Any exception leaves the rig at its sense voltage and carries the partial recording as ``.recording``. The metadata
     have the run's timing. A drive that is known beforehand is run in compiled code on a simulated rig without a clock,
-    unless ``on_sample`` is given: the recording is the same, its metadata ``compiled_loop`` or ``not_compiled`` say so.
+    unless ``on_sample`` or ``until`` is given: the recording is the same, its metadata ``compiled_loop`` or
+    ``not_compiled`` say so.
 
     Parameters
     ----------
@@ -168,6 +173,8 @@ def run_on_rig(
         Whether a file that exists is replaced.
     on_sample
         Gets every recorded row; it may raise to stop the run.
+    until
+        Asked after each row; True ends the run before its time, as done and not as cut off.
 
     Returns
     -------
@@ -200,12 +207,13 @@ def run_on_rig(
             taken: TakenRun | str = ""
             try:
                 # A callback may look at the rig after each sample: then samples are taken one by one.
-                taken = run_compiled_drive(rig, policy, samples) if on_sample is None else ""
+                alone = on_sample is None and until is None
+                taken = run_compiled_drive(rig, policy, samples) if alone else ""
                 if isinstance(taken, TakenRun):
                     recorder.append_all(taken.rows(measured))
                 else:
                     first = exchange(command) if first is None else first
-                    loop = Loop(policy, exchange, recorder, measured)
+                    loop = Loop(policy, exchange, recorder, measured, until)
                     follow(loop, first, samples, rig.sample_period_s, timing, on_sample)
             finally:
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
@@ -218,12 +226,13 @@ def run_on_rig(
 
 
 class Loop(NamedTuple):
-    """What meets in a run: the policy, the rig's exchange, the recorder, and which fields of a sample it records."""
+    """What meets in a run: the policy, the rig's exchange, the recorder, its fields of a sample, and an early end."""
 
     policy: Policy
     exchange: Exchange
     recorder: Recorder
     measured: tuple[str, ...]
+    until: Until | None = None
 
 
 def follow(
@@ -235,7 +244,7 @@ def follow(
     on_sample: OnSample | None,
 ) -> None:
     """Hand each sample to the policy, record both, hand the policy's command to the rig; from a first sample on."""
-    policy, exchange, recorder, measured = loop
+    policy, exchange, recorder, measured, until = loop
     # The time comes first and is the run's own.
     fields_of = itemgetter(*(RawSample._fields.index(name) for name in measured[1:]))
     start_s = sample.time_s - sample_period_s
@@ -249,6 +258,8 @@ def follow(
             called_ns = perf_counter_ns()
             on_sample(row_of(sample, elapsed_s, policy.columns, decision.values))
             timing.called_back(perf_counter_ns() - called_ns)
+        if until is not None and until():
+            return
         if left > 1:
             sample = exchange(decision.command)
 

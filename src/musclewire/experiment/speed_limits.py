@@ -6,6 +6,7 @@ from typing import Any
 
 from musclewire.controllers.feedforward import FeedforwardSettings
 from musclewire.controllers.references import Reference
+from musclewire.controllers.steered_reference import SteeredReference
 from musclewire.errors import RecordingError
 from musclewire.experiment.run import what_protects
 from musclewire.experiment.staircases import staircase_within
@@ -88,8 +89,11 @@ def speed_limits(
 def speed_metadata(rig: Rig, model: SensingModel, reference: Reference, settings: Any) -> dict[str, str]:
     """Return the warnings of a reference for a run's metadata, under ``speed_limits``; nothing if it can be followed.
 
-    If model or rig do not state what the limits follow from, it says so instead.
+    If model or rig do not state what the limits follow from, it says so instead. Of a target that is steered nothing
+    can be said beforehand.
     """
+    if isinstance(reference, SteeredReference):
+        return {}
     try:
         warnings = speed_limits(rig, model, reference, settings=settings).warnings
     except RecordingError as error:

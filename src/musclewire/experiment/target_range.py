@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from musclewire.controllers.references import Reference
+from musclewire.controllers.steered_reference import SteeredReference
 from musclewire.errors import CallerError
 from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.model import SensingModel
@@ -17,9 +18,7 @@ def check_targets(model: SensingModel, reference: Reference, sample_period_s: fl
             f"the reference lasts {reference.duration_s:g} s, less than one sample of {sample_period_s:g} s: "
             "its last row states when it ends"
         )
-    times = [index * sample_period_s for index in range(round(reference.duration_s / sample_period_s) + 1)]
-    targets = reference.targets_at(times)
-    low, high = float(targets.min()), float(targets.max())
+    low, high = range_of(reference, sample_period_s)
     margin = 1e-3 * (model.quantity_max - model.quantity_min)
     if low < model.quantity_min - margin or high > model.quantity_max + margin:
         factor, unit = SHOWN_AS[model.quantity]
@@ -28,3 +27,12 @@ def check_targets(model: SensingModel, reference: Reference, sample_period_s: fl
             f"{model.quantity} only from {factor * model.quantity_min:.4g} to {factor * model.quantity_max:.4g} "
             f"{unit}: choose targets inside"
         )
+
+
+def range_of(reference: Reference, sample_period_s: float) -> tuple[float, float]:
+    """Return the lowest and the highest target of a reference; of a steered one, those that it allows."""
+    if isinstance(reference, SteeredReference):
+        return reference.lowest, reference.highest
+    times = [index * sample_period_s for index in range(round(reference.duration_s / sample_period_s) + 1)]
+    targets = reference.targets_at(times)
+    return float(targets.min()), float(targets.max())

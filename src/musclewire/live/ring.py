@@ -2,7 +2,7 @@
 
 One process writes, any number read. A row carries its number before and after its values: a reader that comes while the
 row is being overwritten sees two different numbers and leaves it out. A reader that was away for longer than the ring
-lasts has lost rows, and is told how many.
+lasts has lost rows, and learns how many.
 """
 
 from __future__ import annotations
