@@ -127,6 +127,11 @@ class GuardedRig:
         return self.device.drive_voltage_v
 
     @property
+    def off_confirmed(self) -> bool:
+        """Whether the device has confirmed 0 V when it was switched off; true as long as it was not."""
+        return self._off_confirmed
+
+    @property
     def protection(self) -> ProtectionState:
         """State of the protection, with the last event and the estimated temperature."""
         return self._protection.state

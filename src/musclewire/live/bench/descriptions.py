@@ -1,0 +1,147 @@
+"""What a page is shown of rigs, models and findings: plain values that JSON can hold, NaN and infinity as None."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from musclewire.controllers.protection import protection_table
+from musclewire.controllers.protection.table import Event, State
+from musclewire.experiment.doctor.examine import Examination
+from musclewire.experiment.metrics import ControlMetrics
+from musclewire.experiment.pretension import PretensionSweep
+from musclewire.rigs.abilities import stage_of
+from musclewire.rigs.guarded import GuardedRig
+from musclewire.sensing.branch_equations import evaluate
+from musclewire.sensing.curve import SHOWN_AS
+from musclewire.sensing.model import SensingModel
+
+__all__ = [
+    "described_examination",
+    "described_metrics",
+    "described_model",
+    "described_protection",
+    "described_rig",
+    "described_sweep",
+]
+
+BRANCH_POINTS = 120
+# Facts of a rig's metadata that a page shows by their own names.
+FACTS = ("wire", "wire_length_m", "wire_diameter_m", "pretension_n", "maximum_force_n")
+SIMULATED_WIRING = ("Nothing is to be wired: this rig is simulated.",)
+
+
+def number(value: float | None) -> float | None:
+    """Return a number, None if it is not finite."""
+    return float(value) if value is not None and isfinite(value) else None
+
+
+def described_rig(rig: GuardedRig, name: str, *, simulated: bool) -> dict[str, Any]:
+    """Return what is fixed while a rig is open."""
+    facts = rig.metadata()
+    return {
+        "name": name,
+        "simulated": simulated,
+        "sample_period_s": rig.sample_period_s,
+        "sense_voltage_v": rig.sense_voltage_v,
+        "maximum_voltage_v": rig.maximum_voltage_v,
+        "drive_amplitude_v": number(rig.drive_amplitude_v),
+        "shunt_resistance_ohm": rig.shunt_resistance_ohm,
+        "leg_length_m": rig.leg_length_m,
+        "has_stage": stage_of(rig) is not None,
+        "reference_columns": list(rig.reference_columns or ()),
+        "limits": {key: number(value) for key, value in rig.protection_limits._asdict().items()},
+        **{key: facts.get(key) for key in FACTS},
+        "wiring": list(SIMULATED_WIRING if simulated else wiring_of(rig)),
+    }
+
+
+def wiring_of(rig: GuardedRig) -> tuple[str, ...]:
+    """Return what to wire on a real rig, in the order of the current."""
+    limits = rig.protection_limits
+    return (
+        f"Supply of at most {rig.maximum_voltage_v:g} V, through a fuse and the hardware switch-off, to the driver.",
+        "Driver's output to one end of the wire, and the channel of the wire's voltage across the wire itself.",
+        f"Other end of the wire to the shunt of {limits.shunt_resistance_ohm:g} ohm, the shunt to ground.",
+        "Channel of the shunt's voltage across the shunt itself; one common ground.",
+        "Keep fingers and paper away from the wire: it burns before it glows.",
+    )
+
+
+def described_protection(rig: GuardedRig) -> dict[str, Any]:
+    """Return the protection in words, with its estimated temperature and how far that is from the limit."""
+    now, limits = rig.protection, rig.protection_limits
+    row = protection_table().row(now.event) if now.event is not Event.NONE else None
+    return {
+        "state": State(now.state).name.lower(),
+        "event": "" if row is None else row.name,
+        "cause": "" if row is None else row.cause,
+        "remedy": "" if row is None else row.remedy,
+        "temperature_k": number(now.temperature_k),
+        "maximum_temperature_k": number(limits.maximum_temperature_k),
+        "margin_k": number(limits.maximum_temperature_k - now.temperature_k),
+    }
+
+
+def described_model(model: SensingModel, file: str) -> dict[str, Any]:
+    """Return a model with both branches as points."""
+    fraction = np.linspace(model.normalised_min, model.normalised_max, BRANCH_POINTS)
+    ohm = model.resistance_min_ohm + fraction * (model.resistance_max_ohm - model.resistance_min_ohm)
+    branches = {
+        name: {"value": evaluate(coefficients, fraction).tolist(), "resistance_ohm": ohm.tolist()}
+        for name, coefficients in (("heating", model.heating_coefficients), ("cooling", model.cooling_coefficients))
+    }
+    return {
+        "file": file,
+        "quantity": model.quantity,
+        "unit": SHOWN_AS[model.quantity][1],
+        "lowest": model.quantity_min,
+        "highest": model.quantity_max,
+        "gap_pct": number(100.0 * model.hysteresis_gap),
+        "branches": branches,
+        "warnings": list(model.warnings),
+    }
+
+
+def described_examination(found: Examination) -> dict[str, Any]:
+    """Return the doctor's findings."""
+    checks = [
+        {"name": one.name, "ok": one.ok, "text": valued(one.value, one.unit, one.advice)}
+        for one in found.findings.checks
+    ]
+    skipped = [{"name": one.name, "text": one.reason} for one in found.findings.unchecked]
+    return {"ok": found.ok, "checks": checks, "skipped": skipped}
+
+
+def valued(value: float | str | None, unit: str, advice: str) -> str:
+    """Return a measured value with its unit before what it means."""
+    if value is None:
+        return advice
+    shown = value if isinstance(value, str) else f"{value:.4g} {unit if unit != '1' else ''}".strip()
+    return f"{shown}: {advice}" if advice else shown
+
+
+def described_sweep(sweep: PretensionSweep) -> dict[str, Any]:
+    """Return the settings of a sweep with their gaps, and the best."""
+    rows = [
+        {
+            "pretension_n": row.pretension_n,
+            "gap_pct": number(row.gap_pct(sweep.quantity)),
+            "largest_strain_pct": number(row.stroke_pct),
+        }
+        for row in sweep.rows
+    ]
+    return {"rows": rows, "best_n": sweep.best.pretension_n, "warnings": [*sweep.failures, *sweep.warnings]}
+
+
+def described_metrics(metrics: ControlMetrics) -> dict[str, Any]:
+    """Return how well a closed loop followed its target."""
+    return {
+        "text": str(metrics),
+        "mae_mean_pct": number(metrics.mae_mean_pct),
+        "rms_pct": number(metrics.rms_pct),
+        "tracking_rms_pct": number(metrics.tracking_rms_pct),
+        "valid_share": number(metrics.valid_share),
+    }

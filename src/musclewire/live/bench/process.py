@@ -1,0 +1,59 @@
+"""The process of one bench: ``python -m musclewire.live.bench.process``, started by the server and ended with it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+from musclewire.errors import CallerError
+from musclewire.live.bench.lines import Outbox
+from musclewire.live.bench.loop import run_session
+from musclewire.live.bench.orders import Orders
+from musclewire.live.bench.session import Session
+from musclewire.live.bench.state import Shown
+from musclewire.live.ring import Ring
+from musclewire.rigs.real_time import pin_to_cpu, take_priority
+
+__all__ = ["main"]
+
+
+def main() -> int:
+    """Read how to begin from the first line, then serve until the server ends."""
+    outbox = Outbox(os.dup(1))
+    os.dup2(2, 1)  # whatever prints belongs to the log, not between the messages
+    # Ctrl-C on the server's terminal is for the server, which then ends this process in its own time.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    setup: dict[str, Any] = json.loads(sys.stdin.buffer.readline())
+    shown = Shown(setup["bench"], lambda state: outbox.send({"state": state}))
+    session = Session(setup["rig"], Path(setup["folder"]), shown, Ring(Path(setup["ring"])), setup["seed"])
+    signal.signal(signal.SIGTERM, lambda _number, _frame: ended_by_signal(session))
+    orders = Orders(session, sys.stdin.buffer, outbox)
+    session.note_recordings()
+    shown.change(phase="off")
+    try:
+        shown.say("warning", *scheduled(setup))
+    except CallerError as problem:
+        shown.say("error", str(problem))
+    run_session(session, orders)
+    return 0
+
+
+def scheduled(setup: dict[str, Any]) -> list[str]:
+    """Pin this process and take priority as asked for; return what the system refused."""
+    if setup["cpu"] is not None:
+        pin_to_cpu(setup["cpu"])
+    return take_priority() if setup["priority"] else []
+
+
+def ended_by_signal(session: Session) -> None:
+    """Switch off and end."""
+    session.quitting = True
+    session.stop("SIGTERM")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

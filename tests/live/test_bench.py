@@ -1,0 +1,90 @@
+"""The process of a bench, really started: what it does when asked, and what when nobody asks any more."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+from pathlib import Path
+
+from tests.live.bench import ask, bench, in_control, until_phase
+
+from musclewire.signals import read_recording
+
+
+def drive_v(handle: object, rows: list) -> float:  # type: ignore[type-arg]
+    """Return the last drive voltage in rows."""
+    last = rows[-1]
+    return float(last.values[-1][handle.layouts[last.layout].index("drive_voltage_v")])  # type: ignore[attr-defined]
+
+
+def test_a_wire_is_warmed_only_while_somebody_is_there(tmp_path: Path) -> None:
+    async def run() -> None:
+        async with bench(tmp_path) as handle:
+            await until_phase(handle, "off")
+            refused = await ask(handle, do="characterize")
+            assert not refused.accepted
+            assert "switch on first" in refused.message
+            assert (await ask(handle, do="switch_on")).accepted
+            async with in_control(handle):
+                assert (await ask(handle, do="characterize", period_s=20.0)).accepted
+                busy = await ask(handle, do="doctor")
+                assert (busy.accepted, busy.message) == (False, "Characterisation is running: end it first")
+                await asyncio.sleep(1.0)
+                assert handle.state["phase"] == "busy"
+            await until_phase(handle, "ready")
+            assert "nobody in control" in handle.state["messages"][-1]["text"]
+            (recorded,) = tmp_path.glob("characterise-*.h5")
+            cut = read_recording(recorded)
+            assert "nobody in control" in cut.metadata["ended"]
+            assert len(cut) >= 20
+            await asyncio.sleep(0.2)
+            assert (
+                drive_v(handle, handle.rows(0)[1]) == 0.30012
+            )  # of the sense voltage of 0.3 V, what the amplifier puts out
+
+    asyncio.run(run())
+
+
+def test_a_stop_switches_off_in_the_middle_of_a_run_and_stays(tmp_path: Path) -> None:
+    async def run() -> None:
+        async with bench(tmp_path) as handle, in_control(handle):
+            await ask(handle, do="switch_on")
+            assert (await ask(handle, do="pulse", duration_s=10.0)).accepted
+            handle.stop("a test")
+            await until_phase(handle, "stopped")
+            assert handle.state["why"].startswith("stopped by a test: the drive is off")
+            rows = handle.rows(0)[0]
+            await asyncio.sleep(0.3)
+            assert handle.rows(0)[0] <= rows + 1
+            assert not (await ask(handle, do="characterize")).accepted
+            assert handle.state["phase"] == "stopped"
+            assert (await ask(handle, do="switch_on")).accepted
+            await until_phase(handle, "ready")
+
+    asyncio.run(run())
+
+
+def test_a_bench_whose_process_is_killed_says_so(tmp_path: Path) -> None:
+    async def run() -> None:
+        async with bench(tmp_path) as handle:
+            await until_phase(handle, "off")
+            assert handle._process is not None
+            os.kill(handle._process.pid, signal.SIGKILL)
+            await until_phase(handle, "failed")
+            assert "has ended (-9)" in handle.state["why"]
+            assert not (await ask(handle, do="switch_on")).accepted
+
+    asyncio.run(run())
+
+
+def test_a_rig_that_cannot_be_opened_is_a_state_and_no_crash(tmp_path: Path) -> None:
+    async def run() -> None:
+        async with bench(tmp_path, "there-is-no-such-rig") as handle:
+            await until_phase(handle, "off")
+            refused = await ask(handle, do="switch_on")
+            assert not refused.accepted
+            assert handle.state["phase"] == "failed"
+            assert handle.state["why"] == refused.message
+
+    asyncio.run(run())
