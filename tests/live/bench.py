@@ -16,9 +16,9 @@ MAX_WAIT_S = 60.0
 
 
 @asynccontextmanager
-async def bench(folder: Path, rig: str = "simulated") -> AsyncIterator[BenchHandle]:
+async def bench(folder: Path, rig: str = "simulated", seed: int | None = 1) -> AsyncIterator[BenchHandle]:
     """Start a bench and end it."""
-    handle = BenchHandle(BenchSettings("one", rig, folder, seed=1))
+    handle = BenchHandle(BenchSettings("one", rig, folder, seed))
     await handle.start()
     try:
         yield handle

@@ -31,22 +31,24 @@ def main() -> int:
     shown = Shown(setup["bench"], lambda state: outbox.send({"state": state}))
     session = Session(setup["rig"], Path(setup["folder"]), shown, Ring(Path(setup["ring"])), setup["seed"])
     signal.signal(signal.SIGTERM, lambda _number, _frame: ended_by_signal(session))
+    # Before the threads: they inherit core and priority, and a busy loop cannot keep a stop waiting.
+    refused = scheduled(setup)
     orders = Orders(session, sys.stdin.buffer, outbox)
     session.note_recordings()
     shown.change(phase="off")
-    try:
-        shown.say("warning", *scheduled(setup))
-    except CallerError as problem:
-        shown.say("error", str(problem))
+    shown.say("warning", *refused)
     run_session(session, orders)
     return 0
 
 
 def scheduled(setup: dict[str, Any]) -> list[str]:
     """Pin this process and take priority as asked for; return what the system refused."""
-    if setup["cpu"] is not None:
-        pin_to_cpu(setup["cpu"])
-    return take_priority() if setup["priority"] else []
+    try:
+        if setup["cpu"] is not None:
+            pin_to_cpu(setup["cpu"])
+        return take_priority() if setup["priority"] else []
+    except CallerError as problem:
+        return [str(problem)]
 
 
 def ended_by_signal(session: Session) -> None:
