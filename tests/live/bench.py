@@ -16,9 +16,11 @@ MAX_WAIT_S = 60.0
 
 
 @asynccontextmanager
-async def bench(folder: Path, rig: str = "simulated", seed: int | None = 1) -> AsyncIterator[BenchHandle]:
-    """Start a bench and end it."""
-    handle = BenchHandle(BenchSettings("one", rig, folder, seed))
+async def bench(
+    folder: Path, rig: str = "simulated", seed: int | None = 1, max_silence_s: float = MAX_WAIT_S
+) -> AsyncIterator[BenchHandle]:
+    """Start a bench and end it; unless it is given, no silence of a starved test ends a run."""
+    handle = BenchHandle(BenchSettings("one", rig, folder, seed, max_silence_s=max_silence_s))
     await handle.start()
     try:
         yield handle

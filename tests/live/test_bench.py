@@ -20,7 +20,7 @@ def drive_v(handle: object, rows: list) -> float:  # type: ignore[type-arg]
 
 def test_a_wire_is_warmed_only_while_somebody_is_there(tmp_path: Path) -> None:
     async def run() -> None:
-        async with bench(tmp_path) as handle:
+        async with bench(tmp_path, max_silence_s=5.0) as handle:
             await until_phase(handle, "off")
             refused = await ask(handle, do="characterize")
             assert not refused.accepted

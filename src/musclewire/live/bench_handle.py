@@ -48,6 +48,9 @@ class BenchSettings:
         Core that the process is pinned to.
     priority
         Whether it takes real-time priority.
+    max_silence_s
+        A run that heats ends if whoever has control gives no sign for this long [s]: with it the wire is safe within a
+        second of a lost connection. A test that is not about this gives more, since a busy machine starves it.
     """
 
     identifier: str
@@ -56,6 +59,7 @@ class BenchSettings:
     seed: int | None = None
     cpu: int | None = None
     priority: bool = False
+    max_silence_s: float = 0.6
 
 
 class BenchHandle:
@@ -130,6 +134,7 @@ class BenchHandle:
                 "seed": chosen.seed,
                 "cpu": chosen.cpu,
                 "priority": chosen.priority,
+                "max_silence_s": chosen.max_silence_s,
             }
         )
         self._reader = asyncio.create_task(self._read(self._process))

@@ -18,12 +18,10 @@ from musclewire.live.messages import ClockSpeed, Command, End, SetTarget, read_c
 
 __all__ = ["Order", "Orders"]
 
-# Without a sign of whoever has control for this long, a run ends. A page's sign comes six times as often.
-MAX_SILENCE_S = 0.6
 # A run that was to end and has not got to its next sample by then is switched off.
 MAX_ENDING_S = 0.25
 WATCHED_EVERY_S = 0.05
-NOBODY = "nobody in control gave a sign for 0.6 s"
+NOBODY = "nobody in control gave a sign for {:g} s"
 SERVER_ENDED = "the end of the server"
 
 
@@ -128,8 +126,8 @@ class Orders:
         while not session.quitting:
             time.sleep(WATCHED_EVERY_S)
             now_s = time.monotonic()
-            if session.heating and not session.ending and now_s - self._alive_s > MAX_SILENCE_S:
-                session.ending = NOBODY
+            if session.heating and not session.ending and now_s - self._alive_s > session.max_silence_s:
+                session.ending = NOBODY.format(session.max_silence_s)
             if not (session.heating and session.ending):
                 self._ending_since_s = None
             elif self._ending_since_s is None:

@@ -29,7 +29,9 @@ def main() -> int:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     setup: dict[str, Any] = json.loads(sys.stdin.buffer.readline())
     shown = Shown(setup["bench"], lambda state: outbox.send({"state": state}))
-    session = Session(setup["rig"], Path(setup["folder"]), shown, Ring(Path(setup["ring"])), setup["seed"])
+    session = Session(
+        setup["rig"], Path(setup["folder"]), shown, Ring(Path(setup["ring"])), setup["seed"], setup["max_silence_s"]
+    )
     signal.signal(signal.SIGTERM, lambda _number, _frame: ended_by_signal(session))
     # Before the threads: they inherit core and priority, and a busy loop cannot keep a stop waiting.
     refused = scheduled(setup)

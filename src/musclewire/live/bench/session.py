@@ -75,6 +75,8 @@ class Session:
     shown: Shown
     ring: Ring
     seed: int | None = None
+    # A run that heats ends when whoever has control gives no sign for so long.
+    max_silence_s: float = 0.6
     simulated: bool = False
     rig: GuardedRig | None = None
     pacer: Pacer | None = None
