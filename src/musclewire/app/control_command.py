@@ -112,7 +112,7 @@ def control(
         require_recording_file(output, overwrite)
     follow = loop_of(loaded, controller, settings, load, loop)
     home_answer: dict[str, Any] | None = None
-    with stops_between_samples(), open_rig(rig, seed=seed, real_time=timing.real_time) as opened:
+    with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         refused = timing.apply(opened)
         if homing.home == "start":
             loaded, home_answer = homing.homed(opened, loaded, quiet=json)
@@ -170,6 +170,7 @@ def single_run_options(
         "--on-board": loop.on_board,
         "--wire-file": loop.wire_file is not None,
         "--real-time": timing.real_time,
+        "--clock-speed": timing.clock_speed != 1.0,
         "--real-time-priority": timing.real_time_priority,
         "--cpu": timing.cpu is not None,
     }

@@ -104,7 +104,6 @@ def home(
     """Sweep the wire once at its known load and write a model that holds for the wire of today."""
     from musclewire.experiment.home import home as run_home
     from musclewire.experiment.home import home_duration_s
-    from musclewire.rigs.configuration import open_rig
     from musclewire.sensing import load_model
 
     loaded = load_model(model)
@@ -114,7 +113,7 @@ def home(
     if sweep is not None:
         require_recording_file(sweep, overwrite)
     load_n, ambient_k = in_si("--load", load), in_si("--ambient", ambient)
-    with stops_between_samples(), open_rig(rig, seed=seed, real_time=timing.real_time) as opened:
+    with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         refused = timing.apply(opened)
         with progress_bar("Home move", home_duration_s(opened, loaded), quiet=json) as on_sample:
             found = run_home(

@@ -75,6 +75,7 @@ SEED = option("--seed", help="Seed of everything random: the same seed, the same
 SEEDS = option("--seeds", help="Number of seeds over which medians are taken.", min=1)
 FIRST_SEED = option("--first-seed", help="First of the seeds; the others follow it one by one.", min=0)
 REAL_TIME = option("--real-time", help="Pace a simulated rig by the clock.")
+CLOCK_SPEED = option("--clock-speed", help="With --real-time: run so many times as fast as the clock, 0.01 to 1000.")
 REAL_TIME_PRIORITY = option(
     "--real-time-priority", help="On Linux: run before all ordinary programs, with memory locked."
 )

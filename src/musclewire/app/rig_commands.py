@@ -113,12 +113,12 @@ def characterize(
     """Heat and cool the wire slowly (the slow sine) and record it."""
     from musclewire.experiment.open_loop import characterize as run_characterize
     from musclewire.experiment.run_warnings import run_warnings
-    from musclewire.rigs.configuration import amplitude_is_given, open_rig
+    from musclewire.rigs.configuration import amplitude_is_given
 
     period_s = sine.period_s
     require_recording_file(output, overwrite)
     until_level = sine.amplitude is None and not amplitude_is_given(rig)
-    with stops_between_samples(), open_rig(rig, seed=seed, real_time=timing.real_time) as opened:
+    with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         amplitude_v = sine.amplitude_v
         refused = timing.apply(opened)
         with progress_bar("Slow sine", sine.cycles * period_s, quiet=json) as on_sample:

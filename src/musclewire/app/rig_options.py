@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
-from musclewire.app.options import AMPLITUDE, CPU, CYCLES, PERIOD, REAL_TIME, REAL_TIME_PRIORITY, in_si
+from musclewire.app.options import AMPLITUDE, CLOCK_SPEED, CPU, CYCLES, PERIOD, REAL_TIME, REAL_TIME_PRIORITY, in_si
 from musclewire.app.output import warn
 from musclewire.errors import CallerError
 
@@ -39,8 +39,15 @@ class TimingOptions:
     """How a loop keeps its time."""
 
     real_time: Annotated[bool, REAL_TIME] = False
+    clock_speed: Annotated[float, CLOCK_SPEED] = 1.0
     real_time_priority: Annotated[bool, REAL_TIME_PRIORITY] = False
     cpu: Annotated[int | None, CPU] = None
+
+    def open_rig(self, rig: str, seed: int | None) -> GuardedRig:
+        """Open a rig that keeps this time. Raises CallerError for a speed of a clock that it does not have."""
+        from musclewire.rigs.configuration import open_rig
+
+        return open_rig(rig, seed=seed, real_time=self.real_time, clock_speed=self.clock_speed)
 
     def apply(self, rig: GuardedRig) -> list[str]:
         """Pin this process and take real-time priority as requested; return what the system refused, also on stderr.

@@ -26,8 +26,9 @@ from musclewire.experiment.extrapolation import extrapolation_metadata
 from musclewire.experiment.health import health_metadata
 from musclewire.experiment.loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment.metrics import ControlRun, control_metrics
-from musclewire.experiment.run import NO_CLOCK, what_protects
+from musclewire.experiment.run import what_protects
 from musclewire.experiment.run_warnings import run_warnings
+from musclewire.experiment.timing_facts import NO_CLOCK
 from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.rigs.compiled_loop.kernel import Ended
 from musclewire.rigs.compiled_loop.running import CompiledRun, LoopTicks, Targets, run_compiled, times_on_rig_s

@@ -26,10 +26,10 @@ from musclewire.experiment.endings import cause_of, first_line, rescued, softwar
 from musclewire.experiment.extrapolation import extrapolation_metadata
 from musclewire.experiment.health import health_metadata
 from musclewire.experiment.known_drive import TakenRun, run_compiled_drive
-from musclewire.experiment.timing_facts import percentiles
-from musclewire.rigs.abilities import exchange_times_of, protection_limits_of
+from musclewire.experiment.timing_facts import NO_CLOCK, Pace, timing_metadata
+from musclewire.rigs.abilities import adjustable_clock_of, exchange_times_of, protection_limits_of
+from musclewire.rigs.device import AdjustableClock
 from musclewire.rigs.protocol import Rig
-from musclewire.rigs.real_time import scheduling
 from musclewire.signals.exchange import ELECTRICAL_COLUMNS, REFERENCE_COLUMNS, Command, RawSample
 from musclewire.signals.hdf5 import RecordingWriter
 from musclewire.signals.hdf5_process import WriterProcess
@@ -57,8 +57,6 @@ PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
 MIN_PERIOD_FOR_DISK_S = 0.02
 # Files HDF5 has lost hold of: closing one, or letting it be collected, fails again and may crash the process.
 _NEVER_LET_GO: list[object] = []
-NO_CLOCK = "none: samples came as fast as they were computed"
-CLOCK = "real time"
 
 
 class RunOptions(TypedDict, total=False):
@@ -192,7 +190,7 @@ def run_on_rig(
         raise CallerError(f"a run of {duration_s} s is shorter than one sample of {rig.sample_period_s} s")
     refuse_unusable(path, overwrite)
     described = {**what_protects(rig), **rig.metadata(), **(metadata or {})}
-    timing = LoopTiming(rig.sample_period_s, rig.paced)
+    timing = LoopTiming(rig.sample_period_s, rig.paced, adjustable_clock_of(rig))
     exchange = timed_exchange(rig, timing)
     first: RawSample | None = None
     try:
@@ -451,10 +449,9 @@ class LoopTiming:
     All times are in nanoseconds of one monotonic clock.
     """
 
-    def __init__(self, sample_period_s: float, paced: bool) -> None:
-        """Watch a run of this sample period; ``paced`` if a real clock sets its pace."""
-        self._period_us = sample_period_s * 1e6
-        self._paced = paced
+    def __init__(self, sample_period_s: float, paced: bool, clock: AdjustableClock | None = None) -> None:
+        """Watch a run of this sample period; ``paced`` if a real clock sets its pace, at the speed of ``clock``."""
+        self._pace = Pace(sample_period_s, paced, clock)
         self._drive_ns, self._sample_ns, self._callbacks_ns = array("q"), array("q"), array("q")
 
     def sampled(self, drive_at_ns: int, sample_at_ns: int) -> None:
@@ -467,26 +464,6 @@ class LoopTiming:
         self._callbacks_ns.append(callback_ns)
 
     def metadata(self) -> dict[str, MetadataValue]:
-        """Return the timing for a recording's metadata; only compute times if no clock paced the run.
-
-        ``jitter`` is the deviation of the time between two samples from the sample period, ``latency`` from a sample to
-        the next drive at the output, ``compute`` the part of it that is not a callback's: policy, protection, recorder.
-        ``deadline_misses`` counts the sample periods in which no sample came, ``drift_us`` is the excess of the whole
-        run's duration over its periods.
-        """
-        drive_ns, sample_ns = np.array(self._drive_ns), np.array(self._sample_ns)
-        latencies = (drive_ns[1:] - sample_ns[:-1]) / 1e3
-        # The run ends at its last sample, whose callback is before no drive.
-        callbacks = np.array(self._callbacks_ns[: latencies.size]) / 1e3
-        compute = latencies - callbacks if callbacks.size else latencies
-        found: dict[str, MetadataValue] = {"pace": CLOCK if self._paced else NO_CLOCK, "deadline_misses": 0}
-        found |= percentiles("compute", compute)
-        if not self._paced or not latencies.size:
-            return found
-        intervals = np.diff(sample_ns) / 1e3
-        # A burst after a late sample catches up: only whole periods without a sample are misses.
-        empty = np.rint(intervals / self._period_us) - 1.0
-        found["scheduling"] = scheduling()
-        found["deadline_misses"] = int(empty[empty > 0.0].sum())
-        found["drift_us"] = round(float(intervals.sum() - intervals.size * self._period_us), 1)
-        return found | percentiles("jitter", np.abs(intervals - self._period_us)) | percentiles("latency", latencies)
+        """Return the timing for a recording's metadata, as ``timing_metadata`` describes it."""
+        times = (np.array(self._drive_ns), np.array(self._sample_ns), np.array(self._callbacks_ns))
+        return timing_metadata(self._pace, *times)

@@ -6,13 +6,22 @@ from typing import Protocol, runtime_checkable
 
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
-from musclewire.rigs.device import HasOnBoardLoop, HasStage, HasTendonStage, HasTrueState
+from musclewire.rigs.device import (
+    AdjustableClock,
+    HasAdjustableClock,
+    HasOnBoardLoop,
+    HasStage,
+    HasTendonStage,
+    HasTrueState,
+)
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.protocol import Rig
 
 __all__ = [
     "ExchangeTimes",
+    "adjustable_clock_of",
     "exchange_times_of",
+    "keeps_real_time",
     "on_board_loop_of",
     "protection_limits_of",
     "required_true_state",
@@ -144,6 +153,38 @@ def required_true_state(rig: Rig) -> HasTrueState:
     if found is None:
         raise CallerError("only a simulated rig knows its wire's true state, and this one is not: open a simulated one")
     return found
+
+
+def adjustable_clock_of(rig: Rig) -> AdjustableClock | None:
+    """Return the clock of a simulated rig that keeps pace with the computer's and may run faster or slower.
+
+    Parameters
+    ----------
+    rig
+        Any rig, open.
+
+    Returns
+    -------
+    The clock; None for hardware, whose clock is its own, and for a rig without a clock.
+    """
+    found = able(rig)
+    return found.adjustable_clock if isinstance(found, HasAdjustableClock) else None
+
+
+def keeps_real_time(rig: Rig) -> bool:
+    """Return whether a second of a rig's samples is a second of the computer's clock.
+
+    Parameters
+    ----------
+    rig
+        Any rig, open.
+
+    Returns
+    -------
+    True for hardware and for a simulation that is paced in real time, at this moment.
+    """
+    clock = adjustable_clock_of(rig)
+    return rig.paced and (clock is None or clock.speed == 1.0)
 
 
 def on_board_loop_of(rig: Rig) -> HasOnBoardLoop | None:

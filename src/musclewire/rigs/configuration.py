@@ -102,6 +102,7 @@ def open_rig(
     bench: str | None = None,
     seed: int | None = None,
     real_time: bool = False,
+    clock_speed: float = 1.0,
     **settings: float | str,
 ) -> GuardedRig:
     """Open a rig: the wire with its driver and instruments, simulated or real, with the protection around it.
@@ -125,6 +126,9 @@ def open_rig(
     real_time
         Whether the computer's clock paces a simulated rig, which otherwise runs as fast as it can. Hardware has a clock
         of its own, and a replay none.
+    clock_speed
+        How many times as fast as the computer's clock a simulated rig runs with ``real_time``, 0.01 to 1000;
+        :func:`musclewire.rigs.abilities.adjustable_clock_of` gives what changes it later.
     settings
         Numbers of wire and bench by name, in SI or as text with a unit: ``open_rig("simulated", pretension_n=1.7)``.
 
@@ -135,8 +139,9 @@ def open_rig(
     Raises
     ------
     CallerError
-        For unknown names, impossible numbers, settings that the rig's own load leaves without effect, and for wire,
-        bench, seed and settings of a rig that is not simulated: its numbers are in its file.
+        For unknown names, impossible numbers, settings that the rig's own load leaves without effect, a clock speed
+        without a clock, and for wire, bench, seed, clock speed and settings of a rig that is not simulated: its numbers
+        are in its file.
     RigError
         If hardware cannot be opened.
 
@@ -148,10 +153,14 @@ def open_rig(
     1.7
     """
     configuration, where = rig_configuration(rig, may_import=True)
+    refuse_useless_speed(clock_speed, real_time, isinstance(configuration, RigConfiguration), where)
     if isinstance(configuration, RigConfiguration):
         from musclewire.rigs.simulated_opening import open_simulated
 
-        return GuardedRig(open_simulated(configuration, where, wire, bench, seed, real_time, settings))
+        simulated = open_simulated(configuration, where, wire, bench, seed, real_time, settings)
+        if simulated.adjustable_clock is not None:
+            simulated.adjustable_clock.set_speed(clock_speed)
+        return GuardedRig(simulated)
     if seed is not None and "seed" in type(configuration).model_fields:
         drawn_from = require_seed(seed, f"{where}: seed")
         configuration, seed = configuration.model_copy(update={"seed": drawn_from}), None
@@ -165,3 +174,16 @@ def open_rig(
         opened.close()
         raise CallerError(f"{where} has no clock: leave out --real-time (real_time)")
     return opened
+
+
+def refuse_useless_speed(clock_speed: float, real_time: bool, simulated: bool, where: str) -> None:
+    """Raise CallerError for a clock speed that would have no effect on a rig."""
+    if clock_speed == 1.0:
+        return
+    if not simulated:
+        raise CallerError(f"{where} is not simulated, its clock runs as it does: leave out --clock-speed (clock_speed)")
+    if not real_time:
+        raise CallerError(
+            f"{where} has no clock whose speed could be set, it runs as fast as it can: add --real-time (real_time), "
+            "or leave out --clock-speed (clock_speed)"
+        )

@@ -15,10 +15,12 @@ from musclewire.signals.exchange import Command, RawSample
 
 __all__ = [
     "SWITCHED_OFF",
+    "AdjustableClock",
     "Answer",
     "Device",
     "DeviceFacts",
     "DeviceFault",
+    "HasAdjustableClock",
     "HasOnBoardLoop",
     "HasStage",
     "HasTendonStage",
@@ -152,8 +154,8 @@ class Device(Protocol):
     def off(self) -> bool:
         """Put out 0 V and release the hardware; nothing is put out after that.
 
-        May be called twice, and from another thread while ``exchange`` waits for its sample: that then ends soon, with
-        an answer or an error that is not used. Never raises.
+        May be called twice, and from another thread while ``exchange`` waits for its sample: the drive does not wait
+        for the sample, and the exchange ends soon, with an answer or an error that is not used. Never raises.
 
         Returns
         -------
@@ -238,6 +240,46 @@ class HasTrueState(Protocol):
     @property
     def partner_state(self) -> TrueState | None:
         """State of a second wire, None if there is none."""
+        ...
+
+
+class AdjustableClock(Protocol):
+    """The clock of a simulation that keeps pace with the computer's, at a speed that may change between two samples."""
+
+    @property
+    def speed(self) -> float:
+        """Simulated seconds in a second; 1 is real time."""
+        ...
+
+    @property
+    def changes(self) -> int:
+        """How often the speed has been changed since the rig was opened."""
+        ...
+
+    def set_speed(self, factor: float) -> None:
+        """Run at another speed from now on; may be called from another thread while a sample is awaited.
+
+        Parameters
+        ----------
+        factor
+            Simulated seconds in a second, 0.01 to 1000: slower is watched better in a recording, and no machine
+            computes faster.
+
+        Raises
+        ------
+        CallerError
+            For a factor outside this range.
+        """
+        ...
+
+
+@runtime_checkable
+class HasAdjustableClock(Protocol):
+    """A simulation that may run faster or slower than the computer's clock."""
+
+    @property
+    def adjustable_clock(self) -> AdjustableClock | None:
+        """The clock that paces the samples; None if they come as fast as they are computed."""
         ...
 
 

@@ -19,7 +19,6 @@ from musclewire.rigs.air import AirModel, Surroundings
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
 from musclewire.rigs.load_part import LoadPart, Pull
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
-from musclewire.rigs.pacing import Pacer
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_building import (
     Spool,
@@ -31,6 +30,7 @@ from musclewire.rigs.simulated_building import (
     wires_of,
 )
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
+from musclewire.rigs.simulation_clock import SimulationClock
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 from musclewire.simulate.stepping import Stepping
 from musclewire.simulate.wires import SampleMeans, SimulatedWires
@@ -231,10 +231,9 @@ class SimulatedDevice:
         self._mechanism = self._mechanism_at(self._bench["pretension_n"], None)
         self._instruments = Instruments(self._bench, seed, at_endpoint=self._mechanism.tendon is not None)
         self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
-        self._drive_voltage_v = 0.0
+        self._off, self._drive_voltage_v = False, 0.0
         # By how much friction has kept the connector ahead of a slack wire at most, at this setting of the stages.
         self._held_m = 0.0
-        self._off = self._late_reported = False
         self._facts = DeviceFacts(
             sample_period_s=self._bench["sample_period_s"],
             paced=real_time,
@@ -245,7 +244,7 @@ class SimulatedDevice:
         )
         self._faults = SimulatedFaults(faults) if faults else None
         self._wire_ohm = self._wire_values["resistance_per_metre_ohm_per_m"] * self._bench["wire_length_m"]
-        self._pacer = Pacer(self._bench["sample_period_s"]) if real_time else None
+        self._clock = SimulationClock(self._bench["sample_period_s"]) if real_time else None
         self._stepping = self._stepping_of_the_bench()
 
     def _mechanism_at(self, pretension_n: float, tendon_slack_m: float | None) -> Mechanism:
@@ -273,6 +272,11 @@ class SimulatedDevice:
     def drive_voltage_v(self) -> float:
         """Drive voltage at the output now [V]."""
         return self._drive_voltage_v
+
+    @property
+    def adjustable_clock(self) -> SimulationClock | None:
+        """The clock that paces the samples; None without one."""
+        return self._clock
 
     @property
     def has_stage(self) -> bool:
@@ -308,7 +312,7 @@ class SimulatedDevice:
             mechanism=self._mechanism,
             reference_columns=self._facts.reference_columns,
             faulty=self._faults is not None,
-            paced=self._pacer is not None,
+            paced=self._facts.paced,
         )
 
     def take(self, drive_voltage_v: float, generator: np.random.Generator, air: AirModel | None, held_m: float) -> None:
@@ -356,6 +360,7 @@ class SimulatedDevice:
             "seed": self._seed,
             "friction_held_m": self._held_m,
             "step_error_k": self._wires.step_error_k,
+            **(self._clock.metadata() if self._clock else {}),
         }
 
     @property
@@ -406,12 +411,9 @@ class SimulatedDevice:
 
     def exchange(self, command: Command) -> Answer:
         """Hold a drive voltage for one sample period and return the averaged readings at its end."""
-        if self._pacer is not None:
-            # How late the command comes is reported once; the guard then says what may still be out.
-            late_s = 0.0 if self._late_reported else self._pacer.late_s()
-            self._late_reported = late_s > 0.0
-            if self._late_reported:
-                return Missing(Event.SAMPLE_LATE, late_s)
+        # How late the command comes is reported once; the guard then says what may still be out.
+        if self._clock is not None and (late_s := self._clock.report_late_s()) > 0.0:
+            return Missing(Event.SAMPLE_LATE, late_s)
         resolution = self._bench["amplifier_resolution_v"]
         self._drive_voltage_v = resolution * round(drive_voltage_of(command) / resolution)
         if self._off:  # looked at after it was put out, so that 0 V is the last word whichever thread comes first
@@ -426,9 +428,9 @@ class SimulatedDevice:
         means = self._advance(self._drive_voltage_v) if self._faults is None else self._advance_faulty(self._faults)
         self._wires.require_resolved()
         self._held_m = max(self._held_m, self._wires.slack_m)
-        if self._pacer is not None:
-            self._pacer.wait()
-        return self._read(means)
+        if self._clock is not None:
+            self._clock.wait()
+        return SWITCHED_OFF if self._off else self._read(means)
 
     def _advance(self, drive_voltage_v: float) -> SampleMeans:
         return self._wires.advance(drive_voltage_v, self._bench["sample_period_s"], self._stepping)
@@ -479,9 +481,8 @@ class SimulatedDevice:
 
     def _rest(self) -> None:
         """Expect no sample until the next exchange."""
-        self._late_reported = False
-        if self._pacer is not None:
-            self._pacer.rest()
+        if self._clock is not None:
+            self._clock.rest()
 
     def sense(self) -> bool:
         """Go to the sense voltage at once."""
@@ -491,6 +492,7 @@ class SimulatedDevice:
 
     def off(self) -> bool:
         """Switch the drive off; while the fault ``device_lost`` is present nothing is confirmed."""
-        self._off = True
-        self._drive_voltage_v = 0.0
+        self._off, self._drive_voltage_v = True, 0.0
+        if self._clock is not None:
+            self._clock.end()
         return self._faults is None or not self._faults.device_lost(self._wires.time_s)

@@ -63,6 +63,37 @@ def test_without_a_clock_only_compute_times_are_said() -> None:
     assert timing_json(found)["jitter_us"] is None
 
 
+class AtSpeed:
+    """A clock with a speed."""
+
+    def __init__(self, speed: float) -> None:
+        self.speed, self.changes = speed, 0
+
+    def set_speed(self, factor: float) -> None:
+        self.speed, self.changes = factor, self.changes + 1
+
+
+def test_a_faster_clock_is_named_and_its_samples_are_due_earlier() -> None:
+    timing = LoopTiming(PERIOD_NS * 1e-8, True, AtSpeed(10.0))
+    for number in range(10):
+        timing.sampled(number * PERIOD_NS, number * PERIOD_NS + 50_000)
+    found = timing.metadata()
+    assert found["pace"] == "10 times real time"
+    assert (found["jitter_p50_us"], found["drift_us"], found["deadline_misses"]) == (0.0, 0.0, 0)
+
+
+def test_a_run_whose_clock_changed_its_speed_on_the_way_has_no_jitter() -> None:
+    clock = AtSpeed(1.0)
+    timing = LoopTiming(PERIOD_NS * 1e-9, True, clock)
+    for number in range(10):
+        timing.sampled(number * PERIOD_NS, number * PERIOD_NS + 50_000)
+    clock.set_speed(10.0)
+    clock.set_speed(1.0)
+    found = timing.metadata()
+    assert found["pace"] == "a clock whose speed was changed during the run"
+    assert not [key for key in found if key.startswith(("jitter", "latency", "drift"))]
+
+
 @pytest.mark.parametrize("samples", [0, 1])
 def test_a_run_too_short_to_time_says_only_its_pace(samples: int) -> None:
     found = noted([PERIOD_NS] * samples).metadata()

@@ -205,6 +205,7 @@ def test_an_exchange_whose_rig_is_closed_meanwhile_says_so_and_is_no_trip() -> N
 def test_a_simulated_rig_that_waits_for_its_clock_may_be_closed_meanwhile() -> None:
     # So long a period that no busy machine lets the sample come first.
     rig = open_rig("simulated", real_time=True, sample_period_s=120.0)
+    rig.exchange(1.0)  # the first sample waits for nothing: it begins the clock
     assert "closed while a sample was awaited" in str(closed_while_waiting(rig))
     assert rig.drive_voltage_v == 0.0
 

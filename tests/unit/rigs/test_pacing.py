@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 from musclewire.controllers.protection import Event, State
+from musclewire.errors import CallerError
 from musclewire.rigs import pacing
+from musclewire.rigs.abilities import adjustable_clock_of
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs.pacing import SPIN_S, Pacer
@@ -21,6 +25,7 @@ class Clock:
         self.now_s = 100.0
         self.slept_s: list[float] = []
         self.looks = 0
+        self.meanwhile: list[tuple[float, Callable[[], None]]] = []  # what other threads do, so long into a wait
 
     def monotonic(self) -> float:
         self.looks += 1
@@ -33,10 +38,33 @@ class Clock:
         self.now_s += seconds
 
 
+class Woken:
+    """Stands in for ``threading.Event``: a wait moves the clock, unless what another thread does comes in between."""
+
+    def __init__(self, clock: Clock) -> None:
+        self.clock, self.is_set = clock, False
+
+    def set(self) -> None:
+        self.is_set = True
+
+    def clear(self) -> None:
+        self.is_set = False
+
+    def wait(self, seconds: float) -> None:
+        assert seconds > 0.0
+        if self.clock.meanwhile:
+            after_s, act = self.clock.meanwhile.pop(0)
+            assert after_s < seconds
+            act()
+            seconds = after_s
+        self.clock.now_s += seconds
+
+
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     fake = Clock()
     monkeypatch.setattr(pacing, "time", fake)
+    monkeypatch.setattr(pacing, "Event", lambda: Woken(fake))
     return fake
 
 
@@ -156,3 +184,110 @@ def test_a_rig_that_was_made_safe_may_be_left_alone(clock: Clock, rig: GuardedRi
         rig.make_safe()
         clock.now_s += 60.0
         assert rig.exchange(2.0).drive_voltage_v == pytest.approx(2.0, abs=1e-3)
+
+
+@pytest.fixture
+def started(clock: Clock) -> Pacer:
+    """A pacer of one second whose grid begins at 100 s."""
+    pacer = Pacer(1.0)
+    pacer.wait()
+    assert clock.now_s == pytest.approx(100.0, abs=1e-5)
+    return pacer
+
+
+def test_another_thread_ends_a_wait_and_all_that_follow(clock: Clock, started: Pacer) -> None:
+    clock.meanwhile = [(0.3, started.end)]
+    for _ in range(3):
+        started.wait()
+        assert clock.now_s == pytest.approx(100.3, abs=1e-4)
+    assert clock.slept_s == []
+
+
+@pytest.mark.parametrize(
+    ("period_s", "due_s"),
+    [
+        pytest.param(0.5, [100.5, 101.0, 101.5], id="faster: due earlier"),
+        pytest.param(0.1, [100.3, 100.4, 100.5], id="so much faster that it is due already: now, and nothing is late"),
+        pytest.param(4.0, [104.0, 108.0, 112.0], id="slower: due later"),
+    ],
+)
+def test_another_thread_changes_the_period_of_a_wait(
+    clock: Clock, started: Pacer, period_s: float, due_s: list[float]
+) -> None:
+    clock.meanwhile = [(0.3, lambda: started.change_period(period_s))]
+    found_s = []
+    for _ in due_s:
+        started.wait()
+        found_s.append(clock.now_s)
+    assert found_s == pytest.approx(due_s, abs=1e-4)
+    assert started.late_s() == 0.0
+
+
+def test_a_change_back_during_a_wait_changes_nothing(clock: Clock, started: Pacer) -> None:
+    clock.meanwhile = [(0.2, lambda: started.change_period(3.0)), (0.2, lambda: started.change_period(1.0))]
+    started.wait()
+    assert clock.now_s == pytest.approx(101.0, abs=1e-4)
+
+
+def returned_s(clock: Clock, rig: GuardedRig, samples: int) -> list[float]:
+    """Return when samples came."""
+    found = []
+    for _ in range(samples):
+        rig.exchange(0.3)
+        found.append(clock.now_s - 100.0)
+    return found
+
+
+@pytest.mark.parametrize("speed", [0.1, 10.0])
+def test_samples_of_a_faster_clock_come_as_often_as_it_says_and_their_time_is_the_wires(
+    clock: Clock, speed: float
+) -> None:
+    with open_rig("simulated", real_time=True, clock_speed=speed) as rig:
+        wall_s = np.diff(returned_s(clock, rig, 5))
+        assert wall_s == pytest.approx([rig.sample_period_s / speed] * 4, abs=1e-4)
+        assert rig.exchange(0.3).time_s == pytest.approx(6 * rig.sample_period_s)
+        assert rig.metadata()["clock_speed"] == speed
+
+
+def test_a_speed_that_the_host_cannot_keep_is_no_fault(clock: Clock) -> None:
+    with open_rig("simulated", real_time=True, clock_speed=100.0) as rig:
+        for _ in range(5):
+            assert rig.exchange(2.0).drive_voltage_v == pytest.approx(2.0, abs=1e-3)
+            clock.now_s += 3.0
+
+
+def test_back_in_real_time_a_late_host_is_late_again_but_not_for_what_was_before(clock: Clock, rig: GuardedRig) -> None:
+    speed = adjustable_clock_of(rig)
+    assert speed is not None
+    with rig:
+        rig.exchange(1.0)
+        speed.set_speed(100.0)
+        rig.exchange(1.0)
+        clock.now_s += 3.0
+        speed.set_speed(1.0)
+        assert rig.exchange(2.0).drive_voltage_v == pytest.approx(2.0, abs=1e-3)
+        clock.now_s += rig.sample_period_s + 0.3
+        with pytest.raises(ProtectionTripError, match="samples come too late"):
+            rig.exchange(2.0)
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0, 0.009, 1001.0, float("nan"), float("inf")])
+def test_an_impossible_clock_speed_is_refused(factor: float) -> None:
+    with pytest.raises(CallerError, match=r"clock speed .* is outside 0\.01 to 1000"):
+        open_rig("simulated", real_time=True, clock_speed=factor)
+
+
+def test_a_clock_speed_without_a_clock_is_refused() -> None:
+    with pytest.raises(CallerError, match=r"add --real-time \(real_time\)"):
+        open_rig("simulated", clock_speed=10.0)
+    with pytest.raises(CallerError, match="is not simulated, its clock runs as it does"):
+        open_rig("serial-board", clock_speed=10.0)
+    assert adjustable_clock_of(open_rig("simulated")) is None
+
+
+def test_only_a_change_counts_as_one() -> None:
+    clock = adjustable_clock_of(open_rig("simulated", real_time=True))
+    assert clock is not None
+    for factor in (1.0, 10.0, 10.0, 1.0):
+        clock.set_speed(factor)
+    assert (clock.speed, clock.changes) == (1.0, 2)

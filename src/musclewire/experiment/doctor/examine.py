@@ -24,7 +24,7 @@ from musclewire.experiment.doctor.probing import LOW_FRACTIONS, Level, OnProbe, 
 from musclewire.experiment.doctor.sense_checks import clock_findings, protection_findings, warmth_findings
 from musclewire.parameters.library import load_wire
 from musclewire.parameters.parameter_groups import Wire
-from musclewire.rigs.abilities import protection_limits_of
+from musclewire.rigs.abilities import keeps_real_time, protection_limits_of
 from musclewire.rigs.guarded import ProtectionTripError
 from musclewire.rigs.protocol import Metadata, Rig
 from musclewire.signals.run_facts import RunFacts
@@ -138,7 +138,7 @@ def probed(
     findings += trip_findings(probe.trouble)
     timed = tuple(level for level in probe.levels if len(level.time_s) > 2)
     if timed:
-        findings += clock_findings(timed, rig.sample_period_s, rig.paced)
+        findings += clock_findings(timed, rig.sample_period_s, keeps_real_time(rig))
     return evidence, at_sense, findings
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
+from threading import Lock
 
 from musclewire.errors import RigError
 from musclewire.rigs.serial.frames import PROTOCOL_VERSION, Frame, FrameParser, encode_frame
 from musclewire.rigs.serial.line import Line
 from musclewire.rigs.serial.messages import Acknowledgement, Identity, Message, MessageKind, payload_of, read_message
 
-__all__ = ["Board", "LinkStormError"]
+__all__ = ["Board", "LinkStormError", "OffMeanwhileError"]
 
 # The protocol's checksum storm: this many broken frames within this time.
 STORM_FRAMES, STORM_S = 16, 0.2
@@ -25,8 +26,14 @@ class LinkStormError(RigError):
     """The line carries mostly broken frames."""
 
 
+class OffMeanwhileError(RigError):
+    """Another thread has requested to switch off: no other command goes out any more."""
+
+
 class Board:
     """Commands out, messages in. It counts lost frames and keeps no state of the run.
+
+    One thread talks; another one may order 0 V meanwhile, and that is then the last command.
 
     ``lost_frames`` are gaps in the board's sequence numbers; ``repeated_commands`` commands that were sent again
     because no answer came.
@@ -39,6 +46,7 @@ class Board:
         self.lost_frames = 0
         self.repeated_commands = 0
         self._next_sequence = 0
+        self._sending, self._only_off = Lock(), False
         self._seen_sequence: int | None = None
         self._broken_at_s: deque[float] = deque(maxlen=STORM_FRAMES)
 
@@ -48,13 +56,32 @@ class Board:
         return self._next_sequence
 
     def send(self, kind: MessageKind, payload: bytes = b"", sequence: int | None = None) -> int:
-        """Send a command and return its sequence number; with a ``sequence`` it is the same command again."""
-        if sequence is not None:
-            self.repeated_commands += 1
-        number = self.new_sequence() if sequence is None else sequence
-        # The zero before it ends the bytes of any disturbance on the line, so that they spoil no command.
-        self._line.write(b"\0" + encode_frame(Frame(kind, number, payload)))
-        return number
+        """Send a command and return its sequence number; with a ``sequence`` it is the same command again.
+
+        Raises OffMeanwhileError for another command than OFF once ``order_off`` was called.
+        """
+        with self._sending:
+            if self._only_off and kind is not MessageKind.OFF:
+                raise OffMeanwhileError("the line is to be closed")
+            if sequence is not None:
+                self.repeated_commands += 1
+            number = self.new_sequence() if sequence is None else sequence
+            # The zero before it ends the bytes of any disturbance on the line, so that they spoil no command.
+            self._line.write(b"\0" + encode_frame(Frame(kind, number, payload)))
+            return number
+
+    @property
+    def only_off(self) -> bool:
+        """Whether 0 V was ordered, so that no other command goes out."""
+        return self._only_off
+
+    def order_off(self) -> None:
+        """Order 0 V at once and let no other command out after it; from any thread.
+
+        The board's answer wakes the thread that waits for a message. Raises LineLostError if the line is gone.
+        """
+        self._only_off = True  # a command that is being sent goes out before the order, any later one is refused
+        self.send(MessageKind.OFF)
 
     def send_drive(self, drive_voltage_v: float, sequence: int | None = None) -> int:
         """Command a drive voltage [V]; the board's loop is then open."""

@@ -15,7 +15,7 @@ from musclewire.errors import CallerError, RigError
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault
 from musclewire.rigs.kinds import DeviceKind
 from musclewire.rigs.protocol import Metadata
-from musclewire.rigs.serial.board import Board, LinkStormError
+from musclewire.rigs.serial.board import Board, LinkStormError, OffMeanwhileError
 from musclewire.rigs.serial.configuration import SerialConfiguration
 from musclewire.rigs.serial.line import LineLostError, open_line
 from musclewire.rigs.serial.messages import (
@@ -52,10 +52,6 @@ class BoardFaultError(RigError):
         self.event = event
 
 
-class OffMeanwhileError(RigError):
-    """Another thread has requested to switch off."""
-
-
 class SerialDevice:
     """A wire on a microcontroller that runs musclewire's firmware.
 
@@ -76,8 +72,7 @@ class SerialDevice:
         self._drive_voltage_v = 0.0
         self._armed = self._paused = self._let_go = False
         self._off_confirmed = False
-        # Another thread may call ``off``: the exchange then releases the line within a fraction of the patience.
-        self._off_wanted = False
+        # Another thread may call ``off``: the board's answer to it wakes the exchange, which then releases the line.
         self._talking = RLock()
         self._due_tick = NO_TICK
         self._tick, self._first_tick = NO_TICK, NO_TICK
@@ -220,7 +215,7 @@ class SerialDevice:
         )
 
     def _require_on(self) -> None:
-        if self._off_wanted:
+        if self._board.only_off:
             raise OffMeanwhileError("the line is to be closed")
 
     def _send(self, command: Command, sequence: int | None = None) -> int:
@@ -298,6 +293,7 @@ class SerialDevice:
         """Raise BoardFaultError for a refused command: the board's next message has the cause, or it has restarted."""
         ends_s = self._clock_s() + self._configuration.sample_period
         while self._clock_s() < ends_s:
+            self._require_on()
             self._unread.extend(self._board.receive(0.2 * self._configuration.sample_period))
             while self._unread:
                 message = self._unread.popleft()
@@ -359,8 +355,10 @@ class SerialDevice:
         return True
 
     def off(self) -> bool:
-        """Order 0 V and close the line; return whether the board has confirmed it."""
-        self._off_wanted = True
+        """Order 0 V at once, then close the line; return whether the board has confirmed it."""
+        with contextlib.suppress(RigError):
+            if not self._let_go:
+                self._board.order_off()
         with self._talking:
             if not self._let_go:
                 self._off_confirmed = self._answers_off()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import socket
 import time
 from typing import Any, Protocol
 
@@ -107,12 +108,17 @@ class SerialLine:
     def close(self) -> None:
         """Close the line; may be called twice; never raises."""
         inner = getattr(self._port, "_socket", None)
-        with contextlib.suppress(Exception):  # nothing can be done about a port that cannot be closed
-            self._port.close()
-        # pyserial does not close a socket whose other end is gone.
+        # pyserial does not close a socket whose other end is gone, and sleeps 0.3 s after it has closed another: too
+        # long for a loop that waits for a stop.
         with contextlib.suppress(Exception):
             if inner is not None:
+                inner.shutdown(socket.SHUT_RDWR)
+        with contextlib.suppress(Exception):
+            if inner is not None:
+                self._port.is_open = False
                 inner.close()
+        with contextlib.suppress(Exception):  # nothing can be done about a port that cannot be closed
+            self._port.close()
 
 
 def open_line(port: str, baud: int, patience_s: float = PATIENCE_S) -> SerialLine:

@@ -12,7 +12,7 @@ from tests.unit.rigs.serial.board_in_memory import BoardInMemory, rig_on
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, RigError
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs.serial.board import Board, LinkStormError
+from musclewire.rigs.serial.board import Board, LinkStormError, OffMeanwhileError
 from musclewire.rigs.serial.frames import Frame, encode_frame, stuff
 from musclewire.rigs.serial.messages import MessageKind
 from musclewire.signals.exchange import Target
@@ -305,6 +305,60 @@ def test_every_command_starts_with_a_zero_that_ends_what_a_disturbance_left() ->
 def test_a_period_too_long_for_every_fault_to_end_off_within_half_a_second_is_refused() -> None:
     with pytest.raises(ValueError, match=r"must be 0\.05 s or less"):
         rig_on(BoardInMemory(), sample_period=0.1)
+
+
+def test_a_stop_is_sent_while_a_sample_is_awaited_and_its_answer_ends_the_wait() -> None:
+    """By a line that gives nothing until OFF has been written, whatever the patience."""
+    waits = threading.Event()
+
+    class Blocking(BoardInMemory):
+        """A board whose line waits for real, without any samples."""
+
+        blocked = False
+
+        def read(self, timeout_s: float) -> bytes:
+            if self.blocked:
+                waits.set()
+                assert stopped.wait(60.0)
+            return super().read(timeout_s)
+
+        def obey(self, frame: Frame) -> None:
+            super().obey(frame)
+            if frame.kind == MessageKind.OFF and self.blocked:
+                stopped.set()
+
+    stopped = threading.Event()
+    board = Blocking()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.blocked = True
+    ended: list[RigError] = []
+
+    def exchange() -> None:
+        with pytest.raises(RigError) as caught:
+            rig.exchange(2.0)
+        ended.append(caught.value)
+
+    thread = threading.Thread(target=exchange)
+    thread.start()
+    assert waits.wait(60.0)
+    rig.close()
+    thread.join(60.0)
+    assert "was closed while a sample was awaited; the drive is off" in str(ended[0])
+    assert board.drive_v == 0.0
+
+
+def test_once_0_v_is_ordered_no_other_command_goes_out() -> None:
+    line = BoardInMemory()
+    board = Board(line, line.clock_s)
+    board.order_off()
+    for kind in (MessageKind.ARM, MessageKind.HELLO):
+        with pytest.raises(OffMeanwhileError):
+            board.send(kind)
+    with pytest.raises(OffMeanwhileError):
+        board.send_drive(1.0)
+    board.send(MessageKind.OFF)
+    assert {kind for kind, _ in line.commands} == {MessageKind.OFF}
 
 
 def test_another_thread_may_switch_off_while_a_sample_is_awaited() -> None:
