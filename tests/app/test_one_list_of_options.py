@@ -76,7 +76,7 @@ def test_times_lengths_and_all_other_quantities_have_a_unit() -> None:
         for use in USES
         if definition.quantity is None and use.values[0].opts[0] == name and kind_of(use.values[0])[0] is float
     }  # fmt: skip
-    assert plain == {"--friction"}  # a ratio
+    assert plain == {"--friction", "--clock-speed"}  # ratios
 
 
 def test_old_names_lead_to_names_of_the_list_and_are_no_names_of_it() -> None:
