@@ -1,0 +1,96 @@
+/** The slider of the target: keyboard arrows, a numeric field, the limits of the model; sends the newest value only. */
+
+import { fixed } from "./format.js";
+import { setText, show } from "./dom.js";
+import { targetScale } from "./run_kinds.js";
+
+const BETWEEN_MS = 50;
+
+export class Steering {
+  /** `send` sends a target in SI and returns a promise of its answer; `start` begins a loop that follows the slider. */
+  constructor(parts, { send, start, refuse }) {
+    this.parts = parts;
+    this.send = send;
+    this.refuse = refuse;
+    this.sent_ms = 0;
+    const { slider } = parts;
+    const field = parts["slider-number"];
+    slider.addEventListener("input", () => this.moved(Number(slider.value)));
+    field.addEventListener("change", () => this.moved(Number(field.value)));
+    field.addEventListener("keydown", (event) => event.key === "Enter" && this.moved(Number(field.value)));
+    parts.steer.addEventListener("click", start);
+  }
+
+  moved(value) {
+    if (!this.canSteer || !Number.isFinite(value)) return;
+    const { lowest, highest, unit, digits } = this.scale;
+    if (value < lowest || value > highest) {
+      this.refuse(`The model reaches from ${fixed(lowest, digits)} to ${fixed(highest, digits)} ${unit}.`);
+      return;
+    }
+    this.refuse("");
+    this.show(value);
+    this.waiting = value;
+    const left_ms = this.sent_ms + BETWEEN_MS - performance.now();
+    if (left_ms <= 0) this.flush();
+    else this.timer ??= setTimeout(() => this.flush(), left_ms);
+  }
+
+  async flush() {
+    clearTimeout(this.timer);
+    this.timer = null;
+    this.sent_ms = performance.now();
+    const answer = await this.send(this.waiting / this.scale.factor);
+    if (!answer.accepted) this.refuse(answer.message);
+  }
+
+  show(value) {
+    const { slider } = this.parts;
+    const field = this.parts["slider-number"];
+    const { unit, digits } = this.scale;
+    slider.value = value;
+    if (document.activeElement !== field || Number(field.value) !== value) field.value = value.toFixed(digits);
+    slider.setAttribute("aria-valuetext", `${value.toFixed(digits)} ${unit === "%" ? "percent" : unit}`);
+  }
+
+  follow(state, control, isRunning) {
+    const { parts } = this;
+    const { slider } = parts;
+    const scale = targetScale(state);
+    const limits = [scale.lowest, scale.highest].join();
+    if (state.model && limits !== this.limits) {
+      this.limits = limits;
+      const grain = 10 ** -scale.digits;
+      slider.min = Math.ceil(scale.lowest / grain) * grain;
+      slider.max = Math.floor(scale.highest / grain) * grain;
+      slider.step = scale.step;
+      Object.assign(parts["slider-number"], { min: slider.min, max: slider.max, step: scale.step });
+    }
+    this.scale = scale;
+    const isSteering = state.phase === "busy" && Boolean(state.doing?.steering);
+    const began = isSteering && !this.wasSteering;
+    this.wasSteering = isSteering;
+    this.canSteer = isSteering && control.you_hold;
+    for (const input of [slider, parts["slider-number"]]) input.disabled = !this.canSteer;
+    setText(parts["slider-name"], `Target ${scale.name.toLowerCase()}`);
+    setText(parts["slider-unit"], scale.unit);
+    show(parts.steer, Boolean(state.model) && !isSteering);
+    parts.steer.disabled = isRunning || state.phase !== "ready";
+    setText(parts["slider-hint"], this.hint(state, control, isSteering));
+    const target = state.doing?.target;
+    const isOthers = isSteering && !this.canSteer;
+    if (Number.isFinite(target) && (began || isOthers)) this.show(target * scale.factor);
+    if (began && this.canSteer && this.focusWhenSteering) {
+      this.focusWhenSteering = false;
+      slider.focus({ preventScroll: false });
+    }
+  }
+
+  hint(state, control, isSteering) {
+    if (!state.model) return "The slider needs a model: record the slow loop and fit it.";
+    const { lowest, highest, digits, unit } = this.scale;
+    const range = `The model reaches from ${fixed(lowest, digits)} to ${fixed(highest, digits)} ${unit}.`;
+    if (isSteering && !control.you_hold) return `${control.holder ?? "Somebody else"} moves the slider. ${range}`;
+    return isSteering ? `Arrow keys: ${this.scale.step} ${unit} a press. ${range}` : range;
+  }
+}

@@ -1,0 +1,68 @@
+/** States in words. Pure. */
+
+import { fixed, span } from "./format.js";
+
+export const PHASES = {
+  starting: "Starting", off: "Off", ready: "Ready", busy: "Running", ending: "Ending", stopped: "Stopped", failed: "Failed",
+};
+
+/** Return the large word and the sentence of a state in which the wire is not driven, or null. */
+export function verdictOf(state) {
+  if (state.phase === "stopped") return ["STOPPED", `The drive is off. ${state.why || "Switch on again when you know why."}`];
+  if (state.phase === "failed") return ["FAILED", `${state.why || "The rig has failed; see the messages."} The drive is off.`];
+  return null;
+}
+
+/** Return how fast the clock of the rig runs, in words. */
+export function clockWords(state) {
+  const speed = state.clock_speed ?? 1;
+  if (speed === 1) return "Simulated rig, as fast as the clock";
+  return `Simulated rig, ${short(speed)} times as fast as the clock`;
+}
+
+function short(speed) {
+  return Number.isInteger(speed) ? String(speed) : fixed(speed, 1);
+}
+
+/** Return who has control, in words. */
+export function holderWords(control) {
+  if (control.you_hold) return "You have control";
+  return control.holder ? `${control.holder} has control, you watch` : "Nobody has control";
+}
+
+const GUARD = {
+  ok: "Protection: all in order",
+  hold: "Protection holds the drive",
+  sense: "Protection has gone to the sense voltage",
+  off: "Protection has switched the drive off",
+};
+
+/** Return the state of the protection, in words. */
+export function guardWords(protection) {
+  if (!protection) return "Protection: not running";
+  const parts = [GUARD[protection.state] ?? `Protection: ${protection.state}`];
+  const event = [protection.event, protection.cause].filter(Boolean).join(", ");
+  if (event && protection.state !== "ok") parts.push(event);
+  if (protection.remedy && protection.state !== "ok") parts.push(protection.remedy);
+  return parts.join(". ");
+}
+
+/** Return what runs, with the time that is left on the clock on the wall. */
+export function doingWords(state, run_s) {
+  const { doing } = state;
+  if (!doing) return "";
+  if (doing.steering || !doing.duration_s || !Number.isFinite(run_s)) return doing.title;
+  const left_s = Math.max(0, doing.duration_s - run_s) / (state.clock_speed || 1);
+  return `${doing.title}, ${span(left_s)} left`;
+}
+
+/** Return what the fit of a model says of itself, in words. */
+export function modelWords(model, loop) {
+  if (model) {
+    const gap = model.gap_pct === null || model.gap_pct === undefined ? "" : `, gap of the loop ${fixed(model.gap_pct, 2)}\u202f%`;
+    return [`Model ${model.file}${gap}.`, ...(model.warnings ?? [])].join(" ");
+  }
+  if (!loop) return "No loop has been recorded in this session.";
+  if (loop.shows_c === false) return `Loop ${loop.recording}: it does not reach the end of the transformation.`;
+  return `Loop ${loop.recording}, no model fitted yet.`;
+}
