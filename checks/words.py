@@ -25,7 +25,8 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 LIST = Path(__file__).with_suffix(".toml")
 PLACES = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs", "src")
-SUFFIXES = {".css", ".html", ".md", ".py", ".toml"}
+SUFFIXES = {".css", ".html", ".js", ".md", ".py", ".toml"}
+OF_OTHERS = "vendor"  # a folder of files that come from elsewhere, unchanged
 CODE_IN_TEXT = re.compile(r"`[^`\n]*`|\]\([^)]*\)")
 
 
@@ -157,7 +158,7 @@ def files_below(places: Sequence[str | Path]) -> list[Path]:
     for place in map(Path, places):
         path = place if place.is_absolute() else ROOT / place
         inside = sorted(path.rglob("*")) if path.is_dir() else [path]
-        found += [file for file in inside if file.suffix in SUFFIXES]
+        found += [file for file in inside if file.suffix in SUFFIXES and OF_OTHERS not in file.parts]
     return list(dict.fromkeys(found))
 
 

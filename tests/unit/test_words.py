@@ -56,6 +56,13 @@ def test_sources(source: str, words: list[str], tmp_path: Path) -> None:
     assert found(tmp_path, source, ".py") == words
 
 
+def test_a_page_is_read_and_files_of_others_are_not(tmp_path: Path) -> None:
+    (tmp_path / "vendor").mkdir()
+    for name in ("page.js", "vendor/theirs.js"):
+        (tmp_path / name).write_text("/** Begins anew. */\n", "utf-8")
+    assert [path.name for path in files_below([tmp_path])] == ["page.js"]
+
+
 def test_a_finding_names_place_word_and_remedy(tmp_path: Path) -> None:
     path = tmp_path / "page.md"
     path.write_text("One.\n\nTwo\nbegins anew.\n", "utf-8")

@@ -1,4 +1,4 @@
-/** What a screen reader is told: few sentences, the newest only, never the running numbers. */
+/** What a screen reader says: few sentences, the newest only, never the running numbers. */
 
 import { setText } from "./dom.js";
 

@@ -1,4 +1,4 @@
-/** The WebSocket to the server: answers its pings, sends commands and hears their answers, comes back when lost. */
+/** The WebSocket to the server: answers its pings, sends commands and receives their answers, comes back when lost. */
 
 const RETRY_S = [0.3, 0.6, 1, 2, 3];
 const ANSWER_S = 20;
@@ -19,12 +19,12 @@ export class Connection extends EventTarget {
   open() {
     const socket = new WebSocket(this.url);
     this.socket = socket;
-    socket.onmessage = (event) => this.hear(event.data, socket);
+    socket.onmessage = (event) => this.receive(event.data, socket);
     socket.onclose = () => this.closed(socket);
   }
 
   /** Take a message in. The pong goes out before anything else, from this very event: a lease hangs on it. */
-  hear(text, socket) {
+  receive(text, socket) {
     const message = JSON.parse(text);
     this.heard_ms = performance.now();
     if (message.type === "ping") {

@@ -1,7 +1,7 @@
 /** The guided first use: a short list of steps, the next one large, each with what it does and one button. */
 
 import { el, renew, table } from "./dom.js";
-import { fixed, namedValue, withUnit } from "./format.js";
+import { fixed, namedValue, sentence, withUnit } from "./format.js";
 
 const SLOW_LOOP = { do: "characterize", amplitude_v: null, period_s: 90, cycles: 2 };
 // A simulated rig need not keep anybody waiting for its slow loop.
@@ -77,7 +77,7 @@ export function limitsTable(state, names = /./) {
 
 /** Return the doctor's findings as a list. */
 function findings(doctor) {
-  const line = (kind, name, text) => el("li", { class: `finding ${kind}` }, el("span", {}, el("b", {}, name), text ? `: ${text}` : ""));
+  const line = (kind, name, text) => el("li", { class: `finding ${kind}` }, el("span", {}, el("b", {}, sentence(name.replaceAll("_", " "))), text ? `: ${text}` : ""));
   return el(
     "ul", { class: "findings" },
     ...doctor.checks.map((check) => line(check.ok ? "" : "bad", check.name, check.text)),
@@ -102,7 +102,7 @@ export class Guide {
     const key = JSON.stringify([shown, canGo, isRunning, state.phase, state.doctor, state.steps, Boolean(state.rig), state.rig?.limits]);
     this.keepsFocus ||= this.list.contains(document.activeElement);
     renew(this.list, key, () => this.items(state, shown, canGo, isRunning));
-    // A button that was pressed and is made anew would leave the keyboard nowhere: the next one takes its place.
+    // A button that was pressed and is made again would leave the keyboard nowhere: the next one takes its place.
     const nextButton = this.list.querySelector(".primary:not(:disabled)");
     if (this.keepsFocus && nextButton && document.activeElement === document.body) nextButton.focus();
     if (document.activeElement !== document.body) this.keepsFocus = this.list.contains(document.activeElement);

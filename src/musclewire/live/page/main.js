@@ -7,7 +7,7 @@ import { StopButton } from "./stop.js";
 import { followTheme, forgetColours } from "./theme.js";
 import { WireView } from "./wire_view.js";
 
-const NARROWEST_PX = 620; // a wire beside another one needs so much
+const NARROWEST_PX = 620; // a wire next to another one needs so much
 const CONTROL_MS = 1500;
 // More pictures than a screen instrument needs cost a small machine its time; fewer where motion is unwelcome.
 const FRAME_MS = 1000 / 32;
@@ -57,10 +57,10 @@ function viewOf(bench) {
   return views.get(bench);
 }
 
-/** Put wires beside each other where there is room, else behind tabs. */
+/** Put wires next to each other where there is room, else behind tabs. */
 function arrange() {
   const asTabs = views.size > 1 && innerWidth < NARROWEST_PX * views.size;
-  byId("wires").dataset.shown = asTabs ? "tabs" : "beside";
+  byId("wires").dataset.shown = asTabs ? "tabs" : "together";
   const tabs = byId("tabs");
   show(tabs, asTabs);
   for (const [bench, view] of views) {

@@ -54,7 +54,7 @@ export class Plane {
     this.drawPoint(ctx, place, trail);
   }
 
-  /** Return the newest rows that have both values: the estimate where there is one, else the instrument's. */
+  /** Return the newest rows that have both values: the estimate if there is one, else the instrument's. */
   trail(history) {
     const { columns } = history.recent;
     const from = Math.max(0, history.recent.length - TRAIL_ROWS);

@@ -91,7 +91,7 @@ export class History {
 
   push(row) {
     const before = this.recent.last(0);
-    if (before !== null && row[0] < before) this.clear(); // the rig was switched on anew: its clock began again
+    if (before !== null && row[0] < before) this.clear(); // the rig was switched on again: its clock began again
     this.recent.push(row);
     this.envelope.push(row);
   }

@@ -21,7 +21,7 @@ export function quantityOf(columns) {
 /** Return a function from a row of the server, or of a recording, to a row of the page.
 
 `quantity` is what is plotted; `leg_length_m` turns a displacement into a strain where no strain was measured. */
-export function rowReader(columns, { quantity, leg_length_m = null, shunt_resistance_ohm = null }) {
+export function rowReader(columns, { quantity, leg_length_m = null, shunt_resistance_ohm = null, minimum_current_a = 1e-4 }) {
   const place = (name) => columns.indexOf(name);
   const shown = QUANTITIES[quantity];
   const ending = { strain: "", displacement: "_m", force: "_n" }[quantity];
@@ -33,18 +33,19 @@ export function rowReader(columns, { quantity, leg_length_m = null, shunt_resist
     temperature: place("protection_temperature_k"), kp: place("proportional_gain"), ki: place("integral_gain"),
     kd: place("derivative_gain"), valid: place("valid"),
   };
-  return (row) => pageRow(row, at, shown.factor, leg_length_m, shunt_resistance_ohm);
+  return (row) => pageRow(row, at, { factor: shown.factor, leg_length_m, shunt_ohm: shunt_resistance_ohm, minimum_current_a });
 }
 
-function pageRow(row, at, factor, leg_length_m, shunt_ohm) {
+function pageRow(row, at, { factor, leg_length_m, shunt_ohm, minimum_current_a }) {
   const get = (place) => (place < 0 ? null : row[place] ?? null);
   const times = (value, by) => (value === null ? null : value * by);
   const voltage = get(at.voltage);
   let current = get(at.current);
   if (current === null && at.current < 0 && shunt_ohm) current = times(get(at.shunt), 1 / shunt_ohm);
-  const isFlowing = current !== null && Math.abs(current) >= 1e-4 && voltage !== null;
+  // Below the current that the rig needs to sense, a resistance is noise divided by noise.
+  const isFlowing = current !== null && Math.abs(current) >= minimum_current_a && voltage !== null;
   const power = get(at.power) ?? (isFlowing ? voltage * current : null);
-  const resistance = get(at.resistance) ?? (isFlowing ? voltage / current : null);
+  const resistance = isFlowing ? get(at.resistance) ?? voltage / current : null;
   let instrument = get(at.instrument);
   if (instrument === null && at.displacement >= 0 && leg_length_m) instrument = times(get(at.displacement), 1 / leg_length_m);
   const temperature = get(at.temperature);

@@ -20,13 +20,13 @@ const WORDS = {
 
 export class StopButton {
   /** `wires` returns the views of all wires; `connection` sends. */
-  constructor(button, connection, wires, tell) {
+  constructor(button, connection, wires, say) {
     this.button = button;
     this.word = button.querySelector("#stop-word");
     this.note = button.querySelector("#stop-note");
     this.connection = connection;
     this.wires = wires;
-    this.tell = tell;
+    this.say = say;
     this.pending = new Set();
     // At the press, not at the release; a press by keyboard or a screen reader comes as a click without a pointer before.
     button.addEventListener("pointerdown", (event) => event.button === 0 && this.stopAll());
@@ -62,7 +62,7 @@ export class StopButton {
   late() {
     if (!this.pending.size) return;
     this.draw("unconfirmed");
-    this.tell("The server has not confirmed that the drive is off. Switch the supply off.");
+    this.say("The server has not confirmed that the drive is off. Switch the supply off.");
   }
 
   confirmed(bench) {

@@ -31,7 +31,7 @@ function definitions(quantity) {
     },
     { title: "Power", unit: "mW", digits: 0, least: 50, keep: 0, series: [{ name: "in the wire", column: COLUMN.power, colour: "heating" }] },
     {
-      title: "Temperature, estimated", unit: "\u00b0C", digits: 0, least: 40, keep: 20, limit: true,
+      title: "Temperature, estimated", unit: "\u00b0C", digits: 0, least: 40, keep: 20, limit: true, lowest: true,
       series: [{ name: "wire", column: COLUMN.temperature, colour: "heating" }],
     },
   ];
@@ -78,7 +78,8 @@ export class TimePlots {
     const written = (digits) => (_, splits) => splits.map((value) => fixed(value, splits.length > 1 && splits[1] - splits[0] < 10 ** -digits ? digits + 1 : digits));
     const scales = { x: { time: false, range: () => this.range() }, y: { range: (_, low, high) => padded(low, high, definition) } };
     const axes = [
-      { ...axis, size: 22, gap: 2, values: (_, splits) => splits.map((value) => `${value} s`) },
+      // The time is written once, below the lowest plot.
+      { ...axis, size: definition.lowest ? 22 : 5, gap: 2, values: (_, splits) => splits.map((value) => (definition.lowest ? `${value} s` : "")) },
       { ...axis, size: 46, gap: 4, space: 26, values: written(Math.min(definition.digits, 1)) },
     ];
     if (definition.right) {
@@ -89,7 +90,7 @@ export class TimePlots {
       label: each.name, stroke: () => colour(each.colour), width: 1.8, dash: each.dash, scale: each.right ? "right" : "y", points: { show: false },
     }));
     return {
-      width: 300, height: 100, padding: [4, 0, 0, 0], legend: { show: false }, scales, axes, series: [{}, ...series],
+      width: 300, height: 100, padding: [7, 0, 0, 0], legend: { show: false }, scales, axes, series: [{}, ...series],
       cursor: { sync: { key: "time" }, drag: { x: false, y: false }, points: { size: 7 } },
       hooks: { drawClear: [(plot) => definition.limit && this.drawLimit(plot)], draw: [(plot) => this.drawCompared(plot, definition)] },
     };
@@ -113,7 +114,7 @@ export class TimePlots {
     }
   }
 
-  /** Write the newest values beside the names of the traces. */
+  /** Write the newest values next to the names of the traces. */
   writeValues() {
     for (const { definition, values } of this.plots) {
       for (const { each, value } of values) {

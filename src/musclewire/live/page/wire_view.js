@@ -115,6 +115,7 @@ export class WireView {
   }
 
   phaseChanged(state) {
+    for (const layout of this.layouts.values()) layout.read = null; // a rig that was opened again may be another
     const verdict = verdictOf(state);
     if (!verdict) announce(`${this.bench}: ${state.phase === "busy" ? state.doing?.title ?? "running" : PHASES[state.phase]}`);
     this.parts.verdict.replaceChildren(...(verdict ? [el("strong", {}, verdict[0]), el("span", {}, verdict[1])] : []));
@@ -184,7 +185,7 @@ export class WireView {
 
   reading() {
     const rig = this.state?.rig;
-    return { quantity: this.quantity, leg_length_m: rig?.leg_length_m ?? null, shunt_resistance_ohm: rig?.shunt_resistance_ohm ?? null };
+    return { quantity: this.quantity, leg_length_m: rig?.leg_length_m ?? null, shunt_resistance_ohm: rig?.shunt_resistance_ohm ?? null, minimum_current_a: rig?.limits?.minimum_current_a ?? 1e-4 };
   }
 
   useQuantity(quantity) {
@@ -272,7 +273,7 @@ export class WireView {
     this.parts["plane-legend"].replaceChildren(
       key("key-target dot", "now"), key("key-text", "lately"),
       ...(model ? [key("key-heating", "heating branch"), key("key-cooling", "cooling branch")] : []),
-      ...(this.loopColumns ? [key("key-limit-loop", "recorded loop")] : []), ...(this.compared ? [key("key-compared dashed", this.compared.name)] : []),
+      ...(this.loopColumns ? [key("key-loop", "recorded loop")] : []), ...(this.compared ? [key("key-compared dashed", this.compared.name)] : []),
     );
     const words = `${QUANTITIES[this.quantity].name} over resistance: ${model ? "both branches of the model, " : ""}${this.loopColumns ? "the recorded loop, " : ""}the last values and the present point`;
     this.parts.plane.setAttribute("aria-label", words);

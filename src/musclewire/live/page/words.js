@@ -31,19 +31,22 @@ export function holderWords(control) {
 }
 
 const GUARD = {
-  ok: "Protection: all in order",
+  off: "Protection: the output is off",
+  armed: "Protection: armed, nothing is driven",
+  run: "Protection: all in order",
   hold: "Protection holds the drive",
-  sense: "Protection has gone to the sense voltage",
-  off: "Protection has switched the drive off",
+  degraded: "Protection has gone to the sense voltage",
+  tripped: "Protection has switched the drive off",
 };
+const CALM = new Set(["off", "armed", "run"]);
 
 /** Return the state of the protection, in words. */
 export function guardWords(protection) {
   if (!protection) return "Protection: not running";
   const parts = [GUARD[protection.state] ?? `Protection: ${protection.state}`];
   const event = [protection.event, protection.cause].filter(Boolean).join(", ");
-  if (event && protection.state !== "ok") parts.push(event);
-  if (protection.remedy && protection.state !== "ok") parts.push(protection.remedy);
+  if (event && !CALM.has(protection.state)) parts.push(event);
+  if (protection.remedy && !CALM.has(protection.state)) parts.push(protection.remedy);
   return parts.join(". ");
 }
 
