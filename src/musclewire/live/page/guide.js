@@ -1,6 +1,6 @@
 /** The guided first use: a short list of steps, the next one large, each with what it does and one button. */
 
-import { el, renew, table } from "./dom.js";
+import { el, renew, show, table } from "./dom.js";
 import { fixed, namedValue, sentence, withUnit } from "./format.js";
 
 const SLOW_LOOP = { do: "characterize", amplitude_v: null, period_s: 90, cycles: 2 };
@@ -61,6 +61,7 @@ const STEPS = [
   },
 ];
 
+const AGAIN = -2; // in the place of a step's number: the rig is to be switched on again
 const MAIN_LIMITS = /temperature|voltage|current|power|force/;
 
 function isDone(step, state) {
@@ -97,7 +98,7 @@ export class Guide {
     if (!state.steps) return;
     const next = STEPS.findIndex((step) => !isDone(step, state));
     const off = !["ready", "busy", "ending", "starting"].includes(state.phase);
-    const shown = off && next > 0 ? -2 : next;
+    const shown = off && next !== 0 ? AGAIN : next;
     const canGo = !isRunning && ["ready", "off", "stopped", "failed"].includes(state.phase);
     const key = JSON.stringify([shown, canGo, isRunning, state.phase, state.doctor, state.steps, Boolean(state.rig), state.rig?.limits]);
     this.keepsFocus ||= this.list.contains(document.activeElement);
@@ -106,17 +107,18 @@ export class Guide {
     const nextButton = this.list.querySelector(".primary:not(:disabled)");
     if (this.keepsFocus && nextButton && document.activeElement === document.body) nextButton.focus();
     if (document.activeElement !== document.body) this.keepsFocus = this.list.contains(document.activeElement);
-    this.card.querySelector("h2").textContent = next < 0 ? "First use: done" : "First use";
+    // What has been done once needs no room any more, unless the rig is to be switched on again.
+    show(this.card, next >= 0 || off);
   }
 
   items(state, next, canGo, isRunning) {
-    const again = next === -2 ? [this.againItem(canGo)] : [];
+    const again = next === AGAIN ? [this.againItem(canGo)] : [];
     return [...again, ...STEPS.map((step, place) => this.item(step, state, place === next, canGo, isRunning))];
   }
 
   againItem(canGo) {
     const button = el("button", { type: "button", class: "primary", disabled: !canGo, onclick: () => this.run([{ do: "switch_on" }]) }, "Switch on again");
-    return el("li", { class: "step", "data-state": "next" }, el("div", {}, el("h3", {}, "Switch on again"), el("p", {}, "What was found out so far is kept."), button));
+    return el("li", { class: "step again", "data-state": "next" }, el("div", {}, el("h3", {}, "Switch on again"), el("p", {}, "What was found out so far is kept."), button));
   }
 
   item(step, state, isNext, canGo, isRunning) {

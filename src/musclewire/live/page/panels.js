@@ -19,8 +19,8 @@ export class ProtectionPanel {
 
   follow(state) {
     const { guard, health } = this.parts;
-    setText(guard, guardWords(state.protection));
-    guard.dataset.state = state.protection?.state ?? "none";
+    setText(guard, guardWords(state.protection, state.phase));
+    guard.dataset.state = ["ready", "busy", "ending"].includes(state.phase) || state.protection?.state === "tripped" ? state.protection?.state ?? "none" : "none";
     setText(health, state.health ? `Health: ${state.health}` : "Health: nothing known against it.");
     this.limit = state.protection?.maximum_temperature_k ?? state.rig?.limits?.maximum_temperature_k ?? null;
   }

@@ -132,6 +132,7 @@ export class WireView {
     if (!state) return;
     const isRunning = this.sequence.isRunning;
     this.root.dataset.phase = state.phase;
+    this.root.toggleAttribute("data-model", Boolean(state.model));
     setText(parts.name, state.rig?.name ?? this.bench);
     setText(parts.subtitle, subtitle(state));
     setText(parts.phase, PHASES[state.phase] ?? state.phase);
@@ -199,15 +200,18 @@ export class WireView {
 
   /** Draw what has come since the last time. `now_ms` is the time of the frame. */
   draw(now_ms) {
-    if (!this.dirty || !this.state) return false;
-    this.dirty = false;
-    this.plots.draw();
-    this.plane.draw(this.history);
-    this.gauge.draw(this.shown());
-    if (now_ms - this.numbers_ms >= NUMBERS_MS) {
+    if (!this.state) return false;
+    if (this.numbersDue && now_ms - this.numbers_ms >= NUMBERS_MS) {
+      this.numbersDue = false;
       this.numbers_ms = now_ms;
       this.writeNumbers();
     }
+    if (!this.dirty) return false;
+    this.dirty = false;
+    this.numbersDue = true;
+    this.plots.draw();
+    this.plane.draw(this.history);
+    this.gauge.draw(this.shown());
     return true;
   }
 

@@ -1,6 +1,6 @@
 /** States in words. Pure. */
 
-import { fixed, span } from "./format.js";
+import { fixed, sentence, span } from "./format.js";
 
 export const PHASES = {
   starting: "Starting", off: "Off", ready: "Ready", busy: "Running", ending: "Ending", stopped: "Stopped", failed: "Failed",
@@ -8,9 +8,15 @@ export const PHASES = {
 
 /** Return the large word and the sentence of a state in which the wire is not driven, or null. */
 export function verdictOf(state) {
-  if (state.phase === "stopped") return ["STOPPED", `The drive is off. ${state.why || "Switch on again when you know why."}`];
-  if (state.phase === "failed") return ["FAILED", `${state.why || "The rig has failed; see the messages."} The drive is off.`];
+  if (state.phase === "stopped") return ["STOPPED", closed(state.why || "the drive is off; switch on again when you know why")];
+  if (state.phase === "failed") return ["FAILED", closed(state.why || "the rig has failed and the drive is off; see the messages")];
   return null;
+}
+
+/** Return a line as a sentence. */
+function closed(line) {
+  const text = sentence(line);
+  return /[.!?]$/.test(text) ? text : `${text}.`;
 }
 
 /** Return how fast the clock of the rig runs, in words. */
@@ -38,11 +44,13 @@ const GUARD = {
   degraded: "Protection has gone to the sense voltage",
   tripped: "Protection has switched the drive off",
 };
+const OFF = new Set(["off", "stopped", "failed"]);
 const CALM = new Set(["off", "armed", "run"]);
 
 /** Return the state of the protection, in words. */
-export function guardWords(protection) {
+export function guardWords(protection, phase) {
   if (!protection) return "Protection: not running";
+  if (OFF.has(phase) && protection.state !== "tripped") return GUARD.off;
   const parts = [GUARD[protection.state] ?? `Protection: ${protection.state}`];
   const event = [protection.event, protection.cause].filter(Boolean).join(", ");
   if (event && !CALM.has(protection.state)) parts.push(event);
