@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from musclewire.rigs.load_kinds import LOAD_PARTS
     from musclewire.sensing import ESTIMATORS, SensingModel, load_model
     from musclewire.signals import Recording, read_recording
+    from musclewire.signals.runs_on_disk import recover_recording
     from musclewire.studies import RUN_KINDS, read_study, read_study_data, sweep
     from musclewire.studies.study_page import write_study
 
@@ -76,6 +77,7 @@ __all__ = [
     "read_study_data",
     "export_fmu",
     "read_recording",
+    "recover_recording",
     "load_model",
     "Recording",
     "SensingModel",
@@ -115,6 +117,7 @@ _HOMES = {
     "read_study_data": "musclewire.studies",
     "export_fmu": "musclewire.export.fmu",
     "read_recording": "musclewire.signals",
+    "recover_recording": "musclewire.signals.runs_on_disk",
     "load_model": "musclewire.sensing",
     "Recording": "musclewire.signals",
     "SensingModel": "musclewire.sensing",

@@ -61,10 +61,7 @@ class RigError(MusclewireError):
 
 
 class RecordingNotWrittenError(RigError):
-    """A recording's file cannot be written any more. The rig is safe; a note on the error says where the samples are.
-
-    HDF5 may crash a process that closes such a file, so the command line exits without closing it.
-    """
+    """A recording's file cannot be written any more. The rig is safe, and it is said where the rows are."""
 
 
 class NumericsError(MusclewireError):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -61,6 +62,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     run(path, "fit", "loop.h5", "-o", "model.json")
     run(path, "characterize", "simulated", "-o", "short.h5", "--cycles", "1", "--period", "12")
     (path / "study.toml").write_text(STUDY, "utf-8")
+    shutil.copy(ROOT / "tests/unit/signals/old_recordings/journal-1-cut-off.h5.journal", path / "cut.h5.journal")
     return path
 
 
@@ -112,6 +114,7 @@ CALLS = {
     "estimate": ["model.json", "loop.h5"],
     "protection": ["simulated"],
     "bench": ["--quick", "--only", "step[10ms,numba]"],
+    "recover": ["cut.h5"],
     "rules": [],
     "export c": ["model.json", "-o", "library"],
     "export fmu": ["model.json", "-o", "fmus"],

@@ -14,13 +14,12 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-import h5py
 import numpy as np
 from emulation.board import EmulatedBoard
 from numpy.typing import NDArray
 from tests.faults.table import FaultRow
 
-from musclewire.errors import MusclewireError
+from musclewire.errors import MusclewireError, RecordingError
 from musclewire.experiment.run import Decision, run_on_rig
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
@@ -29,6 +28,7 @@ from musclewire.rigs.serial.device import SerialDevice
 from musclewire.rigs.serial.frames import Frame, encode_frame
 from musclewire.rigs.serial.messages import MessageKind
 from musclewire.signals.exchange import Command, Drive, RawSample, Target
+from musclewire.signals.reading import read_hdf5
 from musclewire.signals.recording import Recording
 
 __all__ = ["Outcome", "command_run", "judged_s", "mounted", "scripted_run"]
@@ -40,8 +40,8 @@ SOUND_SAMPLES, SURVIVED_SAMPLES = 20, 100
 LAST_S = 1.0
 OFF_V = 1e-3
 PATIENCE_S = 90.0
-# Bytes after which a recording's file finds the disk full: some blocks fit.
-FULL_DISK_BYTES = 60_000
+# Bytes after which a recording's file finds the disk full: it begins and some seconds of rows fit.
+FULL_DISK_BYTES = 12_000
 # Faults that come from outside the host.
 FROM_OUTSIDE = ("bench", "line", "unplug", "reset", "power cut", "power drop")
 
@@ -212,9 +212,8 @@ def rig_text(port: str, row: FaultRow) -> str:
 def rows_on_disk(path: Path) -> int:
     """Return how many samples a growing recording holds."""
     try:
-        with h5py.File(path, "r", locking=False) as file:
-            return int(file["time_s"].shape[0])
-    except (OSError, KeyError):
+        return len(read_hdf5(path))
+    except RecordingError:
         return 0
 
 

@@ -33,10 +33,13 @@ def require_free(path: Path, overwrite: bool) -> None:
 
 
 def require_recording_file(path: Path, overwrite: bool) -> None:
-    """Raise CallerError for a recording of another kind, or one that would replace a file."""
+    """Raise CallerError for a recording of another kind, or one that would replace a file or an unfinished run."""
+    from musclewire.signals.open_journal import refuse_unfinished
+
     if path.suffix != ".h5":
         raise CallerError(f"{path}: a run is recorded as .h5 (it survives a crash); 'musclewire import' converts")
-    require_free(path, overwrite)
+    refuse_unfinished(path, overwrite)
+    require_folder(path)
 
 
 def require_model_file(path: Path) -> None:

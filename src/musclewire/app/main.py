@@ -6,7 +6,6 @@ made safe; 130 and 143 interrupted by Ctrl-C and SIGTERM, rig made safe.
 
 from __future__ import annotations
 
-import os
 import sys
 from typing import Annotated, Any
 
@@ -25,13 +24,14 @@ from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
 from musclewire.app.paper_commands import add_paper_commands
 from musclewire.app.protection_command import add_protection_command
+from musclewire.app.recover_command import add_recover_command
 from musclewire.app.rig_commands import add_rig_commands
 from musclewire.app.robustness_command import add_robustness_command
 from musclewire.app.stopping import STOPPED, Stopped, ignore_signals, listen_for_signals
 from musclewire.app.sweep_command import add_sweep_command
 from musclewire.app.tune_command import add_tune_command
 from musclewire.app.wire_commands import add_wire_commands
-from musclewire.errors import MusclewireError, RecordingNotWrittenError
+from musclewire.errors import MusclewireError
 
 __all__ = ["app", "main"]
 
@@ -72,6 +72,7 @@ add_home_command(app)
 add_doctor_command(app)
 add_model_commands(app)
 add_tune_command(app)
+add_recover_command(app)
 add_grip_command(app)
 add_wire_commands(app)
 add_linearise_command(app)
@@ -90,10 +91,6 @@ def main() -> None:
     listen_for_signals()
     code = run()
     ignore_signals()
-    if FileTrouble.seen:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(code)
     sys.exit(code)
 
 
@@ -117,16 +114,8 @@ def run(arguments: list[str] | None = None) -> int:
         return 1
 
 
-class FileTrouble:
-    """Whether a recording's file failed; then HDF5's own tidying up at the end of the process may crash it."""
-
-    seen = False
-
-
 def report_error(error: MusclewireError) -> int:
     """Print an error as one line, and where its samples are if a run was being recorded."""
-    if isinstance(error, RecordingNotWrittenError):
-        FileTrouble.seen = True
     say(f"musclewire: {' '.join(str(error).split())}")
     say_where_samples_are(error)
     return error.exit_code

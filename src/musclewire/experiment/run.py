@@ -7,6 +7,7 @@ user's Ctrl-C raises: this happens first, before anything is written.
 from __future__ import annotations
 
 import gc
+import os
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -30,9 +31,9 @@ from musclewire.experiment.timing_facts import NO_CLOCK, Pace, timing_metadata
 from musclewire.rigs.abilities import adjustable_clock_of, exchange_times_of, protection_limits_of
 from musclewire.rigs.device import AdjustableClock
 from musclewire.rigs.protocol import Rig
+from musclewire.signals.background_writer import BackgroundWriter
 from musclewire.signals.exchange import ELECTRICAL_COLUMNS, REFERENCE_COLUMNS, Command, RawSample
-from musclewire.signals.hdf5 import RecordingWriter
-from musclewire.signals.hdf5_process import WriterProcess
+from musclewire.signals.open_journal import refuse_unfinished
 from musclewire.signals.recording import MetadataValue, Recording
 
 __all__ = [
@@ -51,12 +52,8 @@ __all__ = [
 OnSample = Callable[[Mapping[str, float]], None]
 Until = Callable[[], bool]
 Exchange = Callable[[Command], RawSample]
-# Rows that may be lost to a power cut: about a second of a paced rig, less without a clock that paces.
-PACED_BLOCK_S, FREE_BLOCK_ROWS = 1.0, 200
-# A block takes some milliseconds to write, on a busy machine over ten: in shorter periods another process writes it.
+# An fsync keeps a core busy for some hundred microseconds: in shorter periods another process writes, on any core.
 MIN_PERIOD_FOR_DISK_S = 0.02
-# Files HDF5 has lost hold of: closing one, or letting it be collected, fails again and may crash the process.
-_NEVER_LET_GO: list[object] = []
 
 
 class RunOptions(TypedDict, total=False):
@@ -131,10 +128,12 @@ def refuse_unusable(path: str | Path | None, overwrite: bool) -> None:
     """Raise CallerError if a recording cannot be written, before anything is heated for it."""
     if path is None:
         return
-    if Path(path).exists() and not overwrite:
-        raise CallerError(f"{path} exists: give another name, or allow replacing it (--overwrite, overwrite=True)")
-    if not Path(path).parent.is_dir():
-        raise CallerError(f"{path}: there is no folder {Path(path).parent}")
+    refuse_unfinished(path, overwrite)
+    folder = Path(path).parent
+    if not folder.is_dir():
+        raise CallerError(f"{path}: there is no folder {folder}")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise CallerError(f"{path}: the folder {folder.absolute()} cannot be written to; give another one")
 
 
 def run_on_rig(
@@ -300,9 +299,8 @@ def recorder_for(
     rig: Rig, columns: Sequence[str], metadata: Mapping[str, MetadataValue], path: str | Path | None, overwrite: bool
 ) -> Recorder:
     """Return a recorder that a rig's pace does not have to wait for."""
-    rows = max(1, round(PACED_BLOCK_S / rig.sample_period_s)) if rig.paced else FREE_BLOCK_ROWS
     apart = rig.paced and rig.sample_period_s < MIN_PERIOD_FOR_DISK_S
-    return Recorder(columns, metadata, path, overwrite=overwrite, block_rows=rows, apart=apart)
+    return Recorder(columns, metadata, path, overwrite=overwrite, apart=apart)
 
 
 def what_protects(rig: Rig) -> dict[str, MetadataValue]:
@@ -327,7 +325,7 @@ def few_collections() -> Iterator[None]:
 
 
 class Recorder:
-    """Collects rows; with a path every block also goes to disk, where it survives a crash."""
+    """Collects rows; with a path each is also in a file within a tenth of a second, where it survives a crash."""
 
     def __init__(
         self,
@@ -336,54 +334,40 @@ class Recorder:
         path: str | Path | None = None,
         *,
         overwrite: bool = False,
-        block_rows: int = 20,
         apart: bool = False,
     ) -> None:
-        """Start an empty recording; ``block_rows`` rows go to disk together.
+        """Start an empty recording.
 
-        With ``apart`` another process writes, for a loop that is too fast to wait for a disk.
-        Raises CallerError if ``path`` exists and may not be replaced.
+        With ``apart`` another process writes, for a loop that is too fast to share its core with a disk.
+        Raises CallerError if ``path`` cannot be written, or exists and may not be replaced.
         """
         self._columns = tuple(columns)
         start_time = datetime.now(UTC).isoformat(timespec="seconds")
         self._metadata = {**metadata, "software_version": software_version(), "start_time": start_time}
+        self._writer: BackgroundWriter | None = None
+        if path is not None:
+            self._writer = BackgroundWriter(path, columns, self._metadata, overwrite, apart)
         # Plain numbers in one block: a million rows make no objects for the garbage collector to walk through.
-        self._values = array("d")
-        self._writer: RecordingWriter | WriterProcess | None = None
-        if path is not None and apart:
-            self._writer = WriterProcess(path, columns, self._metadata, block_rows, overwrite)
-        elif path is not None:
-            self._writer = RecordingWriter(path, columns, self._metadata, block_rows, overwrite)
+        self._values = array("d") if self._writer is None else self._writer.values
         self._ended = "running"
-        self._lost: Path | None = None
 
     def append(self, row: list[float | None]) -> None:
         """Keep one row, a value for each column in their order, None for an instrument without a reading.
 
-        The caller must not change the list afterwards. Raises ValueError for a row of another length.
+        Raises ValueError for a row of another length, RecordingNotWrittenError if the disk takes no more.
         """
         if len(row) != len(self._columns):
             raise ValueError(f"a row of {len(row)} values for {len(self._columns)} columns: {', '.join(self._columns)}")
-        kept: list[float] = row  # type: ignore[assignment]  # unless an instrument has no reading
         try:
-            self._values.fromlist(kept)
+            self._values.fromlist(row)  # type: ignore[arg-type]  # unless an instrument has no reading
         except TypeError:
-            kept = [nan if value is None else value for value in row]
-            self._values.fromlist(kept)
-        if self._writer is None:
-            return
-        try:
-            self._writer.append_values(kept)
-        except (OSError, RuntimeError) as problem:
-            raise self._lose_file(problem) from None
+            self._values.fromlist([nan if value is None else value for value in row])
+        if self._writer is not None and self._writer.failure is not None:
+            raise not_written(self._writer.path, self._writer.failure)
 
     def append_all(self, rows: FloatArray) -> None:
         """Keep rows of a finished run, (n_samples, n_columns)."""
-        if self._writer is not None:
-            for row in rows.tolist():
-                self.append(row)
-        else:
-            self._values.frombytes(np.ascontiguousarray(rows, dtype=np.float64).tobytes())
+        self._values.frombytes(np.ascontiguousarray(rows, dtype=np.float64).tobytes())
 
     def describe(self, metadata: Mapping[str, MetadataValue]) -> None:
         """Add metadata that is known only at the end; the file has it once it is closed."""
@@ -407,40 +391,45 @@ class Recorder:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Write the remaining rows and how the run ended; an exception carries the partial recording."""
+        # By now the rig is safe: a slow disk cannot keep a wire hot.
         self._ended = cause_of(error)
         problem = self._close_file()
+        where = self._where(problem)
+        if problem is None and error is None:
+            return
+        raised = error or problem
+        raised.recording = self.recording()  # type: ignore[union-attr]
+        raised.add_note(f"{len(self)} samples were recorded; they are in error.recording{where}")  # type: ignore[union-attr]
         if error is None and problem is not None:
-            error = problem
-            self._take_along(error)
-            raise error
-        if error is not None:
-            self._take_along(error)
+            raise problem
 
     def _close_file(self) -> RecordingNotWrittenError | None:
         if self._writer is None:
             return None
         try:
             self._writer.close(self._ended, self._metadata)
-        except (OSError, RuntimeError, ValueError) as problem:
-            return self._lose_file(problem)
+        except RecordingNotWrittenError as problem:
+            return problem
+        except OSError as problem:
+            return not_written(self._writer.path, problem)
         return None
 
-    def _take_along(self, error: BaseException) -> None:
-        """Attach the recording to an exception, with a note of its path."""
-        recording = self.recording()
-        error.recording = recording  # type: ignore[attr-defined]
-        where = f" and in {self._writer.path}" if self._writer else ""
-        if self._lost is not None:
-            # Only now: by the time a recorder ends, the rig is safe, and a slow disk cannot keep a wire hot.
-            where = f" and in {saved}" if (saved := rescued(recording, self._lost.stem)) else ""
-        error.add_note(f"{len(self)} samples were recorded; they are in error.recording{where}")
+    def _where(self, problem: RecordingNotWrittenError | None) -> str:
+        """Return where the rows are, as the end of a note; saved elsewhere if their file has not all of them."""
+        if self._writer is None:
+            return ""
+        if problem is None:
+            return f" and in {self._writer.path}"
+        journal, rows = self._writer.leave(self._ended)
+        if rows == len(self):
+            return f" and in {journal}"
+        saved = rescued(self.recording(), self._writer.path.stem)
+        return f" and in {saved}" if saved else f" and, the first {rows}, in {journal}"
 
-    def _lose_file(self, problem: Exception) -> RecordingNotWrittenError:
-        """Give up a file that can no longer be written and return the error for it."""
-        path = self._writer.path if self._writer else Path("recording.h5")
-        _NEVER_LET_GO.append(self._writer)
-        self._writer, self._lost = None, path
-        return RecordingNotWrittenError(f"cannot write {path}: {first_line(problem)}")
+
+def not_written(path: Path, problem: OSError) -> RecordingNotWrittenError:
+    """Return the error for a file that can no longer be written."""
+    return RecordingNotWrittenError(f"cannot write {path}: {problem.strerror or first_line(problem)}")
 
 
 class LoopTiming:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from musclewire.signals.columns import COLUMNS
 from musclewire.signals.exchange import RawSample
-from musclewire.signals.hdf5 import RecordingWriter
 from musclewire.signals.reading import has_headers, read_recording, understand
 from musclewire.signals.recording import Recording
+from musclewire.signals.recording_writer import RecordingWriter
 
 __all__ = ["RawSample", "Recording", "RecordingWriter", "has_headers", "read_recording", "understand", "COLUMNS"]

@@ -12,7 +12,7 @@ import numpy as np
 from musclewire.errors import CallerError
 from musclewire.signals.units import quantity_with_suffix
 
-__all__ = ["MetadataValue", "checked_metadata", "value_to_text", "entry_from_text"]
+__all__ = ["MetadataValue", "checked_metadata", "one_line", "value_to_text", "entry_from_text"]
 
 MetadataValue = str | int | float | bool | None
 
@@ -56,6 +56,11 @@ def _checked_value(key: str, value: object) -> MetadataValue:
         return plain
     kind = type(value).__name__
     raise CallerError(f"metadata '{key}' is a {kind}; give text, a number, true or false, or None")
+
+
+def one_line(text: str) -> str:
+    """Return an exception's message, which may hold anything, as a line that every file can keep."""
+    return " ".join(text.replace("\0", " ").encode("utf-8", "replace").decode("utf-8").split())
 
 
 def value_to_text(key: str, value: MetadataValue) -> str:

@@ -12,6 +12,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, needs_no_clock
 from musclewire.signals.headers import IgnoredHeader, MatchedHeader, numbered_headers, understand_headers
+from musclewire.signals.journal import is_journal, unfinished
 from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.recording import Recording
 from musclewire.signals.tables import Table
@@ -116,13 +117,13 @@ def read_recording(
 
 
 def read_hdf5(path: str | Path) -> Recording:
-    """Return a recording in musclewire's format without checks; of one cut off, the complete rows, ``ended`` "cut off".
+    """Return a recording in musclewire's format without checks; an unfinished one has ``ended`` "running" or "cut off".
 
-    Raises RecordingError if the file is missing, damaged, still being written, or not a musclewire recording.
+    Raises RecordingError if the file is missing, damaged, or not a musclewire recording.
     """
-    from musclewire.signals.hdf5 import read_hdf5_columns
+    from musclewire.signals.runs_on_disk import read_run
 
-    return _recording(*read_hdf5_columns(Path(path)), Path(path))
+    return _recording(*read_run(Path(path)), Path(path))
 
 
 def has_headers(path: str | Path) -> bool:
@@ -215,7 +216,7 @@ class _RecordingTable:
 
 def _table(path: Path) -> Table:
     read = _reader_for(path)
-    if not path.is_file():
+    if not path.is_file() and not (is_journal(path) or unfinished(path)):
         what = "is a folder" if path.is_dir() else "no such file"
         raise RecordingError(f"{path}: {what}; give the path of a recording")
     return read(path)
@@ -224,7 +225,7 @@ def _table(path: Path) -> Table:
 def _reader_for(path: Path) -> Callable[[Path], Table]:
     # Imported here: h5py and pyarrow are slow to load, and most commands read no file.
     suffix = path.suffix.lower()
-    if suffix in {".h5", ".hdf5"}:
+    if suffix in {".h5", ".hdf5"} or is_journal(path) or unfinished(path):
         return lambda file: _RecordingTable(read_hdf5(file))
     if suffix in {".csv", ".tsv", ".txt"}:
         from musclewire.signals.text_tables import read_text_table

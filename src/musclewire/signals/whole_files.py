@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import os
 import secrets
 from collections.abc import Callable
@@ -9,7 +10,7 @@ from pathlib import Path
 
 from musclewire.errors import CallerError
 
-__all__ = ["write_text_whole", "write_whole"]
+__all__ = ["folder_to_disk", "remove_parts", "write_text_whole", "write_whole"]
 
 
 def write_whole(path: Path, write: Callable[[Path], None]) -> None:
@@ -42,3 +43,21 @@ def _to_disk(path: Path) -> None:
     # Without this a power cut just after the rename can leave the new name with old, empty blocks.
     with path.open("rb+") as file:
         os.fsync(file.fileno())
+
+
+def folder_to_disk(path: Path) -> None:
+    """Bring the entry of a file in its folder to the disk, where folders can be opened; else the name may be lost."""
+    try:
+        folder = os.open(path.parent, os.O_RDONLY)
+    except OSError:
+        return
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def remove_parts(path: Path) -> None:
+    """Remove what a process left that was killed while it wrote ``path``; only its one writer may call this."""
+    for part in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
+        part.unlink(missing_ok=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from errno import ENOSPC
 from pathlib import Path
 
 import pytest
@@ -71,15 +72,15 @@ def test_a_disk_that_takes_no_more_ends_the_run_safe_with_the_samples_on_the_err
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*_: object) -> None:
-        raise OSError("[Errno 28] No space left on device")
+        raise OSError(ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("musclewire.signals.hdf5.RecordingWriter.append_values", full)
+    monkeypatch.setattr("musclewire.signals.background_writer.SyncedFile.append", full)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     rig = FakeRig()
-    with pytest.raises(RigError, match=r"cannot write .*run\.h5: .*No space left") as caught:
+    with pytest.raises(RigError, match=r"cannot write .*run\.h5: No space left on device") as caught:
         characterize(rig, period_s=5.0, path=tmp_path / "run.h5")
     assert rig.drive_voltage_v == rig.sense_voltage_v
-    assert len(caught.value.recording) == 1  # type: ignore[attr-defined]
+    assert len(caught.value.recording) >= 1  # type: ignore[attr-defined]
     (rescued,) = tmp_path.glob("run-rescued-*.csv")
     assert any(str(rescued) in note for note in caught.value.__notes__)
 

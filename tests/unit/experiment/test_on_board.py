@@ -14,6 +14,7 @@ from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.serial.frames import Frame
 from musclewire.rigs.serial.messages import MessageKind
 from musclewire.signals.exchange import Command, RawSample, Target
+from musclewire.signals.journal import journal_of
 
 
 class OneTarget:
@@ -37,7 +38,7 @@ def test_the_file_is_made_before_the_board_is_armed_so_that_its_heater_does_not_
     class Watched(BoardInMemory):
         def obey(self, frame: Frame) -> None:
             if frame.kind == MessageKind.ARM:
-                there_when_armed.append(path.exists())
+                there_when_armed.append(journal_of(path).exists())
             super().obey(frame)
 
     board = Watched()

@@ -1,0 +1,40 @@
+"""The command that finishes the recording of a run that was cut off: recover."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from musclewire.app.commands import add_command
+from musclewire.app.options import OUTPUT, OVERWRITE, Json
+from musclewire.app.output import emit_json, show
+
+__all__ = ["add_recover_command"]
+
+
+def add_recover_command(app: typer.Typer) -> None:
+    """Add the command of this file."""
+    add_command(app, recover)
+
+
+def recover(
+    recording: Annotated[
+        Path, typer.Argument(metavar="RECORDING", help="The recording as it was to be, or its journal (.h5.journal).")
+    ],
+    output: Annotated[Path | None, OUTPUT] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
+    json: Json = False,
+) -> None:
+    """Make plain HDF5 of the journal that a run left when it was cut off; with -o the journal stays."""
+    from musclewire.signals.journal import recording_of
+    from musclewire.signals.runs_on_disk import recover_recording
+
+    found = recover_recording(recording, output, overwrite=overwrite)
+    written, ended = output or recording_of(recording), found.metadata["ended"]
+    duration_s = found.duration_s if "time_s" in found else None
+    if json:
+        emit_json({"recording": str(written), "rows": len(found), "duration_s": duration_s, "ended": ended})
+        return
+    show(f"{written}: {len(found)} rows, {duration_s or 0.0:g} s, ended: {ended}")
