@@ -1,0 +1,34 @@
+"""The benchmark that kills recordings and fills disks, in its quick mode: twenty kills, six disks of each kind."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+BENCHMARK = Path(__file__).parents[3] / "benchmarks" / "kill_recording.py"
+
+
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform != "linux", reason="kills and limits as on Linux")]
+
+
+@pytest.fixture(scope="module")
+def answer(tmp_path_factory: pytest.TempPathFactory) -> subprocess.CompletedProcess[str]:
+    """What the benchmark printed, and its exit code."""
+    command = [sys.executable, BENCHMARK, "--quick", "--output", tmp_path_factory.mktemp("killed")]
+    return subprocess.run(command, capture_output=True, text=True, timeout=600.0, check=False)
+
+
+def test_killed_recordings_have_every_row_older_than_a_tenth_of_a_second(
+    answer: subprocess.CompletedProcess[str],
+) -> None:
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    assert "limit " in answer.stdout
+
+
+def test_the_small_disk_was_filled_too(answer: subprocess.CompletedProcess[str]) -> None:
+    if "not run: a tmpfs cannot be mounted" in answer.stdout:
+        pytest.skip("the small disk was not run: a tmpfs cannot be mounted here")
+    assert "tmpfs " in answer.stdout
