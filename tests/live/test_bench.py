@@ -29,7 +29,7 @@ def test_a_wire_is_warmed_only_while_somebody_is_there(tmp_path: Path) -> None:
             async with in_control(handle):
                 assert (await ask(handle, do="characterize", period_s=20.0)).accepted
                 busy = await ask(handle, do="doctor")
-                assert (busy.accepted, busy.message) == (False, "Characterisation is running: end it first")
+                assert (busy.accepted, busy.message) == (False, "'characterize' is running: end it first")
                 await asyncio.sleep(1.0)
                 assert handle.state["phase"] == "busy"
             await until_phase(handle, "ready")
@@ -86,5 +86,41 @@ def test_a_rig_that_cannot_be_opened_is_a_state_and_no_crash(tmp_path: Path) -> 
             assert not refused.accepted
             assert handle.state["phase"] == "failed"
             assert handle.state["why"] == refused.message
+
+    asyncio.run(run())
+
+
+def test_a_whole_session_on_a_simulated_rig_that_runs_faster_than_the_clock(tmp_path: Path) -> None:
+    async def run() -> None:
+        async with bench(tmp_path) as handle, in_control(handle):
+            await ask(handle, do="switch_on")
+            assert (await ask(handle, do="clock_speed", factor=100.0)).accepted
+            assert handle.state["clock_speed"] == 100.0
+            for command in (
+                {"do": "doctor"},
+                {"do": "pulse"},
+                {"do": "characterize"},
+                {"do": "fit"},
+                {"do": "home"},
+                {"do": "control", "reference": {"kind": "staircase"}},
+                {"do": "control", "reference": {"kind": "sine", "middle": 0.02, "amplitude": 0.002, "period_s": 20.0}},
+                {"do": "control", "reference": {"kind": "path", "time_s": [0.0, 5.0], "target": [0.015, 0.02]}},
+            ):
+                answer = await ask(handle, **command)
+                assert answer.accepted, (command, answer.message)
+                await until_phase(handle, "ready", "failed")
+                assert handle.state["phase"] == "ready", (command, handle.state["why"])
+            assert all(handle.state["steps"].values())
+            # The last path is short: after an approach of 12 s only 5 s count.
+            assert handle.state["metrics"]["rms_pct"] < 10.0
+            # Choosing another pretension forgets the model of this one.
+            assert (await ask(handle, do="choose_pretension", pretension_n=1.7)).accepted
+            await until_phase(handle, "ready")
+            assert handle.state["model"] is None
+            assert handle.state["rig"]["pretension_n"] == 1.7
+            assert len(handle.state["recordings"]) == 6
+            runs = [read_recording(path) for path in sorted(tmp_path.glob("control-*.h5"))]
+            assert [one.metadata["ended"] for one in runs] == ["done"] * 3
+            assert runs[0].metadata["clock_speed"] == 100.0
 
     asyncio.run(run())

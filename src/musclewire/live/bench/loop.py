@@ -50,8 +50,6 @@ def perform(session: Session, order: Order) -> None:
     try:
         if isinstance(command, messages.SwitchOn):
             switch_on(session)
-        elif isinstance(command, messages.ClockSpeed):
-            set_clock_speed(session, command.factor)
         else:
             carry_out(session, order, RECIPES[type(command)])
     except (RigError, NumericsError, RecordingNotWrittenError) as problem:
@@ -60,6 +58,8 @@ def perform(session: Session, order: Order) -> None:
     except MusclewireError as problem:
         order.answer(False, str(problem))
         session.shown.say("error", str(problem))
+    finally:
+        session.queued = ""
     order.answer(True)
 
 
@@ -107,8 +107,3 @@ def failed(session: Session, problem: MusclewireError) -> None:
     if not session.stopped.by:
         session.shown.say("error", str(problem))
         session.shown.change(phase="failed", why=str(problem), doing=None)
-
-
-def set_clock_speed(session: Session, factor: float) -> None:
-    """Let a simulated rig run faster or slower than the clock. Raises CallerError for a real one."""
-    raise CallerError(f"the clock of {session.name} cannot run {factor:g} times as fast: leave its speed alone")

@@ -99,15 +99,18 @@ class Orders:
         except CallerError as problem:
             self._outbox.send({"answer": number, "accepted": False, "message": str(problem)})
             return
-        doing = self._session.shown.state.doing
+        session = self._session
         try:
             if isinstance(order.command, SetTarget):
-                self._session.steer(order.command.value)
+                session.steer(order.command.value)
+            elif isinstance(order.command, ClockSpeed):
+                session.set_clock_speed(order.command.factor)
             elif isinstance(order.command, End):
                 self._end(AS_ASKED)
-            elif doing is not None and not isinstance(order.command, ClockSpeed):
-                raise CallerError(f"{doing['title']} is running: end it first")
+            elif session.queued:
+                raise CallerError(f"'{session.queued}' is running: end it first")
             else:
+                session.queued = order.command.do
                 self._waiting.put(order)
                 return
         except CallerError as problem:

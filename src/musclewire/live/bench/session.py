@@ -17,6 +17,7 @@ from musclewire.errors import CallerError
 from musclewire.live.bench.descriptions import described_protection
 from musclewire.live.bench.state import Shown
 from musclewire.live.ring import Ring
+from musclewire.rigs.abilities import adjustable_clock_of
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.pacing import Pacer
 from musclewire.sensing.model import SensingModel
@@ -84,6 +85,8 @@ class Session:
     stopped: Stopped = field(default_factory=Stopped)
     # Why the present run is to end after its sample; "" while it may go on.
     ending: str = ""
+    # The command that waits for the loop or is being carried out; "" for none.
+    queued: str = ""
     quitting: bool = False
     # Whether somebody has to be there: a run that may heat the wire.
     heating: bool = False
@@ -121,6 +124,14 @@ class Session:
         """Show which recordings are in the folder."""
         files = sorted(self.folder.glob("*.h5"), key=lambda path: path.name)
         self.shown.change(recordings=[{"name": path.name, "bytes": path.stat().st_size} for path in files])
+
+    def set_clock_speed(self, factor: float) -> None:
+        """Let a simulated rig run faster or slower than the clock from now on. Raises CallerError for a real one."""
+        clock = None if self.rig is None else adjustable_clock_of(self.rig)
+        if clock is None:
+            raise CallerError("this rig's clock is its own: only a simulated rig runs faster or slower than the clock")
+        clock.set_speed(factor)
+        self.shown.change(clock_speed=clock.speed)
 
     def end_asked(self) -> bool:
         """Return whether whoever has control has ended the present run: a steered loop is then done."""
