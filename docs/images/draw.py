@@ -12,8 +12,8 @@ After a change of the shipped parameters or of the physics, run it once and comm
 - point B on docs/explanation/why_resistance_tells_strain.md (``python docs/images/draw.py point_b`` draws it alone),
 - the table of docs/explanation/estimators.md from studies/robustness_rows.json
   (``python docs/images/draw.py robustness`` writes it alone, ``pages`` too),
-- docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md and python.md, and
-  the column "Compared" of paper_map.md
+- docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md, python.md and
+  live_api.md, and the column "Compared" of paper_map.md
   (``python docs/images/draw.py pages`` writes these alone, in seconds).
 """
 
@@ -28,6 +28,7 @@ import alternatives_page
 import balance_numbers
 import balance_picture
 import faults_page
+import live_api_page
 import matplotlib as mpl
 import paper_map_page
 import parameter_page
@@ -58,6 +59,7 @@ FAULTS_PAGE = HERE.parent / "reference" / "faults.md"
 RIG_KEYS_PAGE = HERE.parent / "reference" / "hardware_rig_files.md"
 WIRE_ROW_PAGE = HERE.parent / "reference" / "wire_row.md"
 PYTHON_PAGE = HERE.parent / "reference" / "python.md"
+LIVE_API_PAGE = HERE.parent / "reference" / "live_api.md"
 PAPER_MAP_PAGE = HERE.parent / "reference" / "paper_map.md"
 BLOCK = re.compile(r"(<!-- written by docs/images/draw\.py: (\w+) -->\n).*?(<!-- end -->)", re.S)
 DPI = 110
@@ -164,6 +166,7 @@ def write_pages() -> None:
     RIG_KEYS_PAGE.write_text(rig_keys_page.page(), encoding="utf-8")
     WIRE_ROW_PAGE.write_text(wire_row_page.page(), encoding="utf-8")
     PYTHON_PAGE.write_text(python_page.page(), encoding="utf-8")
+    LIVE_API_PAGE.write_text(live_api_page.page(), encoding="utf-8")
     PAPER_MAP_PAGE.write_text(paper_map_page.page(PAPER_MAP_PAGE.read_text("utf-8")), encoding="utf-8")
     write_alternatives()
     write_robustness()

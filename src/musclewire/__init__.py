@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from musclewire.identify.resistance_alone.fitting import fit_resistance
     from musclewire.identify.resistance_alone.marks import Marks
     from musclewire.identify.tuning import tune
+    from musclewire.live.client import LiveClient
     from musclewire.rigs.configuration import open_rig
     from musclewire.rigs.kinds import DEVICES
     from musclewire.rigs.load_kinds import LOAD_PARTS
@@ -87,6 +88,7 @@ __all__ = [
     "DEVICES",
     "LOAD_PARTS",
     "RUN_KINDS",
+    "LiveClient",
     "MusclewireError",
 ]
 
@@ -127,6 +129,7 @@ _HOMES = {
     "DEVICES": "musclewire.rigs.kinds",
     "LOAD_PARTS": "musclewire.rigs.load_kinds",
     "RUN_KINDS": "musclewire.studies",
+    "LiveClient": "musclewire.live.client",
     "MusclewireError": "musclewire.errors",
 }
 

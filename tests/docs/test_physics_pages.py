@@ -68,6 +68,10 @@ def test_the_page_on_python_has_every_public_name_with_its_docstrings_first_line
     assert [name for name, meaning in cells if len(meaning) < 10] == []
 
 
+def test_the_page_of_the_live_api_is_the_one_the_script_writes(draw: ModuleType) -> None:
+    assert draw.LIVE_API_PAGE.read_text("utf-8") == draw.live_api_page.page(), AGAIN
+
+
 def test_every_parameter_of_the_alloy_the_wires_and_the_bench_is_on_the_page() -> None:
     listed = {word for table in tables_of(PARAMETERS.read_text("utf-8")) for row in table
               for word in code_words(row.get("parameter", ""))}  # fmt: skip

@@ -88,6 +88,14 @@ RIG = option(
     "--rig", help="Rig whose circuit and limits are taken: 'simulated', or a rig file of kind simulated or serial."
 )
 
+# The live page.
+HOST = option("--host", help="Name or address to listen at; any but loopback needs a token.")
+PORT = option("--port", help="Port to listen at; if it is taken, the next that is free.", min=1, max=65535)
+TOKEN_FILE = option(
+    "--token-file", help="File with the token that everybody must show. Default: none on loopback, else a new one."
+)
+OPEN = option("--open", help="Open the page in the browser.")
+
 # The slow sine and what is compared by it.
 AMPLITUDE = quantity("--amplitude", "V", "Amplitude of the slow sine, as '3.2 V'.")
 PERIOD = quantity("--period", "s", "Period of the slow sine, as '90 s'.", 1.0, 86400.0, "s")

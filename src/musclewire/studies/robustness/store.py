@@ -8,7 +8,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import musclewire
 from musclewire.identify.users_wire import users_wire
 from musclewire.sensing import load_model
 from musclewire.sensing.model import SensingModel
@@ -116,7 +115,7 @@ def digest(*texts: str) -> str:
 @cache
 def sources(*places: str) -> str:
     """Return a short hash of the sources and data in some folders and files of the package."""
-    package = Path(musclewire.__file__).parent
+    package = Path(__file__).parents[2]
     found = hashlib.sha256()
     for place in places:
         path = package / place

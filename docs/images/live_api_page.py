@@ -1,0 +1,62 @@
+"""docs/reference/live_api.md from the records and routes that the server of the live page runs by."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from musclewire.live.server.api_pages import markdown_page
+from musclewire.live.server.application import Limits, make_app
+from musclewire.live.server.documents import openapi_document
+from musclewire.live.server.session import Session
+
+HEAD = """# The live API
+
+Written by `python docs/images/draw.py pages` from the records and routes that the server runs by; a test holds this
+page to it. Do not edit it by hand.
+
+`musclewire serve` shows a wire on a page; the page uses nothing but what is here, so a program can do all that it
+does. From Python, `mw.LiveClient` does it (extra `live`):
+
+    with mw.LiveClient("http://127.0.0.1:8765") as client, client.control("my program"):
+        client.command("switch_on")
+        client.wait_for("ready")
+        client.command("characterize", cycles=1)
+        client.wait_for("busy"), client.wait_for("ready", timeout_s=300)
+        client.command("fit")
+        client.command("control", reference={"kind": "steer"})
+        client.command("target", value=0.02)
+
+All quantities are in SI units, strain as a fraction. The server offers the same description to programs, as OpenAPI
+at `/api/v1/openapi.json` and AsyncAPI at `/api/v1/asyncapi.json`, and to people at `/api/v1/docs`; none of it loads
+anything from the internet.
+
+## Who may do what
+
+- **Anybody who may see the page may stop.** `POST .../stop` and the command `stop` need no control; a stop is
+  answered once the drive is off, and is never turned away for coming too fast.
+- **Everything else needs control**, which one person or program has at a time. `POST .../control` takes it if it is
+  free, and otherwise asks the holder, who answers. A lease ends 0.6 s after the last sign of life: over HTTP a `PUT
+  .../control`, over the WebSocket a `pong` to the server's `ping`. Then a heated run ends and the rig goes to its
+  sense voltage.
+- **No route takes a rig file, a kind of rig or a path.** Rigs come from the command line of `serve`; recordings and
+  models are named, and lie in the session's folder.
+- **On this machine no token is needed; from anywhere else it is.** Without `--host` only programs of this machine
+  reach the server, whoever runs them: on a machine that others use, give `--token-file`, too. With another `--host` a
+  token is made, or read from the file, which only its owner may read. It is shown as `Authorization: Bearer TOKEN` or
+  by the cookie that the printed link leaves (`HttpOnly`, `SameSite=Strict`). The connection is not encrypted: through
+  a network that is not your own use an SSH tunnel (`ssh -L 8765:localhost:8765 THE_MACHINE`).
+- **Pages of other sites are refused**: by `Origin` on the WebSocket and on every POST, PUT and DELETE, and by `Host`
+  on every request, so that no other name can be pointed here. Bodies are JSON of at most 512 KiB, 200 requests a
+  second from an address and 200 messages a second on a connection.
+- **A slow connection delays nobody.** It loses rows, keeps the newest state, and is closed when its messages do not
+  move.
+
+Why it is built so: [decision 47](../explanation/decisions/0047-a-server-next-to-the-rigs-process.md).
+
+"""
+
+
+def page() -> str:
+    """Return the page."""
+    app = make_app(Session([], Path()), Limits())
+    return HEAD + markdown_page(openapi_document(app)).rstrip() + "\n"

@@ -1,0 +1,35 @@
+"""JSON as it comes from outside: of limited size, of limited depth, and with finite numbers only."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, NoReturn
+
+from musclewire.errors import CallerError
+
+__all__ = ["MAX_BYTES", "compact", "read_json"]
+
+# A drawn path of 10 000 points with all their digits takes 400 kB.
+MAX_BYTES = 512 * 1024
+
+
+def read_json(text: str | bytes) -> Any:
+    """Return what a JSON text says. CallerError for one that is too large or too deep, or has NaN or an infinity."""
+    if len(text) > MAX_BYTES:
+        raise CallerError(f"a message of {len(text)} bytes; at most {MAX_BYTES} are read")
+    try:
+        return json.loads(text, parse_constant=refuse_constant)
+    except RecursionError:
+        raise CallerError("not JSON that can be read: nested too deeply") from None
+    except ValueError as error:  # also what is no UTF-8, and numbers of thousands of digits
+        raise CallerError(f"not JSON that can be read: {str(error)[:200]}") from None
+
+
+def refuse_constant(name: str) -> NoReturn:
+    """Refuse NaN and infinities, which JSON does not have and Python reads all the same."""
+    raise ValueError(f"{name} is not a number of JSON")
+
+
+def compact(value: Any) -> str:
+    """Return a value as a short JSON text. ValueError for NaN and infinities: those that may occur are null before."""
+    return json.dumps(value, separators=(",", ":"), allow_nan=False)

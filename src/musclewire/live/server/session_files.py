@@ -1,0 +1,53 @@
+"""Files of a session by name: nothing outside its folder can be named, and nothing in it that leads out."""
+
+from __future__ import annotations
+
+import re
+import stat
+from pathlib import Path
+from typing import NamedTuple
+
+from musclewire.errors import CallerError
+
+__all__ = ["MODELS", "RECORDINGS", "SessionFile", "named_file", "session_files"]
+
+RECORDINGS, MODELS = (".h5",), (".json",)
+# Letters and digits of ASCII first, then also blank, dot, hyphen and underscore: no separator, no drive, no "..".
+NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9 _-]|\.(?!\.)){0,99}")
+MAX_LISTED = 500
+
+
+class SessionFile(NamedTuple):
+    """A file of a session: its name, how large it is, and when it was last written (seconds since 1970)."""
+
+    name: str
+    bytes: int
+    modified_s: float
+
+
+def named_file(folder: Path, name: str, suffixes: tuple[str, ...]) -> Path:
+    """Return the path of a file of a session. CallerError for anything else, with the same words whatever it is."""
+    if NAME.fullmatch(name) and name.endswith(suffixes):
+        path = folder / name
+        if is_inside(path, folder):
+            return path
+    raise CallerError(f"no file of that name with {' or '.join(suffixes)} in the session's folder")
+
+
+def is_inside(path: Path, folder: Path) -> bool:
+    """Return whether a path is a regular file that lies in a folder itself; a link that leads elsewhere is not."""
+    try:
+        real = path.resolve(strict=True)
+        return real.parent == folder.resolve(strict=True) and stat.S_ISREG(real.stat().st_mode)
+    except (OSError, RuntimeError):
+        return False
+
+
+def session_files(folder: Path, suffixes: tuple[str, ...]) -> list[SessionFile]:
+    """Return the files of a session that can be named, the newest first."""
+    found = []
+    for path in folder.iterdir() if folder.is_dir() else ():
+        if NAME.fullmatch(path.name) and path.name.endswith(suffixes) and is_inside(path, folder):
+            status = path.stat()
+            found.append(SessionFile(path.name, status.st_size, status.st_mtime))
+    return sorted(found, key=lambda one: -one.modified_s)[:MAX_LISTED]

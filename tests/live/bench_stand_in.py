@@ -1,0 +1,71 @@
+"""A bench without a process, for tests of access and leases: it notes what it is told and keeps no rig."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from musclewire.live.messages import Answer
+from musclewire.live.ring import Rows
+
+COLUMNS = ("time_s", "run_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
+
+
+class BenchStandIn:
+    """Notes every call; ``told`` has them in order."""
+
+    def __init__(self, identifier: str = "simulated") -> None:
+        self.identifier = identifier
+        self.state: dict[str, Any] = {
+            "bench": identifier,
+            "revision": 1,
+            "phase": "ready",
+            "rig": {"simulated": True, "shunt_resistance_ohm": 2.0, "sample_period_s": 0.05},
+            "clock_speed": 1.0,
+            "gains": None,
+        }
+        self.told: list[tuple[str, Any]] = []
+        self.on_change: list[Callable[[Any], None]] = []
+        self.layouts = {1: COLUMNS}
+        self.signs_of_life = 0
+        self._rows: list[list[float]] = []
+
+    @property
+    def revision(self) -> int:
+        return int(self.state["revision"])
+
+    def change(self, **parts: Any) -> None:
+        self.state = {**self.state, **parts, "revision": self.revision + 1}
+        for listener in self.on_change:
+            listener(self)
+
+    async def start(self) -> None:
+        self.told.append(("start", None))
+
+    async def close(self) -> None:
+        self.told.append(("close", None))
+
+    async def command(self, command: Any) -> Answer:
+        self.told.append(("command", command))
+        return Answer(True, "")
+
+    def stop(self, who: str) -> None:
+        self.told.append(("stop", who))
+        self.change(phase="stopped")
+
+    def release(self, why: str) -> None:
+        self.told.append(("release", why))
+
+    def alive(self) -> None:
+        self.signs_of_life += 1
+
+    def add_row(self, *values: float) -> None:
+        self._rows.append(list(values))
+
+    def rows(self, cursor: int) -> tuple[int, list[Rows], int]:
+        count = len(self._rows)
+        if cursor < 0 or cursor >= count:
+            return count, [], 0
+        return count, [Rows(1, np.array(self._rows[cursor:]))], 0

@@ -1,0 +1,90 @@
+"""Who may talk to the server: names, origins and tokens, by examples of attacks and by properties."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.live.server.access import Access, is_loopback, name_in_host, new_token
+
+LOCAL = Access()
+ABROAD = Access("a-token-of-the-test-0123", frozenset({"bench.lab"}), any_address=True)
+
+
+@pytest.mark.parametrize(
+    "host", ["127.0.0.1:8765", "localhost:8765", "LOCALHOST", "[::1]:8765", "127.1.2.3", "localhost:9000"]
+)
+def test_loopback_is_always_a_name_of_the_server(host: str) -> None:
+    assert LOCAL.host_is_ours(host)
+    assert ABROAD.host_is_ours(host)
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        *(None, "", "evil.example", "evil.example:8765", "127.0.0.1.evil.example", "localhost.evil.example"),
+        *("192.168.1.7:8765", "user@localhost", "localhost:8765:1", "localhost:", "[::1", "::1", "localhost evil"),
+        *("localhost\n", "10.0.0.1", "0x7f.1", "2130706433"),
+    ],
+)
+def test_a_name_that_points_here_but_is_not_ours_is_refused(host: str | None) -> None:
+    """DNS rebinding: the browser asks this machine under the attacker's own name."""
+    assert not LOCAL.host_is_ours(host)
+
+
+def test_beyond_loopback_the_servers_own_names_and_plain_addresses_count() -> None:
+    assert ABROAD.host_is_ours("bench.lab:8765")
+    assert ABROAD.host_is_ours("192.168.1.7:8765")
+    assert not ABROAD.host_is_ours("evil.example")
+
+
+@given(st.text(max_size=40))
+def test_whatever_is_sent_as_host_it_is_ours_only_as_a_loopback_name(text: str) -> None:
+    if LOCAL.host_is_ours(text):
+        name = name_in_host(text)
+        assert name is not None
+        assert is_loopback(name)
+
+
+@pytest.mark.parametrize(
+    ("origin", "site", "permitted"),
+    [
+        ("http://localhost:8765", "same-origin", True),
+        ("https://localhost:8765", None, True),
+        (None, None, True),
+        (None, "same-origin", True),
+        (None, "none", True),
+        (None, "cross-site", False),
+        (None, "same-site", False),
+        ("null", None, False),
+        ("http://localhost:8766", "same-site", False),
+        ("http://localhost", None, False),
+        ("http://evil.example", "cross-site", False),
+        ("http://localhost:8765.evil.example", None, False),
+        ("http://localhost:8765/", None, False),
+        ("file://", None, False),
+        ("", None, False),
+    ],
+)
+def test_only_our_own_page_and_programs_may_change_something(
+    origin: str | None, site: str | None, permitted: bool
+) -> None:
+    assert LOCAL.origin_is_ours(origin, site, "localhost:8765") is permitted
+
+
+@given(st.text())
+def test_no_other_token_than_ours_is_right(text: str) -> None:
+    assert ABROAD.token_is_right(text) is (text == ABROAD.token)
+
+
+def test_without_a_token_nobody_needs_one_and_with_one_everybody_does() -> None:
+    assert LOCAL.token_is_right(None)
+    assert not ABROAD.token_is_right(None)
+    assert not ABROAD.token_is_right("")
+
+
+def test_tokens_are_long_and_different() -> None:
+    tokens = {new_token() for _ in range(100)}
+    assert len(tokens) == 100
+    assert min(len(token) for token in tokens) >= 43  # 256 bits in base 64
