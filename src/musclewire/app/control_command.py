@@ -119,7 +119,7 @@ def control(
         if target is None:
             target = staircase_for(loaded, load, opened.leg_length_m)
         too_fast = said_of_speed(opened, loaded, target, settings, load)
-        with progress_bar("Closed loop", approach_of(controller) + target.duration_s, quiet=json) as on_sample:
+        with progress_bar("Closed loop", approach_of(controller) + target.duration_s, json, opened) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":
             loaded, home_answer = homing.homed(opened, loaded, quiet=json)

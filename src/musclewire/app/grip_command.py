@@ -159,7 +159,7 @@ def gripped(
 
     with (
         open_rig(configuration, seed=seed) as opened,
-        progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, quiet=quiet) as on_sample,
+        progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, quiet, opened) as on_sample,
     ):
         return run_grip(opened, knowledge, on_sample=on_sample, **how)
 

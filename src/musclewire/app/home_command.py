@@ -79,7 +79,7 @@ class HomeOptions:
         from musclewire.experiment.home import home as run_home
         from musclewire.experiment.home import home_duration_s
 
-        with progress_bar("Home move", home_duration_s(rig, model), quiet=quiet) as on_sample:
+        with progress_bar("Home move", home_duration_s(rig, model), quiet, rig) as on_sample:
             found = run_home(rig, model, ambient_k=in_si("--ambient", self.ambient), on_sample=on_sample)
         if self.homed_model is not None:
             found.model.save(self.homed_model)
@@ -115,7 +115,7 @@ def home(
     load_n, ambient_k = in_si("--load", load), in_si("--ambient", ambient)
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         refused = timing.apply(opened)
-        with progress_bar("Home move", home_duration_s(opened, loaded), quiet=json) as on_sample:
+        with progress_bar("Home move", home_duration_s(opened, loaded), json, opened) as on_sample:
             found = run_home(
                 opened,
                 loaded,

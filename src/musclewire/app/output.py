@@ -9,11 +9,14 @@ from contextlib import contextmanager
 from io import StringIO
 from typing import TYPE_CHECKING, Any
 
+from musclewire.app.live_numbers import LiveNumbers
 from musclewire.app.stopping import stop_if_asked
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
+
+    from musclewire.rigs.guarded import GuardedRig
 
 __all__ = ["console", "emit_json", "progress_bar", "run_bar", "say", "show", "step_bar", "warn"]
 
@@ -58,16 +61,18 @@ def plain(value: Any) -> Any:
 
 
 @contextmanager
-def progress_bar(task: str, total_s: float, quiet: bool = False) -> Iterator[Advance]:
-    """Show a bar over simulated or real seconds; yields the function to call after each sample.
+def progress_bar(
+    task: str, total_s: float | None, quiet: bool = False, rig: GuardedRig | None = None
+) -> Iterator[Advance]:
+    """Show a bar over simulated or real seconds, and a rig's numbers below it; yields what to call after each sample.
 
-    Nothing is shown before the first sample, so that wrong input stays one line. On a pipe there is no bar, only
-    the line that names the task.
+    Without a total only the numbers are shown. Nothing is shown before the first sample, so that wrong input stays one
+    line. On a pipe there is no bar, only the line that names the task.
     """
     if quiet:
         yield stop_if_asked
         return
-    bar = Bar(task, total_s)
+    bar = Bar(task, total_s, rig)
     try:
         yield bar.advance
     finally:
@@ -136,15 +141,15 @@ def run_bar(unit: str, quiet: bool = False) -> Iterator[OnRuns]:
 class Bar:
     """A progress bar that appears with its first sample."""
 
-    def __init__(self, task: str, total_s: float) -> None:
-        """Remember the task and how many seconds it has."""
+    def __init__(self, task: str, total_s: float | None, rig: GuardedRig | None) -> None:
+        """Remember the task, how many seconds it has, and whose numbers are shown."""
         self._task = task
-        self._total_s = total_s
+        self._numbers = None if rig is None else LiveNumbers(rig)
         self._last_s: float | None = None
         self._before_s = 0.0
         # Built before the first sample: importing and drawing for the first time takes a good part of a second on a
         # busy machine, and a board whose next command is so late switches the heater off.
-        self._progress = progress_for(task, total_s)
+        self._progress = progress_for(task, total_s, self._numbers)
 
     def advance(self, row: Mapping[str, float]) -> None:
         """Move the bar to a sample's time; a signal that waited for the sample stops the run here."""
@@ -154,6 +159,8 @@ class Bar:
         elif row["time_s"] < self._last_s:  # a new recording, whose clock begins again
             self._before_s += self._last_s
         self._last_s = row["time_s"]
+        if self._numbers is not None:
+            self._numbers.take(row)
         if self._progress is not None:
             self._progress.update(self._progress.task_ids[0], completed=self._before_s + self._last_s)
 
@@ -169,19 +176,24 @@ class Bar:
             self._progress.stop()
 
 
-def progress_for(task: str, total_s: float) -> Progress | None:
+def progress_for(task: str, total_s: float | None, numbers: LiveNumbers | None) -> Progress | None:
     """Return a bar that has been drawn once into nothing, so that its first sample need not wait; None on a pipe."""
     shown = console()
     if not shown.is_terminal:
         return None
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, ProgressColumn, TextColumn, TimeElapsedColumn
 
-    progress = Progress(
+    from musclewire.app.numbers_below import ProgressWithNumbers
+
+    seconds = "{task.completed:>6.0f} s" if total_s is None else "{task.completed:>6.0f}/{task.total:.0f} s"
+    bar: list[ProgressColumn] = [] if total_s is None else [BarColumn(bar_width=32)]
+    progress = ProgressWithNumbers(
         TextColumn("{task.description:<34}"),
-        BarColumn(bar_width=32),
-        TextColumn("{task.completed:>6.0f}/{task.total:.0f} s of wire time"),
+        *bar,
+        TextColumn(f"{seconds} of wire time"),
         TimeElapsedColumn(),
+        numbers=numbers,
         console=shown,
         refresh_per_second=8,
     )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from math import isclose
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.demo import DemoResult
     from musclewire.experiment.pretension import PretensionSweep
     from musclewire.experiment.run import OnSample
-    from musclewire.rigs.protocol import Rig
+    from musclewire.rigs.guarded import GuardedRig
     from musclewire.signals.recording import Recording
 
 __all__ = ["add_rig_commands"]
@@ -121,7 +122,7 @@ def characterize(
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         amplitude_v = sine.amplitude_v
         refused = timing.apply(opened)
-        with progress_bar("Slow sine", sine.cycles * period_s, quiet=json) as on_sample:
+        with progress_bar("Slow sine", sine.cycles * period_s, json, opened) as on_sample:
             recording = run_characterize(
                 opened,
                 amplitude_v=amplitude_v,
@@ -227,7 +228,11 @@ def pretension(
         if not json:
             say(f"pretension {force_n:.2f} N")
 
-    with stops_between_samples(), open_rig(rig, seed=seed) as opened:
+    with (
+        stops_between_samples(),
+        open_rig(rig, seed=seed) as opened,
+        watched_runs("Pretension sweep", opened, json) as on_sample,
+    ):
         sweep = pretension_sweep(
             opened,
             forces,
@@ -237,7 +242,7 @@ def pretension(
             cycles=sine.cycles,
             folder=output,
             on_setting=say_setting,
-            on_sample=stop_within_run(opened),
+            on_sample=on_sample,
         )
     for failure in sweep.failures:
         say(f"not usable: {failure}")
@@ -250,9 +255,17 @@ def pretension(
         show(sweep_text(sweep, quantity))
 
 
-def stop_within_run(rig: Rig) -> OnSample | None:
-    """Return what stops a run after a sample; without a clock a run is short, and whole ones can be compiled."""
-    return stop_if_asked if rig.paced else None
+@contextmanager
+def watched_runs(task: str, rig: GuardedRig, quiet: bool) -> Iterator[OnSample | None]:
+    """Show a rig's numbers during runs of any length, and stop within one.
+
+    Without a clock a run is short, and whole ones can be compiled: then nothing looks at its samples.
+    """
+    if rig.paced:
+        with progress_bar(task, None, quiet, rig) as on_sample:
+            yield on_sample
+    else:
+        yield None
 
 
 SWEEP_KEYS = ("pretension_n", "strain_gap_pct", "force_gap_pct", "displacement_gap_pct", "stroke_pct")
@@ -306,7 +319,11 @@ def train(
             f"stroke {100 * cycle.stroke:.3f} %{change}")  # fmt: skip
 
     period_s, amplitude_v = in_si("--period", period), in_si("--amplitude", amplitude)
-    with stops_between_samples(), open_rig(rig, seed=seed) as opened:
+    with (
+        stops_between_samples(),
+        open_rig(rig, seed=seed) as opened,
+        watched_runs("Training", opened, json) as on_sample,
+    ):
         training = run_train(
             opened,
             amplitude_v=amplitude_v,
@@ -314,7 +331,7 @@ def train(
             max_cycles=max_cycles,
             folder=output,
             on_cycle=say_cycle,
-            on_sample=stop_within_run(opened),
+            on_sample=on_sample,
         )
     warnings = warn(training.warnings)
     if json:
