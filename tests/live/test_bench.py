@@ -78,6 +78,25 @@ def test_a_bench_whose_process_is_killed_says_so(tmp_path: Path) -> None:
     asyncio.run(run())
 
 
+def test_what_a_killed_bench_had_recorded_is_there_at_the_next_start(tmp_path: Path) -> None:
+    async def run() -> None:
+        async with bench(tmp_path) as handle, in_control(handle):
+            await ask(handle, do="switch_on")
+            assert (await ask(handle, do="characterize")).accepted
+            await asyncio.sleep(1.5)
+            assert handle._process is not None
+            os.kill(handle._process.pid, signal.SIGKILL)
+            await until_phase(handle, "failed")
+        assert list(tmp_path.glob("*.h5")) == []
+        async with bench(tmp_path) as handle:
+            await until_phase(handle, "off")
+            (listed,) = handle.state["recordings"]
+            assert listed["name"].startswith("characterise-")
+            assert len(read_recording(tmp_path / listed["name"])) >= 20
+
+    asyncio.run(run())
+
+
 def test_a_rig_that_cannot_be_opened_is_a_state_and_no_crash(tmp_path: Path) -> None:
     async def run() -> None:
         async with bench(tmp_path, "there-is-no-such-rig") as handle:

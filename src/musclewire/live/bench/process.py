@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, MusclewireError
 from musclewire.live.bench.lines import Outbox
 from musclewire.live.bench.loop import run_session
 from musclewire.live.bench.orders import Orders
@@ -17,6 +17,8 @@ from musclewire.live.bench.session import Session
 from musclewire.live.bench.state import Shown
 from musclewire.live.ring import Ring
 from musclewire.rigs.real_time import pin_to_cpu, take_priority
+from musclewire.signals.journal import JOURNAL_SUFFIX, recording_of
+from musclewire.signals.runs_on_disk import recover_recording
 
 __all__ = ["main"]
 
@@ -36,11 +38,24 @@ def main() -> int:
     # Before the threads: they inherit core and priority, and a busy loop cannot keep a stop waiting.
     refused = scheduled(setup)
     orders = Orders(session, sys.stdin.buffer, outbox)
+    finish_journals(session)
     session.note_recordings()
     shown.change(phase="off")
     shown.say("warning", *refused)
     run_session(session, orders)
     return 0
+
+
+def finish_journals(session: Session) -> None:
+    """Finish recordings of runs that were cut off by a power cut or a kill; one that still runs is left alone."""
+    for journal in sorted(session.folder.glob(f"*.h5{JOURNAL_SUFFIX}")):
+        try:
+            recording = recover_recording(journal)
+        except MusclewireError as problem:
+            session.shown.say("warning", str(problem))
+        else:
+            kept = f"{recording_of(journal).name}: a run that was cut off, {len(recording)} samples of it are kept"
+            session.shown.say("info", kept)
 
 
 def scheduled(setup: dict[str, Any]) -> list[str]:
