@@ -19,6 +19,7 @@ from musclewire.app.doctor_command import add_doctor_command
 from musclewire.app.export_command import add_export_commands
 from musclewire.app.grip_command import add_grip_command
 from musclewire.app.home_command import add_home_command
+from musclewire.app.import_command import add_import_command
 from musclewire.app.linearise_command import add_linearise_command
 from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import say
@@ -71,6 +72,7 @@ add_rig_commands(app)
 add_control_command(app)
 add_home_command(app)
 add_doctor_command(app)
+add_import_command(app)
 add_model_commands(app)
 add_tune_command(app)
 add_recover_command(app)

@@ -1,4 +1,4 @@
-"""Commands that work on files: import, fit, estimate, rules, cite."""
+"""Commands that work on files: fit, estimate, rules, cite."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import typer
 
 from musclewire.app.commands import add_command
 from musclewire.app.files import require_figure_file, require_free, require_model_file, save_figure
-from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, PLOT, QUANTITY, WIRE_FILE, Json, mapping
+from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, PLOT, QUANTITY, WIRE_FILE, Json
 from musclewire.app.output import emit_json, show
 from musclewire.app.recording_options import ReadingOptions
 from musclewire.app.resistance_options import ResistanceOptions
@@ -28,34 +28,8 @@ RecordingPath = Annotated[
 
 def add_model_commands(app: typer.Typer) -> None:
     """Add the commands of this file."""
-    add_command(app, import_recordings, "import")
     for command in (fit, estimate, rules, cite):
         add_command(app, command)
-
-
-def import_recordings(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recordings of other programs.")],
-    reading: ReadingOptions,
-    output: Annotated[Path | None, OUTPUT] = None,
-    overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
-    """Read recordings of other programs and show how they were interpreted; with -o convert one."""
-    from musclewire.signals import understand
-
-    understood = [understand(path, mapping(reading.column)) for path in files]
-    if output is not None:
-        if len(files) != 1:
-            raise CallerError(f"-o takes one file, {len(files)} were given: import them one by one")
-        require_free(output, overwrite)
-        reading.read(str(files[0])).save(output)
-    if json:
-        emit_json({"files": [item.as_dict() for item in understood]})
-        return
-    for item in understood:
-        show(str(item))
-    if output is not None:
-        show(f"written to {output}")
 
 
 def fit(

@@ -176,6 +176,15 @@ LEG_LENGTH = quantity(
     "--leg-length", "m", "Length whose shortening is the strain, as '70 mm': one leg of a V-shaped wire."
 )
 SHUNT = quantity("--shunt", "ohm", "Shunt resistance of Eq. 1, as '1.0 ohm'.")
+MAPPING = option(
+    "--mapping", help="Mapping file from 'musclewire import --save-mapping' (.toml): how the file is read."
+)
+SAVE_MAPPING = option("--save-mapping", help="Mapping file to write (.toml), for the next file of this kind.")
+SAMPLE_PERIOD = quantity(
+    "--sample-period", "s", "Time between two rows of a file without a clock, as '10 ms'.", 1e-9, 86400.0
+)
+IGNORE = option("--ignore", help="Leave out a column, by its header or as #3. Repeatable.", metavar="COLUMN")
+DROP_MISSING = option("--drop-missing", help="Leave out rows in which a used column has no number.")
 ZERO = option("--zero", help="Count displacement, strain and force from the first row.")
 INVERT = option("--invert", help="The sensor reads backwards: negate displacement and strain.")
 ORDER = option("--order", help="Order of the polynomials, or 'auto' (cross-validation).")

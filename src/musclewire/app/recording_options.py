@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from musclewire.app.options import COLUMN, INVERT, LEG_LENGTH, SHUNT, ZERO, in_si, mapping
+from musclewire.app.options import COLUMN, INVERT, LEG_LENGTH, MAPPING, SHUNT, ZERO, in_si, mapping
 
 if TYPE_CHECKING:
+    from musclewire.signals.import_mapping import ImportMapping
     from musclewire.signals.recording import MetadataValue, Recording
 
 __all__ = ["ReadingOptions"]
@@ -25,6 +26,7 @@ class ReadingOptions:
     shunt: Annotated[str | None, SHUNT] = None
     zero: Annotated[bool, ZERO] = False
     invert: Annotated[bool, INVERT] = False
+    mapping: Annotated[Path | None, MAPPING] = None
 
     def metadata(self) -> dict[str, MetadataValue]:
         """Return what the options state about a recording."""
@@ -34,26 +36,20 @@ class ReadingOptions:
         }
         return {name: value for name, value in known.items() if value is not None}
 
+    def import_mapping(self) -> ImportMapping:
+        """Return all options as a mapping; those of a mapping file come second."""
+        from musclewire.signals.import_mapping import ImportMapping, load_mapping
+
+        options = ImportMapping(mapping(self.column), zero=self.zero, invert=self.invert, metadata=self.metadata())
+        return options if self.mapping is None else load_mapping(self.mapping).joined(options)
+
     def read(self, recording: str) -> Recording:
         """Return a recording by path, or the paper's own measured wire by name."""
         from importlib.resources import as_file, files
 
         from musclewire.signals import read_recording
 
-        metadata = self.metadata()
         if recording in PUBLISHED and not Path(recording).exists():
             with as_file(files("musclewire.parameters") / "data" / "published" / f"{recording}.csv") as path:
-                return read_recording(path, mapping(self.column), metadata)
-        return turned(read_recording(recording, mapping(self.column), metadata), self.zero, self.invert)
-
-
-def turned(recording: Recording, zero: bool, invert: bool) -> Recording:
-    """Return a recording whose mechanical columns count from the first row, or in the other direction."""
-    changed = {
-        name: (-recording[name] if invert and name != "force_n" else recording[name])
-        for name in ("displacement_m", "reference_strain", "force_n")
-        if name in recording
-    }
-    if zero:
-        changed = {name: values - values[0] for name, values in changed.items()}
-    return recording.with_columns(changed)
+                return read_recording(path, mapping(self.column), self.metadata())
+        return read_recording(recording, mapping=self.import_mapping())

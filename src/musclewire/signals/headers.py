@@ -1,4 +1,4 @@
-"""Matching the headers of a table to columns: by our own name, by the caller's mapping, or by a synonym."""
+"""Matching the columns of a table to ours: by our own name, by the caller's mapping, or by a synonym."""
 
 from __future__ import annotations
 
@@ -16,16 +16,30 @@ from musclewire.signals.columns import (
     key_of_header,
     known_column,
 )
+from musclewire.signals.source_table import SourceColumn
 from musclewire.signals.units import Conversion, conversion_to_si, measures
 
-__all__ = ["MatchedHeader", "IgnoredHeader", "numbered_headers", "split_header", "understand_headers"]
+__all__ = [
+    "HeaderMatch",
+    "IgnoredHeader",
+    "MatchedHeader",
+    "UndecidedHeader",
+    "match_columns",
+    "numbered_headers",
+    "split_header",
+    "understand_headers",
+]
+
+
+How = Literal["own name", "synonym", "mapped", "values", "unit"]
 
 
 @dataclass(frozen=True)
 class MatchedHeader:
     """A header, the column it was matched to, and the conversion of its numbers to SI.
 
-    ``value_si = factor * value + offset``; ``unit`` is that of the header or the mapping, or our own.
+    ``value_si = factor * value + offset``; ``unit`` is that of the header or the mapping, or our own. ``is_text`` is
+    True for times as text, which become seconds since the first of them.
     """
 
     header: str
@@ -35,7 +49,8 @@ class MatchedHeader:
     unit_given: bool
     factor: float
     offset: float
-    how: Literal["own name", "synonym", "mapped"]
+    how: How
+    is_text: bool = False
 
     @property
     def conversion(self) -> Conversion:
@@ -51,9 +66,29 @@ class IgnoredHeader:
     reason: str
 
 
-_BRACKETS = re.compile(r"\s*(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]\s*")
+@dataclass(frozen=True)
+class UndecidedHeader:
+    """A header that would be a column, and the message that says what has to be decided first."""
+
+    header: str
+    index: int
+    column: str
+    message: str
+
+
+@dataclass(frozen=True)
+class HeaderMatch:
+    """What became of every header."""
+
+    taken: tuple[MatchedHeader, ...]
+    ignored: tuple[IgnoredHeader, ...]
+    undecided: tuple[UndecidedHeader, ...] = ()
+
+
+_BRACKETS = re.compile(r"\s*(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\[\]()]*)[\])]|[<{](?P<other>[^<>{}]*)[>}])\s*")
 _SLASH = re.compile(r"\s*(?P<name>.+?)\s*/\s*(?P<unit>.+?)\s*")
-_LAST_WORD = re.compile(r"\s*(?P<name>.+)[ _](?P<unit>[^ _]*[^\W\d_%][^ _]*|%)\s*")
+# What is between a name and its unit: "force_mN", "Time ms", "Voltage in V", "Zeit, s", "Strain%".
+_BEFORE_UNIT = re.compile(r"\s+in\s+|\s*[,;:]\s*|[ _.\-]+|(?=[%°])")
 
 
 _NUMBER = re.compile(r"\s*#(?P<number>\d+)\s*(?::(?P<unit>.*))?")
@@ -67,7 +102,10 @@ def numbered_headers(count: int) -> tuple[str, ...]:
 def split_header(header: str) -> tuple[str, str | None]:
     """Return name and unit of "Name [unit]", "Name (unit)" or "Name / unit"; None without a unit."""
     match = _BRACKETS.fullmatch(header) or _SLASH.fullmatch(header)
-    return (match["name"], match["unit"].strip()) if match else (header.strip(), None)
+    if match is None:
+        return header.strip(), None
+    parts = match.groupdict()
+    return parts["name"], (parts["unit"] if parts["unit"] is not None else parts["other"]).strip()
 
 
 def understand_headers(
@@ -75,38 +113,131 @@ def understand_headers(
 ) -> tuple[tuple[MatchedHeader, ...], tuple[IgnoredHeader, ...]]:
     """Return the headers that match a column, and those that are ignored.
 
+    Raises the first RecordingError that :func:`match_columns` leaves undecided, and its own errors.
+    """
+    match = match_columns([SourceColumn(header) for header in headers], mapping, path)
+    if match.undecided:
+        raise RecordingError(match.undecided[0].message)
+    return match.taken, match.ignored
+
+
+def match_columns(
+    columns: Sequence[SourceColumn],
+    mapping: Mapping[str, str] | None,
+    path: str,
+    ignore: Sequence[str] = (),
+    only_mapped: bool = False,
+) -> HeaderMatch:
+    """Return what becomes of each column: taken, ignored with a reason, or undecided with a message.
+
     ``mapping`` is NAME -> "HEADER" or "HEADER:UNIT" and comes first; ``#2`` as HEADER is the second column, unless
-    a header has this name.
+    a header has this name. ``ignore`` are headers that are left out; with ``only_mapped`` so are all that are not in
+    the mapping.
 
     Raises
     ------
     RecordingError
-        If a unit is missing, unknown or of another quantity, a mapped header does not exist, or two headers match one
-        column; one line that begins with ``path``.
+        If the mapping's unit is missing, unknown or of another quantity, a mapped or ignored header does not exist, or
+        one header is mapped twice; one line that begins with ``path``.
     CallerError
         For a NAME in ``mapping`` that is no column.
     """
-    mapped = [_mapped(name, wanted, headers, path) for name, wanted in (mapping or {}).items()]
-    by_index: dict[int, MatchedHeader | IgnoredHeader] = {taken.index: taken for taken in mapped}
+    mapped = [_mapped(name, wanted, columns, path) for name, wanted in (mapping or {}).items()]
+    by_index: dict[int, MatchedHeader | IgnoredHeader | UndecidedHeader] = {taken.index: taken for taken in mapped}
     if len(by_index) < len(mapped):
         raise RecordingError(f"{path}: the mapping uses one header twice; map each header to one column")
-    for index, header in enumerate(headers):
-        if index not in by_index:
-            by_index[index] = _recognised(header, index, path, already_mapped=frozenset(mapping or ()))
-    found = [by_index[index] for index in range(len(headers))]
+    by_index |= _left_out(columns, ignore, by_index, path)
+    for index, column in enumerate(columns):
+        if index in by_index:
+            continue
+        known = frozenset(mapping or ())
+        reason = "not in the mapping file" if only_mapped else "is empty" if column.is_empty else ""
+        by_index[index] = (
+            IgnoredHeader(column.header, reason) if reason else _recognised(column, index, path, already_mapped=known)
+        )
+    found = _with_one_clock([by_index[index] for index in range(len(columns))])
     taken = _as_branch_table([item for item in found if isinstance(item, MatchedHeader)])
-    _check_taken_once(taken, path)
-    return tuple(taken), tuple(item for item in found if isinstance(item, IgnoredHeader))
+    taken, twice = _taken_once(taken, path)
+    undecided = tuple(item for item in found if isinstance(item, UndecidedHeader))
+    ignored = tuple(item for item in found if isinstance(item, IgnoredHeader))
+    return HeaderMatch(tuple(taken), ignored, undecided + twice)
 
 
-def _mapped(name: str, wanted: str, headers: Sequence[str], path: str) -> MatchedHeader:
-    column = known_column(name)
-    index, unit = _find(name, wanted, headers, path)
-    header = headers[index]
+def _with_one_clock(
+    found: Sequence[MatchedHeader | IgnoredHeader | UndecidedHeader],
+) -> list[MatchedHeader | IgnoredHeader | UndecidedHeader]:
+    """Ignore times as text, and times without a unit, if another column counts the time in a unit."""
+    clocks = [item for item in found if isinstance(item, MatchedHeader) and item.column == "time_s"]
+    counted = [item for item in clocks if not item.is_text or item.how == "mapped"] or clocks
+    if len(counted) != 1:
+        return list(found)
+    reason = f"'{counted[0].header}' is the clock"
+    return [
+        IgnoredHeader(item.header, reason)
+        if not isinstance(item, IgnoredHeader) and item.column == "time_s" and item is not counted[0]
+        else item
+        for item in found
+    ]
+
+
+def _left_out(
+    columns: Sequence[SourceColumn],
+    ignore: Sequence[str],
+    mapped: Mapping[int, object],
+    path: str,
+) -> dict[int, IgnoredHeader]:
+    found: dict[int, IgnoredHeader] = {}
+    for wanted in ignore:
+        indices = _indices_called(wanted, columns)
+        if not indices:
+            hint = nearest_hint(wanted, [column.header for column in columns])
+            raise RecordingError(f"{path}: no column '{wanted}' to ignore{hint}")
+        for index in indices:
+            if index in mapped:
+                raise RecordingError(f"{path}: column '{columns[index].header}' is both mapped and ignored; choose one")
+            found[index] = IgnoredHeader(columns[index].header, "as asked for")
+    return found
+
+
+def _indices_called(wanted: str, columns: Sequence[SourceColumn]) -> list[int]:
+    """Return the columns that a text names: exactly, else by letters and digits, without a unit, or by number."""
+    spellings: tuple[Callable[[str], str], ...] = (str.strip, key_of_header, _key_of_name)
+    for spelling in spellings:
+        indices = [i for i, column in enumerate(columns) if spelling(wanted) == spelling(column.header) != ""]
+        if indices:
+            return indices
+    counted = _NUMBER.fullmatch(wanted)
+    in_range = counted is not None and 0 < int(counted["number"]) <= len(columns)
+    return [int(counted["number"]) - 1] if counted and in_range else []
+
+
+def _mapped(name: str, wanted: str, columns: Sequence[SourceColumn], path: str) -> MatchedHeader:
+    ours = known_column(name)
+    index, unit = _find(name, wanted, [column.header for column in columns], path)
+    column = columns[index]
+    if column.is_text:
+        if ours.name != "time_s":
+            raise RecordingError(f"{path}: column '{column.header}' holds text, not numbers; map another to {name}")
+        return _clock(column, index, "mapped")
     if unit is None:
-        own = _own_column(split_header(header)[0])
-        unit = split_header(header)[1] if own is None else own.unit
-    return _taken(header, index, column, unit, "mapped", path)
+        unit = _own_unit(column)
+    if unit is None and ours.unit:
+        raise RecordingError(
+            f"{path}: column '{column.header}' has no unit: add it to the mapping, as {name}={wanted}:{ours.unit}"
+        )
+    return _taken(column.header, index, ours, unit, "mapped", path)
+
+
+def _own_unit(column: SourceColumn) -> str | None:
+    """Return the unit that a column states by itself: next to its header, in it, or by one of our names."""
+    if column.unit is not None:
+        return column.unit
+    own = _own_column(split_header(column.header)[0])
+    return split_header(column.header)[1] if own is None else own.unit
+
+
+def _clock(column: SourceColumn, index: int, how: How) -> MatchedHeader:
+    return MatchedHeader(column.header, index, "time_s", "s", True, 1.0, 0.0, how, is_text=True)
 
 
 def _find(name: str, wanted: str, headers: Sequence[str], path: str) -> tuple[int, str | None]:
@@ -136,24 +267,49 @@ def _key_of_name(header: str) -> str:
     return key_of_header(split_header(header)[0])
 
 
-def _recognised(header: str, index: int, path: str, already_mapped: frozenset[str]) -> MatchedHeader | IgnoredHeader:
-    name, unit = split_header(header)
+def _recognised(
+    source: SourceColumn, index: int, path: str, already_mapped: frozenset[str]
+) -> MatchedHeader | IgnoredHeader | UndecidedHeader:
+    header = source.header
+    name, unit = (header.strip(), source.unit) if source.unit is not None else split_header(header)
     own = _own_column(name)
-    if own is not None:
+    if own is not None and source.is_text and own.name != "time_s":
+        problem = f"{path}: column '{header}' holds text, not numbers; write numbers, or ignore this column"
+        return UndecidedHeader(header, index, own.name, problem)
+    if own is not None and not source.is_text:
         return _taken_by_own_name(header, index, own, unit, path, already_mapped)
-    candidates = columns_called(name)
-    if unit is None and not candidates:
-        name, unit, candidates = _with_unit_as_last_word(header)
+    if unit is None and own is None:
+        # "Strain %" is percent, though "strain" alone is a fraction and punctuation does not matter in a name.
+        name, unit = _with_unit_as_last_words(header)
+    candidates = columns_called(name) if own is None else (own,)
+    if unit is None and any(column.name == "time_s" for column in candidates) and measures(name, "time_s"):
+        # "Seconds" and "ms" are name and unit at once.
+        unit = name if len(name) > 1 else None
+    known = bool(candidates)
     candidates = tuple(column for column in candidates if column.name not in already_mapped)
     if not candidates:
-        return IgnoredHeader(
-            header, "its column is mapped to another header" if columns_called(name) else "name not known"
-        )
+        return IgnoredHeader(header, "its column is mapped to another header" if known else "name not known")
+    if source.is_text:
+        return _clock_or_text(source, index, candidates)
     fitting = [column for column in candidates if unit is not None and measures(unit, column.name)]
     column = (fitting or list(candidates))[0]
     if unit is None and column.unit and column.kind == "control":
         return IgnoredHeader(header, f"would be {column.name}, and has no unit")
-    return _taken(header, index, column, unit, "synonym", path)
+    return _taken_or_undecided(header, index, column, unit, path)
+
+
+def _clock_or_text(source: SourceColumn, index: int, candidates: Sequence[Column]) -> MatchedHeader | IgnoredHeader:
+    is_time = any(column.name == "time_s" for column in candidates)
+    return _clock(source, index, "synonym") if is_time else IgnoredHeader(source.header, "holds text, not numbers")
+
+
+def _taken_or_undecided(
+    header: str, index: int, column: Column, unit: str | None, path: str
+) -> MatchedHeader | UndecidedHeader:
+    try:
+        return _taken(header, index, column, unit, "synonym", path)
+    except RecordingError as problem:
+        return UndecidedHeader(header, index, column.name, str(problem))
 
 
 def _own_column(name: str) -> Column | None:
@@ -162,25 +318,26 @@ def _own_column(name: str) -> Column | None:
 
 def _taken_by_own_name(
     header: str, index: int, own: Column, unit: str | None, path: str, already_mapped: frozenset[str]
-) -> MatchedHeader | IgnoredHeader:
+) -> MatchedHeader | IgnoredHeader | UndecidedHeader:
     if own.name in already_mapped:
         return IgnoredHeader(header, "its column is mapped to another header")
-    taken = _taken(header, index, own, own.unit if unit is None else unit, "own name", path)
+    taken = _taken_or_undecided(header, index, own, own.unit if unit is None else unit, path)
+    if isinstance(taken, UndecidedHeader):
+        return taken
     # A dimensionless name states no unit, so percent is allowed; time_s in ms is a contradiction.
     if own.unit and (taken.factor != 1.0 or taken.offset):
-        raise RecordingError(
-            f"{path}: column '{header}': {own.name} is in {own.unit} by its name, not in {unit}; rename it"
-        )
-    return replace(taken, unit_given=unit is not None)
+        problem = f"{path}: column '{header}': {own.name} is in {own.unit} by its name, not in {unit}; rename it"
+        return UndecidedHeader(header, index, own.name, problem)
+    return replace(taken, unit_given=unit is not None, how="own name")
 
 
-def _with_unit_as_last_word(header: str) -> tuple[str, str | None, tuple[Column, ...]]:
-    """Split "force_mN" and "Time ms" into name and unit if the rest is a known name and the last word its unit."""
-    match = _LAST_WORD.fullmatch(header)
-    if match is None:
-        return header, None, ()
-    candidates = tuple(c for c in columns_called(match["name"]) if measures(match["unit"], c.name))
-    return (match["name"], match["unit"], candidates) if candidates else (header, None, ())
+def _with_unit_as_last_words(header: str) -> tuple[str, str | None]:
+    """Split "force_mN", "Time ms" and "Temp deg C" if the rest is a known name and the last words are its unit."""
+    for sign in _BEFORE_UNIT.finditer(header):
+        name, unit = header[: sign.start()], header[sign.end() :].strip()
+        if any(measures(unit, column.name) for column in columns_called(name) if unit):
+            return name.strip(), unit
+    return header.strip(), None
 
 
 def _taken(
@@ -188,7 +345,7 @@ def _taken(
     index: int,
     column: Column,
     unit: str | None,
-    how: Literal["own name", "synonym", "mapped"],
+    how: How,
     path: str,
 ) -> MatchedHeader:
     if unit is None and column.unit:
@@ -213,12 +370,17 @@ def _as_branch_table(taken: list[MatchedHeader]) -> list[MatchedHeader]:
     return [replace(item, column=BRANCH_TABLE[0]) if item.column == "wire_resistance_ohm" else item for item in taken]
 
 
-def _check_taken_once(taken: Sequence[MatchedHeader], path: str) -> None:
-    first: dict[str, MatchedHeader] = {}
+def _taken_once(taken: Sequence[MatchedHeader], path: str) -> tuple[list[MatchedHeader], tuple[UndecidedHeader, ...]]:
+    """Return those whose column no other header is, and the others as undecided."""
+    by_column: dict[str, list[MatchedHeader]] = {}
     for item in taken:
-        other = first.setdefault(item.column, item)
-        if other is not item:
-            raise RecordingError(
-                f"{path}: columns '{other.header}' and '{item.header}' are both taken as {item.column}: "
-                f"map the one you mean: {item.column}={item.header}"
+        by_column.setdefault(item.column, []).append(item)
+    undecided: list[UndecidedHeader] = []
+    for column, items in by_column.items():
+        for item in items[1:]:
+            problem = (
+                f"{path}: columns '{items[0].header}' and '{item.header}' are both taken as {column}: "
+                f"map the one you mean: {column}={item.header}"
             )
+            undecided.append(UndecidedHeader(item.header, item.index, column, problem))
+    return [items[0] for items in by_column.values()], tuple(undecided)

@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 from musclewire.arrays import FloatArray
 from musclewire.signals.metadata import MetadataValue
 
-__all__ = ["Block", "Cells", "SourceColumn", "SourceTable", "TableInMemory", "head_of"]
+__all__ = ["BLOCK_ROWS", "Block", "Cells", "SourceColumn", "SourceTable", "TableInMemory", "head_of"]
 
 # Rows that are handed over together: enough to be fast, and few enough to take little memory.
 BLOCK_ROWS = 65_536
@@ -49,11 +49,14 @@ class SourceColumn:
         does not, and the header may carry it.
     is_text
         Whether the cells are text; else they are float64.
+    is_empty
+        Whether no cell of the first rows holds anything.
     """
 
     header: str
     unit: str | None = None
     is_text: bool = False
+    is_empty: bool = False
 
 
 class SourceTable(Protocol):
@@ -155,8 +158,7 @@ class TableInMemory:
         )
 
 
-def head_of(table: SourceTable) -> Block:
-    """Return the first rows of all columns, none if the table is empty."""
-    indices = range(len(table.columns))
-    empty = Block(tuple([] for _ in indices), str)
-    return next(iter(table.blocks(indices)), empty)
+def head_of(table: SourceTable, index: int) -> Cells:
+    """Return the first cells of a column, none if the table is empty."""
+    first = next(iter(table.blocks([index])), None)
+    return [] if first is None else first.values[0]

@@ -1,253 +1,253 @@
-"""Tables in text files: CSV in its dialects, tab-separated and space-separated columns."""
+"""Tables in text files: CSV in its dialects, tab-separated and space-separated columns, read block after block."""
 
 from __future__ import annotations
 
-import codecs
 import csv
+import itertools
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.signals.headers import numbered_headers
+from musclewire.signals.clock_texts import is_date, is_time_of_day
 from musclewire.signals.metadata import MetadataValue, entry_from_text, value_to_text
+from musclewire.signals.number_style import is_missing
+from musclewire.signals.source_table import Block, Cells, SourceColumn
+from musclewire.signals.text_layout import Line, TextLayout, layout_of, split_line, too_wide
+from musclewire.signals.text_lines import lines_of
 
-__all__ = ["TextTable", "read_text_table", "fill_csv"]
+__all__ = ["TextTable", "fill_csv", "fill_csv_blocks", "read_text_table"]
 
-_SEPARATOR_WORDS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "spaces"}
+_COMMENT = re.compile(r"\s*(?:#|%|//|!)+\s?(.*)")
+_ONLY_SEPARATORS = " \t;,|"
+_SEPARATOR_LINE = re.compile(r"\s*\"?sep=.\"?\s*", re.IGNORECASE)
+# Keys under which programs state the time between rows, without the unit that metadata append.
+_PERIOD_KEY = re.compile(r"(?:sampl\w*_)?(?:interval|period|time_step|dt|delta_[tx])_s|sample_time_s")
+_RATE_KEY = re.compile(r"(?:sampl\w*_)?(?:rate|frequency|freq)_hz|fs_hz")
+_MAX_TITLE_LENGTH = 200
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """The cells of a text file, still as text. ``line_numbers`` gives the line of each row, from 1."""
+    """A table in a text file, of which only the first lines have been read. Its rows come from the file, in blocks."""
 
     path: str
-    separator: str
-    headers: tuple[str, ...]
-    rows: list[list[str]]
-    line_numbers: list[int]
-    metadata: dict[str, MetadataValue] = field(default_factory=dict)
+    file: Path
+    text_layout: TextLayout
+    columns: tuple[SourceColumn, ...]
+    parts: tuple[tuple[int, ...], ...]
+    metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
+    sample_period_s: float | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def layout(self) -> str:
         """How the file is built, in words."""
-        comma = ", decimal comma" if self.has_decimal_comma else ""
-        return f"text, separated by {_SEPARATOR_WORDS[self.separator]}{comma}"
+        return str(self.text_layout)
 
-    @property
-    def row_count(self) -> int:
-        """The number of rows, n_times."""
-        return len(self.rows)
+    def blocks(self, indices: Sequence[int]) -> Iterator[Block]:
+        """Return the rows of some columns, block after block; each call begins again."""
+        for numbers, texts in _rows_of(self.file, self.text_layout.first_line):
+            yield Block(self._values(numbers, texts, indices), _place(numbers))
 
-    @cached_property
-    def has_decimal_comma(self) -> bool:
-        """True when numbers are written 1,5: the separator leaves commas free and no number has a point."""
-        if self.separator == ",":
-            return False
-        numbers = [cell for row in self.rows for cell in row if _looks_numeric(cell)]
-        return any("," in cell for cell in numbers) and not any("." in cell for cell in numbers)
+    def _values(self, numbers: Sequence[int], texts: list[str], indices: Sequence[int]) -> tuple[Cells, ...]:
+        plain = self._plain_numbers(texts, indices)
+        if plain is not None:
+            return plain
+        rows = self._split(texts)
+        width = len(self.text_layout.headers)
+        for number, row in zip(numbers, rows, strict=True):
+            self._check_width(number, row, width)
+        return tuple(self._cells(index, rows, numbers) for index in indices)
 
-    def place(self, row: int) -> str:
-        """Return where row ``row`` (from 0) is in the file."""
-        return f"line {self.line_numbers[row]}"
-
-    def numbers(self, index: int) -> FloatArray:
-        """Return a column, shape (n_times,). Raises RecordingError if a cell is blank or holds no number."""
-        cells = [row[index] if index < len(row) else "" for row in self.rows]
-        if self.has_decimal_comma:
-            cells = [cell.replace(",", ".") for cell in cells]
+    def _plain_numbers(self, texts: list[str], indices: Sequence[int]) -> tuple[FloatArray, ...] | None:
+        """Return columns of numbers that NumPy reads at once; None if cells have to be looked at one by one."""
+        layout, source = self.text_layout, [self.parts[index][0] for index in indices]
+        swaps = layout.style.decimal == ","
+        if not source or any(self.columns[index].is_text for index in indices) or layout.style.thousands:
+            return None
+        if not _is_regular(texts, layout.separator, len(layout.headers)):
+            return None
+        lines = [text.replace(",", ".") for text in texts] if swaps else texts
+        separator = None if layout.separator == " " else layout.separator
         try:
-            # float() accepts 1_000, which in a file is a mistake that _is_number finds.
-            if not any("_" in cell for cell in cells):
-                return np.array([float(cell) for cell in cells], dtype=np.float64)
+            # A blank cell or any word but nan and inf ends this; what NumPy reads is what float() reads.
+            found = np.loadtxt(lines, delimiter=separator, usecols=source, comments=None, ndmin=2, unpack=True)
         except ValueError:
-            pass
-        bad = next(row for row, cell in enumerate(cells) if not _is_number(cell))
-        cell = self.rows[bad][index].strip() if index < len(self.rows[bad]) else ""
-        where = f"{self.path}: {self.place(bad)}, column '{self.headers[index]}'"
-        what = f"'{cell}' is not a number" if cell else "the cell is blank"
-        raise RecordingError(f"{where}: {what}; correct it or remove the line")
+            return None
+        return tuple(found) if found.shape == (len(source), len(texts)) else None
+
+    def _split(self, texts: list[str]) -> list[list[str]]:
+        separator = self.text_layout.separator
+        if separator != " ":
+            try:
+                return list(csv.reader(texts, delimiter=separator, skipinitialspace=separator != "\t"))
+            except csv.Error:
+                pass
+        return [split_line(text, separator) for text in texts]
+
+    def _check_width(self, number: int, row: Sequence[str], width: int) -> None:
+        if len(row) <= width or not any(cell.strip() for cell in row[width:]):
+            return
+        beginning = f"{self.path}: line {number} has {len(row)} cells for {width} headers"
+        raise RecordingError(too_wide(beginning, ",".join(row), self.text_layout.separator))
+
+    def _cells(self, index: int, rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> Cells:
+        parts = self.parts[index]
+        if self.columns[index].is_text:
+            return [" ".join(row[part].strip() for part in parts if part < len(row)) for row in rows]
+        return self._numbers(index, [row[parts[0]] if parts[0] < len(row) else "" for row in rows], numbers)
+
+    def _numbers(self, index: int, cells: Sequence[str], numbers: Sequence[int]) -> FloatArray:
+        style, values = self.text_layout.style, np.full(len(cells), np.nan)
+        for row, cell in enumerate(cells):
+            try:
+                values[row] = style.number(cell)
+            except ValueError:
+                if not is_missing(cell):
+                    where = f"{self.path}: line {numbers[row]}, column '{self.columns[index].header}'"
+                    shown = cell.strip()[:40]
+                    raise RecordingError(f"{where}: '{shown}' is not a number; correct it or remove the line") from None
+        return values
 
 
 def read_text_table(path: Path) -> TextTable:
-    """Read a .csv, .tsv or .txt file with one line of headers, or none: then they are "#1", "#2", ...
+    """Return the table in a .csv, .tsv or .txt file after its first lines: titles, headers, units and where rows begin.
 
-    The separator is found by trying; leading ``# key = value`` lines become metadata. Raises RecordingError if
-    the file is no text, is empty, or has a row with more cells than headers.
+    Separator, decimal sign, rows of headers and units are found in the first lines; titles and comments as
+    ``key = value`` become metadata. Raises RecordingError if the file is no text, or holds no table.
     """
-    comments, lines = _comments_and_lines(_text(path), path)
-    separator = _separator(lines, path)
-    header_cells, rows, line_numbers = _cells(lines, separator, path)
-    if _are_numbers(header_cells):
-        header_cells = _commented_headers(comments, separator, header_cells, path)
-        rows, line_numbers = [_split(lines[0][1], separator), *rows], [lines[0][0], *line_numbers]
-    headers = tuple(cell.strip() for cell in header_cells)
-    rows = _without_trailing_blanks(rows, len(headers))
-    _check_widths(headers, rows, line_numbers, path)
-    return TextTable(str(path), separator, headers, rows, line_numbers, _metadata(comments))
+    comments, lines = _first_lines(path)
+    if not lines:
+        raise RecordingError(f"{path}: has no rows; the first line names the columns, the others hold numbers")
+    layout = layout_of(lines, comments, path.suffix.lower(), str(path))
+    metadata = {**_metadata(comments, " "), **_metadata(layout.titles, layout.separator)}
+    columns, parts = _with_dates_joined(layout, lines)
+    titles = len(layout.titles)
+    notes = (f"{titles} line{'s' if titles > 1 else ''} above the headers skipped",) if titles else ()
+    return TextTable(str(path), path, layout, columns, parts, metadata, _sample_period_s(metadata), notes)
 
 
 def fill_csv(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
     """Write columns to ``path``: metadata as comments, our names, every number to the last bit."""
+    fill_csv_blocks(tuple(columns), [tuple(columns.values())], metadata, path)
+
+
+def fill_csv_blocks(
+    names: Sequence[str],
+    blocks: Iterable[tuple[FloatArray, ...]],
+    metadata: Mapping[str, MetadataValue],
+    path: Path,
+) -> None:
+    """Write blocks of columns to ``path``, as ``fill_csv`` does."""
     with path.open("w", encoding="utf-8", newline="\n") as file:
         for key, value in metadata.items():
             file.write(f"# {key} = {value_to_text(key, value)}\n")
-        file.write(",".join(columns) + "\n")
-        numbers = [values.tolist() for values in columns.values()]
-        file.writelines(",".join(map(repr, row)) + "\n" for row in zip(*numbers, strict=True))
+        file.write(",".join(names) + "\n")
+        for block in blocks:
+            numbers = [values.tolist() for values in block]
+            file.writelines(",".join(map(repr, row)) + "\n" for row in zip(*numbers, strict=True))
 
 
-def _text(path: Path) -> str:
-    try:
-        raw = path.read_bytes()
-    except OSError as problem:
-        raise RecordingError(f"{path}: cannot be read: {problem.strerror}; check the file") from None
-    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        text = raw.decode("utf-16", errors="replace")
-    else:
-        try:
-            text = raw.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            # Western spreadsheets still write this encoding, which has the degree sign and the micro sign.
-            text = raw.decode("cp1252", errors="replace")
-    if "\0" in text:
-        raise RecordingError(f"{path}: is not a text file; export it as CSV")
-    return text.replace("\r\n", "\n").replace("\r", "\n")
+def _place(numbers: Sequence[int]) -> Callable[[int], str]:
+    return lambda row: f"line {numbers[row]}"
 
 
-_Line = tuple[int, str]
+def _is_regular(texts: Sequence[str], separator: str, width: int) -> bool:
+    """Return whether every line has the same number of cells, none of them in quotes."""
+    if separator == " ":
+        return True
+    counts = {text.count(separator) for text in texts}
+    return len(counts) == 1 and counts <= {width - 1, width} and not any('"' in text for text in texts)
 
 
-def _comments_and_lines(text: str, path: Path) -> tuple[list[str], list[_Line]]:
-    """Return the comments before the table, and every line of the table with its number from 1."""
+def _rows_of(path: Path, first_line: int) -> Iterator[tuple[Sequence[int], list[str]]]:
+    """Yield the lines of the table's rows with their numbers: no comments, no blank ones, no separators at the end."""
+    held: list[Line] = []
+    for lines in lines_of(path):
+        kept = [
+            (number, text)
+            for number, text in enumerate(lines.texts, start=lines.first)
+            if number >= first_line and text and not text.isspace() and not _is_comment(text)
+        ]
+        # Spreadsheets end with lines of separators only; in the middle such a line is a gap in the data.
+        kept, held = held + kept, []
+        while kept and not kept[-1][1].strip(_ONLY_SEPARATORS):
+            held.insert(0, kept.pop())
+        if kept:
+            numbers, texts = zip(*kept, strict=True)
+            yield numbers, list(texts)
+
+
+def _is_comment(text: str) -> bool:
+    return text[0] in "#%/! \t" and _COMMENT.fullmatch(text) is not None
+
+
+def _first_lines(path: Path) -> tuple[list[str], list[Line]]:
+    """Return the comments above the table, and the first lines of the file without them."""
     comments: list[str] = []
-    lines: list[_Line] = []
-    for number, line in enumerate(text.split("\n"), start=1):
-        if line.lstrip().startswith("#"):
-            if not lines:
-                comments.append(line.lstrip().lstrip("#").strip())
-        elif line.strip() and not (number == 1 and line.lower().startswith("sep=")):
-            lines.append((number, line))
-    # Spreadsheets end with lines of separators only; in the middle such a line is a gap in the data.
-    while lines and not lines[-1][1].strip(" \t;,"):
-        lines.pop()
-    if not lines:
-        raise RecordingError(f"{path}: has no rows; the first line names the columns, the others hold numbers")
-    return comments, lines
+    kept: list[Line] = []
+    for lines in itertools.islice(lines_of(path), 1):
+        for number, text in enumerate(lines.texts, start=lines.first):
+            comment = _COMMENT.fullmatch(text)
+            if comment is not None:
+                comments += [] if kept else [comment[1].strip()]
+            elif text.strip(_ONLY_SEPARATORS) and not (number < 3 and _SEPARATOR_LINE.fullmatch(text)):
+                kept.append((number, text))
+    # The layout follows from the first thousands of characters; the piece that was read is much larger.
+    return comments, kept[:2000]
 
 
-def _separator(lines: Sequence[_Line], path: Path) -> str:
-    """Return the separator of the cells, which must split the headers and the first row alike.
-
-    Tab and semicolon are tried before the comma, because in a file that they separate a comma may be the decimal sign.
-    """
-    if path.suffix.lower() == ".tsv":
-        return "\t"
-    sample = [line for _, line in lines[:2]]
-    for separator in ("\t", ";", ","):
-        widths = {_width(line, separator) for line in sample}
-        if len(widths) == 1 and widths != {1}:
-            return separator
-    last = sample[-1].split()
-    if len(last) > 1 and _are_numbers(last):
-        return " "
-    return next((separator for separator in ("\t", ";", ",") if separator in sample[0]), ",")
-
-
-def _width(line: str, separator: str) -> int:
-    cells = _split(line, separator)
-    return len(cells) - (1 if cells and not cells[-1].strip() else 0)
+def _with_dates_joined(
+    layout: TextLayout, lines: Sequence[Line]
+) -> tuple[tuple[SourceColumn, ...], tuple[tuple[int, ...], ...]]:
+    """Return the columns, a date and the time of day next to it as one, and which columns of the file each one is."""
+    first = split_line(next(text for number, text in lines if number == layout.first_line), layout.separator)
+    columns: list[SourceColumn] = []
+    parts: list[tuple[int, ...]] = []
+    for index, (header, unit, kind) in enumerate(zip(layout.headers, layout.units, layout.kinds, strict=True)):
+        cells = first[index - 1 : index + 1] if index else []
+        if len(cells) == 2 and is_date(cells[0]) and is_time_of_day(cells[1]):
+            columns[-1] = SourceColumn(f"{columns[-1].header} {header}", None, is_text=True)
+            parts[-1] = (index - 1, index)
+        else:
+            columns.append(SourceColumn(header, unit, kind in {"times", "text"}, kind == "blank"))
+            parts.append((index,))
+    return tuple(columns), tuple(parts)
 
 
-def _split(line: str, separator: str) -> list[str]:
-    if separator == " ":
-        return line.split()
-    try:
-        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
-    except csv.Error:
-        return line.split(separator)
+def _metadata(texts: Sequence[str], separator: str) -> dict[str, MetadataValue]:
+    """Return what lines above the table state as ``key = value`` or ``key: value``, or as two cells."""
+    found: dict[str, MetadataValue] = {}
+    for text in texts:
+        pair = _pair(text, separator)
+        entry = entry_from_text(*pair) if pair and len(text) <= _MAX_TITLE_LENGTH else None
+        if entry is not None:
+            found[entry[0]] = entry[1]
+    return found
 
 
-def _cells(lines: Sequence[_Line], separator: str, path: Path) -> tuple[list[str], list[list[str]], list[int]]:
-    rows = [_split(line, separator) for _, line in lines[1:]]
-    header_line = lines[0][1]
-    if separator == " ":
-        width = len(rows[0]) if rows else len(header_line.split())
-        headers = _spaced_headers(header_line, width, path)
-    else:
-        headers = _split(header_line, separator)
-        while len(headers) > 1 and not headers[-1].strip():
-            headers.pop()
-    return headers, rows, [number for number, _ in lines[1:]]
+def _pair(text: str, separator: str) -> tuple[str, str] | None:
+    key, sign, value = text.partition("=")
+    if sign:
+        return key, value
+    cells = [cell.strip() for cell in split_line(text, separator) if cell.strip()] if separator != " " else [text]
+    if len(cells) == 2:
+        return cells[0].rstrip(":"), cells[1]
+    key, sign, value = text.partition(": ")
+    return (key, value.strip(_ONLY_SEPARATORS)) if sign and len(cells) == 1 else None
 
 
-_SPACED_HEADER = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
-
-
-def _spaced_headers(line: str, width: int, path: Path) -> list[str]:
-    """Return headers that may contain spaces themselves ("Time [s]  Wire voltage [V]") as ``width`` cells."""
-    ways: tuple[Callable[[str], list[str]], ...] = (
-        _SPACED_HEADER.findall,
-        lambda text: re.split(r"\s{2,}", text.strip()),
-        str.split,
-    )
-    for way in ways:
-        headers = way(line)
-        if len(headers) == width:
-            return headers
-    raise RecordingError(
-        f"{path}: the headers do not fit the {width} numbers below them; separate columns with commas or tabs"
-    )
-
-
-def _commented_headers(comments: Sequence[str], separator: str, cells: Sequence[str], path: Path) -> list[str]:
-    """Return the last comment as headers, as numpy.savetxt writes them, or "#1", "#2", ... if it holds none."""
-    last = comments[-1] if comments else ""
-    if last and "=" not in last:
-        headers = _split(last, separator) if separator != " " else _spaced_headers(last, len(cells), path)
-        if len(headers) == len(cells) and not _are_numbers(headers):
-            return headers
-    return list(numbered_headers(len(cells)))
-
-
-def _without_trailing_blanks(rows: list[list[str]], width: int) -> list[list[str]]:
-    # Some programs end every line with a separator.
-    return [row[:-1] if len(row) == width + 1 and not row[-1].strip() else row for row in rows]
-
-
-def _check_widths(
-    headers: Sequence[str], rows: Sequence[Sequence[str]], line_numbers: Sequence[int], path: Path
-) -> None:
-    for row, number in zip(rows, line_numbers, strict=True):
-        if len(row) > len(headers):
-            raise RecordingError(
-                f"{path}: line {number} has {len(row)} cells for {len(headers)} headers; "
-                "with decimal commas separate the columns with semicolons"
-            )
-
-
-def _metadata(comments: Sequence[str]) -> dict[str, MetadataValue]:
-    pairs = [comment.partition("=") for comment in comments]
-    entries = [entry_from_text(key, value) for key, equals, value in pairs if equals]
-    return dict(entry for entry in entries if entry is not None)
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return "_" not in cell
-
-
-def _looks_numeric(cell: str) -> bool:
-    return cell.strip(" +-0123456789.,eE") == "" and any(character.isdigit() for character in cell)
-
-
-def _are_numbers(cells: Sequence[str]) -> bool:
-    return all(_is_number(cell.replace(",", ".")) for cell in cells if cell.strip())
+def _sample_period_s(metadata: Mapping[str, MetadataValue]) -> float | None:
+    """Return the time between two rows [s] that the file's head states, or None."""
+    for key, value in metadata.items():
+        if isinstance(value, float | int) and value > 0:
+            if _PERIOD_KEY.fullmatch(key):
+                return float(value)
+            if _RATE_KEY.fullmatch(key):
+                return 1.0 / float(value)
+    return None

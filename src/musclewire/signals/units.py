@@ -21,7 +21,7 @@ from musclewire.signals.columns import COLUMNS
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["Conversion", "to_si", "conversion_to_si", "measures", "parse_quantity", "quantity_with_suffix"]
+__all__ = ["Conversion", "to_si", "conversion_to_si", "is_unit", "measures", "parse_quantity", "quantity_with_suffix"]
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,15 @@ def measures(unit_text: str, column: str) -> bool:
     """Return whether ``unit_text`` is a unit in which ``column`` can be given."""
     try:
         _conversion(unit_text, COLUMNS[column].unit)
+    except _UnitError:
+        return False
+    return True
+
+
+def is_unit(text: str) -> bool:
+    """Return whether a text is a unit of any quantity, in any usual spelling."""
+    try:
+        _parsed(_spelling(text, ""), text)
     except _UnitError:
         return False
     return True
@@ -164,7 +173,8 @@ _SPELLINGS = {
     "mohm": "milliohm",
     "kohm": "kiloohm",
     "s": "second sec",
-    "ms": "millisecond msec",
+    "ms": "millisecond msec milli",
+    "us": "microsecond usec micro",
     "min": "minute min",
     "h": "hour",
     "m": "meter metre",

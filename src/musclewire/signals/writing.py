@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+
+import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.whole_files import write_whole
 
-__all__ = ["write_columns"]
+__all__ = ["require_streamable", "write_blocks", "write_columns"]
 
 Columns = Mapping[str, FloatArray]
 Metadata = Mapping[str, MetadataValue]
+Blocks = Iterable[tuple[FloatArray, ...]]
 
 
 def write_columns(columns: Columns, metadata: Metadata, path: Path) -> None:
@@ -24,6 +27,43 @@ def write_columns(columns: Columns, metadata: Metadata, path: Path) -> None:
     """
     fill = _format_of(path)
     write_whole(path, lambda temporary: fill(columns, metadata, temporary))
+
+
+def write_blocks(names: Sequence[str], blocks: Blocks, metadata: Metadata, path: Path) -> None:
+    """Write a recording block after block, whole or not at all, in the format of the path's suffix.
+
+    Each block holds a column of shape (n_rows,) for each of ``names``. A format that cannot grow is written
+    at once, from memory. Raises what ``write_columns`` raises, and what the blocks raise.
+    """
+    fill = _block_format_of(path)
+    if fill is not None:
+        write_whole(path, lambda temporary: fill(names, blocks, metadata, temporary))
+        return
+    collected = [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
+    write_columns(dict(zip(names, collected, strict=True)), metadata, path)
+
+
+def require_streamable(path: Path) -> None:
+    """Raise CallerError unless a recording can be written in the format of a path's suffix."""
+    _format_of(path)
+
+
+def _block_format_of(path: Path) -> Callable[[Sequence[str], Blocks, Metadata, Path], None] | None:
+    """Return what writes a format block after block, or None."""
+    suffix = path.suffix.lower()
+    if suffix in {".h5", ".hdf5"}:
+        from musclewire.signals.hdf5_blocks import fill_hdf5_blocks
+
+        return fill_hdf5_blocks
+    if suffix == ".csv":
+        from musclewire.signals.text_tables import fill_csv_blocks
+
+        return fill_csv_blocks
+    if suffix == ".parquet":
+        from musclewire.signals.parquet import fill_parquet_blocks
+
+        return fill_parquet_blocks
+    return None
 
 
 def _format_of(path: Path) -> Callable[[Columns, Metadata, Path], None]:

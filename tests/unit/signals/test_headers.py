@@ -130,7 +130,7 @@ def test_a_mapped_header_that_is_not_there_suggests_the_nearest():
 
 
 def test_a_mapped_header_without_a_unit_is_told_how_to_get_one():
-    assert "map it: wire_voltage_v=Vw:V" in refusal(["time_s", "Vw"], {"wire_voltage_v": "Vw"})
+    assert "add it to the mapping, as wire_voltage_v=Vw:V" in refusal(["time_s", "Vw"], {"wire_voltage_v": "Vw"})
 
 
 def test_a_mapping_that_fits_two_headers_is_refused():

@@ -77,5 +77,5 @@ def test_an_old_journal_is_recovered_as_plain_hdf5(end: str, tmp_path: Path) -> 
 
 
 def test_shunt_voltages_without_a_reading_are_refused_as_ever() -> None:
-    with pytest.raises(ValueError, match="row 4, column 'shunt_voltage_v': nan is not a finite number"):
+    with pytest.raises(ValueError, match="row 4, column 'shunt_voltage_v': the cell is blank or NaN"):
         read_recording(OLD / "version-1-finished.h5")

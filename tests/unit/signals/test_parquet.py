@@ -48,7 +48,7 @@ def test_blank_cells_and_words_and_dates_are_found(tmp_path):
     path = tmp_path / "a.parquet"
     blank = refusal(write(path, {"time_s": [0.0, 1.0, 2.0], "force_n": [1.0, None, None]}))
     assert "row 2, column 'force_n': the cell is blank" in blank
-    assert "column 'force_n' holds string, not numbers" in refusal(
+    assert "column 'force_n' holds text, not numbers" in refusal(
         write(path, {"time_s": [0.0, 1.0], "force_n": ["1", "2"]})
     )
     assert "column 'time_s' holds timestamp[us], not numbers" in refusal(write(path, {"time_s": [day, day]}))

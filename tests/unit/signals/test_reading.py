@@ -61,15 +61,18 @@ def test_understanding_tells_header_by_header_what_was_made_of_it(foreign):
     assert json.loads(json.dumps(found.as_dict()))["taken"][0]["column"] == "time_s"
 
 
-def test_understanding_does_not_judge_the_numbers(tmp_path):
+@pytest.mark.parametrize("rows", ["0,1\n1,nan\n2,3\n", "0,1\n1,x\n2,3\n", "0,1\n0,2\n", "0,1\n"])
+def test_understanding_judges_the_numbers_as_reading_does(tmp_path, rows):
     path = tmp_path / "loop.csv"
-    path.write_text("time_s,force_n\n1,nan\n0,x\n")
-    assert understand(path).row_count == 2
+    path.write_text("time_s,force_n\n" + rows)
+    assert understand(path).problem == refusal(path)
 
 
-def test_understanding_refuses_what_reading_refuses_in_a_header(foreign):
-    with pytest.raises(RecordingError, match="column 'pos' has no unit: write 'pos \\[m\\]'"):
-        understand(foreign)
+def test_understanding_shows_what_reading_refuses_in_a_header(foreign):
+    found = understand(foreign)
+    assert found.problem == refusal(foreign)
+    assert "column 'pos' has no unit: write 'pos [m]'" in found.problem
+    assert "'pos' undecided: column 'pos' has no unit" in str(found)
 
 
 def test_a_missing_file_a_folder_and_an_unknown_ending_are_told_apart(tmp_path):
@@ -104,7 +107,7 @@ def test_our_own_hdf5_is_judged_like_every_other_file(tmp_path):
     Recording({"time_s": [0.0, 1.0, 1.0], "force_n": [1.0, 2.0, 3.0]}).save(path)
     assert "row 3, column time_s: the clock does not rise, 1.0 s is followed by 1.0 s" in refusal(path)
     Recording({"time_s": [0.0, 1.0], "force_n": [1.0, np.nan]}).save(path)
-    assert "row 2, column 'force_n': nan is not a finite number" in refusal(path)
+    assert "row 2, column 'force_n': the cell is blank or NaN" in refusal(path)
 
 
 def test_where_an_estimator_had_no_answer_nan_is_one(tmp_path):

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
-from musclewire.signals import read_recording
+from musclewire.signals import ImportMapping, read_recording
 from musclewire.signals.text_tables import read_text_table
 
 PLAIN = "time_s,force_n\n0,1.5\n1,2.5\n"
@@ -115,7 +115,14 @@ def test_a_blank_cell_is_found_by_line_and_column(file, row):
     assert "the cell is blank" in message
 
 
-@pytest.mark.parametrize("cell", ["nan", "NaN", "inf", "-Infinity"])
+@pytest.mark.parametrize("cell", ["nan", "NaN", "n/a", "#N/A", "--", "OL"])
+def test_a_missing_number_is_found_and_left_out_if_asked_for(file, cell):
+    path = file(f"time_s,force_n\n0,1\n1,{cell}\n2,3\n")
+    assert "line 3, column 'force_n': the cell is blank or NaN; correct it, or leave such rows out" in refusal(path)
+    assert read_recording(path, mapping=ImportMapping(drop_missing=True))["time_s"].tolist() == [0.0, 2.0]
+
+
+@pytest.mark.parametrize("cell", ["inf", "-Infinity"])
 def test_a_number_that_is_not_finite_is_found_by_line_and_column(file, cell):
     message = refusal(file(f"time_s,force_n\n0,1\n1,{cell}\n2,3\n"))
     assert message.startswith("line 3, column 'force_n': ")

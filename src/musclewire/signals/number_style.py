@@ -1,0 +1,84 @@
+"""How numbers are written in a text file: decimal sign, thousands, and what is written if there is no number."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+__all__ = ["NumberStyle", "is_missing", "looks_numeric", "style_of"]
+
+# Cells without a number, in lower case: blank, not a number, not available, overload of a meter, nothing.
+_MISSING = frozenset({
+    "", "nan", "+nan", "-nan", "1.#qnan", "-1.#ind", "1.#ind", "n/a", "#n/a", "na", "n.a.", "null", "none", "nil",
+    "-", "--", "---", "–", "—", "?", "*", ".", "#value!", "#div/0!", "#num!", "#ref!", "missing", "no data",
+    "nodata", "invalid", "ol", "o.l.", "o.l", "overload", "ovld", "overflow",
+})  # fmt: skip
+
+_SPACES = " \u00a0\u202f\u2009'’"
+_NUMERIC = re.compile(rf"[+\-−]?(?:\d[\d.,{_SPACES}]*|[.,]\d+)(?:[eEdD][+\-−]?\d+)?|[+-]?inf(?:inity)?", re.IGNORECASE)
+# Groups of three digits, with a sign between them, and then a decimal sign: only this shows thousands for certain.
+_POINT_THOUSANDS = re.compile(r"[+\-]?\d{1,3}(?:\.\d{3})+,\d+|[+\-]?\d{1,3}(?:\.\d{3}){2,}")
+_COMMA_THOUSANDS = re.compile(r"[+\-]?\d{1,3}(?:,\d{3})+\.\d+|[+\-]?\d{1,3}(?:,\d{3}){2,}")
+_SPACE_THOUSANDS = re.compile(rf"[+\-]?\d{{1,3}}(?:[{_SPACES}]\d{{3}})+(?:[.,]\d+)?")
+_GROUPS = {sign: re.compile(rf"[+\-]?\d{{1,3}}(?:[{re.escape(sign)}]\d{{3}})+(?!\d)") for sign in (".", ",", _SPACES)}
+
+
+def is_missing(cell: str) -> bool:
+    """Return whether a cell says that there is no number."""
+    return cell.strip().lower() in _MISSING
+
+
+def looks_numeric(cell: str) -> bool:
+    """Return whether a cell may be a number in some style."""
+    return _NUMERIC.fullmatch(cell.strip()) is not None
+
+
+@dataclass(frozen=True)
+class NumberStyle:
+    """The signs in the numbers of a file; ``thousands`` is "" if there are none, or all signs that may be there."""
+
+    decimal: str = "."
+    thousands: str = ""
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether numbers are written as programs write them."""
+        return self.decimal == "." and not self.thousands
+
+    def __str__(self) -> str:
+        """Return the style in words, "" if it is plain."""
+        words = ["decimal comma"] if self.decimal == "," else []
+        return ", ".join([*words, "signs between thousands"] if self.thousands else words)
+
+    def number(self, cell: str) -> float:
+        """Return a cell as a number. Raises ValueError if it is none."""
+        text = cell.strip().replace("−", "-")
+        if "_" in text:
+            raise ValueError(f"{cell} is not a number")
+        if self.thousands and _GROUPS[self.thousands].match(text):
+            text = text.translate(dict.fromkeys(map(ord, self.thousands)))
+        if self.decimal == ",":
+            if "." in text:
+                raise ValueError(f"{cell} has a point among decimal commas")
+            text = text.replace(",", ".")
+        try:
+            return float(text)
+        except ValueError:
+            # Fortran writes 1.0D-3.
+            return float(text.replace("D", "E").replace("d", "e"))
+
+
+def style_of(cells: Iterable[str]) -> NumberStyle:
+    """Return the style of the numbers among some cells.
+
+    A comma is the decimal sign if no number has a point, or if both signs occur in one number in this order.
+    """
+    numbers = [cell.strip() for cell in cells if looks_numeric(cell)]
+    if any(_POINT_THOUSANDS.fullmatch(cell) for cell in numbers):
+        return NumberStyle(",", ".")
+    if any(_COMMA_THOUSANDS.fullmatch(cell) for cell in numbers):
+        return NumberStyle(".", ",")
+    has_comma = any("," in cell for cell in numbers)
+    decimal = "," if has_comma and not any("." in cell for cell in numbers) else "."
+    return NumberStyle(decimal, _SPACES if any(_SPACE_THOUSANDS.fullmatch(cell) for cell in numbers) else "")
