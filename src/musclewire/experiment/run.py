@@ -424,7 +424,7 @@ class Recorder:
         if rows == len(self):
             return f" and in {journal}"
         saved = rescued(self.recording(), self._writer.path.stem)
-        return f" and in {saved}" if saved else f" and, the first {rows}, in {journal}"
+        return f" and in {saved}" if saved else f" and in {journal} (the first {rows})"
 
 
 def not_written(path: Path, problem: OSError) -> RecordingNotWrittenError:

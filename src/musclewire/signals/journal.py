@@ -41,7 +41,7 @@ ADVICE = "These are the rows of a run that goes on or was cut off. 'musclewire r
 HEAD = struct.Struct("<BII")
 START, ROWS, END = 1, 2, 3
 # A torn record loses no more than this; and no number of bytes leaves 32 bits.
-BLOCK_BYTES = 1 << 18
+BLOCK_BYTES = 1 << 14
 
 
 def journal_of(path: str | Path) -> Path:

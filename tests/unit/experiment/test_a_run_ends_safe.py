@@ -68,6 +68,37 @@ def test_a_recording_that_cannot_be_put_anywhere_is_refused_before_anything_is_h
     assert rig.samples == 0
 
 
+def test_a_folder_that_cannot_be_written_to_is_refused_before_anything_is_heated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("os.access", lambda folder, _: Path(folder) != tmp_path)
+    rig = FakeRig()
+    with pytest.raises(CallerError, match=r"run\.h5: the folder .* cannot be written to; give another one$"):
+        characterize(rig, period_s=5.0, path=tmp_path / "run.h5")
+    assert rig.samples == 0
+
+
+def test_a_run_that_was_cut_off_is_not_replaced_unasked(tmp_path: Path) -> None:
+    (tmp_path / "run.h5.journal").write_bytes(b"precious")
+    rig = FakeRig()
+    with pytest.raises(CallerError, match=r"'musclewire recover .*run\.h5' finishes it; .*allow replacing it"):
+        characterize(rig, period_s=5.0, path=tmp_path / "run.h5")
+    assert rig.samples == 0
+
+
+def test_without_any_other_place_the_journal_is_named_with_the_rows_it_has(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("musclewire.signals.background_writer.SyncedFile.append", full)
+    monkeypatch.setattr("musclewire.experiment.run.rescued", lambda *_: None)
+    with pytest.raises(RigError) as caught:
+        characterize(FakeRig(), period_s=5.0, path=tmp_path / "run.h5")
+    assert caught.value.__notes__[0].endswith(r"run.h5.journal (the first 0)")
+
+
 def test_a_disk_that_takes_no_more_ends_the_run_safe_with_the_samples_on_the_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
