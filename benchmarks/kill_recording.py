@@ -162,6 +162,9 @@ def show_kills(kills: list[Kill]) -> bool:
         print(f"{victim:8} {len(of_it):6} {sum(kill.run_s < 1.0 for kill in of_it):13} "
               f"{sum(kill.readable for kill in of_it):9} {sum(not kill.right for kill in of_it):11} "
               f"{max(missing_ms):13.1f} ms {statistics.median(missing_ms):5.1f} ms")  # fmt: skip
+    for kill in kills:
+        if kill.missing_s > MISSING_BAR_S:
+            print(f"{kill.victim} killed {kill.run_s:.3f} s after the first row: {kill.missing_s:.3f} s are missing")
     return all(kill.readable and kill.right and kill.missing_s <= MISSING_BAR_S for kill in kills)
 
 

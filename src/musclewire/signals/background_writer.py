@@ -20,12 +20,12 @@ import numpy as np
 
 from musclewire.signals.metadata import MetadataValue, checked_metadata, one_line
 from musclewire.signals.open_journal import OpenJournal
-from musclewire.signals.synced_file import MAX_CLOSING_S, StalledError, SyncedFile
+from musclewire.signals.synced_file import MAX_CLOSING_S, READY, StalledError, SyncedFile
 
 __all__ = ["BackgroundWriter"]
 
 # Rows are taken this often [s]: with what a busy machine adds, none that is older than 0.1 s is lost by a kill.
-TAKEN_EVERY_S = 0.04
+TAKEN_EVERY_S = 0.02
 # The largest pipe that Linux allows ordinary users: at 1 kHz and 15 columns it bridges stalls of eight seconds, in
 # which a killed host still loses no more.
 PIPE_BYTES = 1 << 20
@@ -121,7 +121,7 @@ class AppendingProcess:
     """A process that appends to a file what comes through a pipe, and survives the death of this one."""
 
     def __init__(self, descriptor: int) -> None:
-        """Start it. It shares the open file, and with it the lock."""
+        """Start it, and wait until it reads. It shares the open file, and with it the lock."""
         self._process = subprocess.Popen(
             # Isolated: nothing of the user's folder or environment takes the place of a module.
             [sys.executable, "-I", "-S", str(APPENDING)],
@@ -131,6 +131,11 @@ class AppendingProcess:
             start_new_session=True,  # Ctrl-C is for the host, which then closes the file
         )
         widen_pipe(self._input)
+        assert self._process.stderr is not None
+        # What is in the pipe before it reads would be lost if both were killed.
+        self._ready = self._process.stderr.readline() == READY
+        if not self._ready:
+            self._process.kill()
 
     @property
     def _input(self) -> IO[bytes]:
@@ -166,7 +171,7 @@ class AppendingProcess:
         assert self._process.stderr is not None
         said = self._process.stderr.read().decode("utf-8", "replace").strip().splitlines()
         self._close_pipes()
-        if code < 0 or not said:
+        if code < 0 or not said or not self._ready:
             raise BrokenPipeError("the process that writes has ended")
         raise OSError(said[-1])
 

@@ -10,12 +10,14 @@ import os
 import sys
 import threading
 
-__all__ = ["MAX_CLOSING_S", "StalledError", "SyncedFile"]
+__all__ = ["MAX_CLOSING_S", "READY", "StalledError", "SyncedFile"]
 
 # A power cut costs no more [s] than this and what one fsync takes. Once a second is what an SD card bears.
 SYNCED_EVERY_S = 1.0
 MAX_CLOSING_S = 60.0
 READ_BYTES = 1 << 16
+# What the process says on its standard error once it waits for bytes; anything after it is an error.
+READY = b"ready\n"
 
 
 class StalledError(OSError):
@@ -84,6 +86,7 @@ def main() -> int:
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
         os.sched_setaffinity(0, range(os.cpu_count() or 1))
     try:
+        os.write(2, READY)
         append_input(0, 1)
     except OSError as problem:
         print(problem.strerror or problem, file=sys.stderr, flush=True)

@@ -126,6 +126,14 @@ def test_a_killed_writer_is_replaced_and_no_row_is_missing(tmp_path: Path) -> No
     assert read_recording(path)["time_s"].tolist() == [float(row) for row in range(3000)]
 
 
+def test_a_writer_that_cannot_start_is_replaced_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "broken.py").write_text("raise RuntimeError('not on this machine')")
+    monkeypatch.setattr("musclewire.signals.background_writer.APPENDING", tmp_path / "broken.py")
+    with Recorder(COLUMNS, {}, tmp_path / "run.h5", apart=True) as recorder:
+        recorder.append([1.0, 2.0, 3.0])
+    assert read_hdf5(tmp_path / "run.h5") == recorder.recording()
+
+
 def process_of(recorder: Recorder) -> subprocess.Popen[bytes]:
     """Return the process that writes for a recorder."""
     assert recorder._writer is not None
