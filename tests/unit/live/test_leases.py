@@ -6,7 +6,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from musclewire.live.server.leases import LEASE_S, Control, Outcome
+from musclewire.live.server.leases import LEASE_AT_REST_S, LEASE_S, Control, Outcome
 
 
 def test_whoever_asks_first_has_control_and_the_next_one_asks_for_it() -> None:
@@ -128,3 +128,14 @@ class Leases(RuleBasedStateMachine):
 
 TestLeases = Leases.TestCase
 TestLeases.settings = settings(max_examples=60, stateful_step_count=30, deadline=None)
+
+
+def test_at_rest_a_moment_without_a_sign_costs_nobody_control() -> None:
+    control = Control()
+    control.ask("a", "Ada", 0.0)
+    control.lease_s = LEASE_AT_REST_S
+    assert control.end_lost(LEASE_AT_REST_S) is None
+    control.lease_s = LEASE_S  # a run that heats begins
+    lost = control.end_lost(LEASE_AT_REST_S)
+    assert lost is not None
+    assert lost.name == "Ada"

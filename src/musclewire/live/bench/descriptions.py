@@ -25,12 +25,12 @@ __all__ = [
     "described_protection",
     "described_rig",
     "described_sweep",
+    "wiring",
 ]
 
 BRANCH_POINTS = 120
 # Facts of a rig's metadata that a page shows by their own names.
 FACTS = ("wire", "wire_length_m", "wire_diameter_m", "pretension_n", "maximum_force_n")
-SIMULATED_WIRING = ("Nothing is to be wired: this rig is simulated.",)
 
 
 def number(value: float | None) -> float | None:
@@ -54,20 +54,25 @@ def described_rig(rig: GuardedRig, name: str, *, simulated: bool) -> dict[str, A
         "reference_columns": list(rig.reference_columns or ()),
         "limits": {key: number(value) for key, value in rig.protection_limits._asdict().items()},
         **{key: facts.get(key) for key in FACTS},
-        "wiring": list(SIMULATED_WIRING if simulated else wiring_of(rig)),
+        "wiring": wiring(
+            simulated=simulated, voltage=f"{rig.maximum_voltage_v:g} V", shunt=f"{rig.shunt_resistance_ohm:g} ohm"
+        ),
     }
 
 
-def wiring_of(rig: GuardedRig) -> tuple[str, ...]:
-    """Return what to wire on a real rig, in the order of the current."""
-    limits = rig.protection_limits
-    return (
-        f"Supply of at most {rig.maximum_voltage_v:g} V, through a fuse and the hardware switch-off, to the driver.",
-        "Driver's output to one end of the wire, and the channel of the wire's voltage across the wire itself.",
-        f"Other end of the wire to the shunt of {limits.shunt_resistance_ohm:g} ohm, the shunt to ground.",
+def wiring(
+    *, simulated: bool, voltage: str = "the rig file's voltage", shunt: str = "the rig file's value"
+) -> list[str]:
+    """Return what to wire, in the order of the current; before a rig is open, without its numbers."""
+    if simulated:
+        return ["Nothing is to be wired: this rig is simulated."]
+    return [
+        f"Supply of at most {voltage}, through a fuse and the switch that cuts it, to the driver.",
+        "Driver's output to one end of the wire; the channel of the wire's voltage across the wire itself.",
+        f"Other end of the wire to the shunt of {shunt}, the shunt to ground.",
         "Channel of the shunt's voltage across the shunt itself; one common ground.",
-        "Keep fingers and paper away from the wire: it burns before it glows.",
-    )
+        "Keep fingers, paper and plastic away from the wire: it is above 100 C before anything is seen.",
+    ]
 
 
 def described_protection(rig: GuardedRig) -> dict[str, Any]:

@@ -4,14 +4,25 @@ from __future__ import annotations
 
 from musclewire.controllers import CONTROLLERS, FuzzyPidSettings
 from musclewire.errors import MusclewireError
-from musclewire.live.bench.descriptions import described_protection, described_rig
+from musclewire.live.bench.descriptions import described_protection, described_rig, wiring
 from musclewire.live.bench.session import Session, Stopped
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.pacing import Pacer
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.sensing.estimator import ESTIMATORS
 
-__all__ = ["switch_on"]
+__all__ = ["show_wiring", "switch_on"]
+
+
+def show_wiring(session: Session) -> None:
+    """Show what to wire before anything is switched on; a rig file that cannot be read is an error only then."""
+    try:
+        configuration, _where = rig_configuration(session.name, may_import=True)
+    except MusclewireError as problem:
+        session.shown.say("error", str(problem))
+    else:
+        session.simulated = isinstance(configuration, RigConfiguration)
+        session.shown.change(wiring=wiring(simulated=session.simulated))
 
 
 def switch_on(session: Session) -> None:

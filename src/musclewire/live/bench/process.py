@@ -12,6 +12,7 @@ from typing import Any
 from musclewire.errors import CallerError, MusclewireError
 from musclewire.live.bench.lines import Outbox
 from musclewire.live.bench.loop import run_session
+from musclewire.live.bench.opening import show_wiring
 from musclewire.live.bench.orders import Orders
 from musclewire.live.bench.session import Session
 from musclewire.live.bench.state import Shown
@@ -38,6 +39,7 @@ def main() -> int:
     # Before the threads: they inherit core and priority, and a busy loop cannot keep a stop waiting.
     refused = scheduled(setup)
     orders = Orders(session, sys.stdin.buffer, outbox)
+    show_wiring(session)
     finish_journals(session)
     session.note_recordings()
     shown.change(phase="off")

@@ -23,6 +23,7 @@ class BenchState:
     revision: int = 0
     phase: Phase = "starting"
     why: str = ""
+    wiring: list[str] = field(default_factory=list)
     rig: dict[str, Any] | None = None
     doing: dict[str, Any] | None = None
     messages: list[dict[str, str]] = field(default_factory=list)

@@ -20,7 +20,7 @@ const STEPS = [
     key: "switched_on", title: "Wire it up", button: "Switch on and check the wiring",
     body: (state) => [
       el("p", {}, state.rig?.simulated ? "" : "Wire this first, with the supply off:"),
-      el("ul", {}, ...(state.rig?.wiring ?? ["The rig has not said yet what it needs."]).map((line) => el("li", {}, line))),
+      el("ul", {}, ...(state.rig?.wiring ?? state.wiring ?? []).map((line) => el("li", {}, line))),
       el("p", {}, "Switching on senses at a small voltage. Nothing is heated."),
     ],
     commands: () => [{ do: "switch_on" }, { do: "doctor" }],

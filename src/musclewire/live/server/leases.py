@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-__all__ = ["LEASE_S", "Control", "Outcome", "Person"]
+__all__ = ["LEASE_AT_REST_S", "LEASE_S", "Control", "Outcome", "Person"]
 
 # A holder who gave no sign for so long has lost control: the wire is then at its sense voltage within a second.
 LEASE_S = 0.6
+# At rest nothing is heated, and somebody whose machine is busy for a moment need not lose control.
+LEASE_AT_REST_S = 5.0
 
 
 class Outcome(Enum):
@@ -37,23 +39,27 @@ class Person:
     name: str
     seen_s: float
 
-    def is_there(self, now_s: float) -> bool:
+    def is_there(self, now_s: float, lease_s: float = LEASE_S) -> bool:
         """Return whether they gave a sign recently enough."""
-        return now_s - self.seen_s <= LEASE_S
+        return now_s - self.seen_s <= lease_s
 
 
 class Control:
-    """Control of one bench. All times are of one clock that does not jump, given by the caller."""
+    """Control of one bench. All times are of one clock that does not jump, given by the caller.
+
+    ``lease_s`` is how long its holder may give no sign: ``LEASE_S`` while the wire may be heated.
+    """
 
     def __init__(self) -> None:
         """Begin with no holder."""
+        self.lease_s = LEASE_S
         self.holder: Person | None = None
         self.asking: Person | None = None
 
     def holds(self, key: str | None, now_s: float) -> bool:
         """Return whether a key has control now."""
         holder = self.holder
-        return key is not None and holder is not None and holder.key == key and holder.is_there(now_s)
+        return key is not None and holder is not None and holder.key == key and holder.is_there(now_s, self.lease_s)
 
     def ask(self, key: str, name: str, now_s: float) -> Outcome:
         """Take control if nobody has it, else ask the holder for it."""
@@ -62,7 +68,7 @@ class Control:
             return Outcome.YOURS
         if self.holder.key == key:
             return Outcome.YOURS
-        if self.asking is not None and self.asking.key != key and self.asking.is_there(now_s):
+        if self.asking is not None and self.asking.key != key and self.asking.is_there(now_s, self.lease_s):
             return Outcome.BUSY
         self.asking = Person(key, name, now_s)
         return Outcome.ASKED
@@ -72,7 +78,7 @@ class Control:
         if not self.holds(key, now_s) or self.asking is None:
             return False
         asking, self.asking = self.asking, None
-        if not give or not asking.is_there(now_s):
+        if not give or not asking.is_there(now_s, self.lease_s):
             return False
         self.holder = asking
         return True
@@ -80,7 +86,7 @@ class Control:
     def sign_of_life(self, key: str, now_s: float) -> None:
         """Note that somebody is there; a lease that has ended does not come back by it."""
         for person in (self.holder, self.asking):
-            if person is not None and person.key == key and person.is_there(now_s):
+            if person is not None and person.key == key and person.is_there(now_s, self.lease_s):
                 person.seen_s = now_s
 
     def leave(self, key: str) -> bool:
@@ -95,10 +101,10 @@ class Control:
 
     def end_lost(self, now_s: float) -> Person | None:
         """Take control from a holder who is no longer there, and return them; also forget who asked and has left."""
-        if self.asking is not None and not self.asking.is_there(now_s):
+        if self.asking is not None and not self.asking.is_there(now_s, self.lease_s):
             self.asking = None
         lost = self.holder
-        if lost is None or lost.is_there(now_s):
+        if lost is None or lost.is_there(now_s, self.lease_s):
             return None
         self.leave(lost.key)
         return lost

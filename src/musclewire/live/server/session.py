@@ -17,7 +17,7 @@ from musclewire.live.messages import Answer, Command, Stop
 from musclewire.live.messages import Control as ClosedLoop
 from musclewire.live.server.frames import Frame, FrameMaker, json_rows
 from musclewire.live.server.json_texts import compact
-from musclewire.live.server.leases import LEASE_S, Control, Outcome, Person
+from musclewire.live.server.leases import LEASE_AT_REST_S, LEASE_S, Control, Outcome, Person
 from musclewire.live.server.viewers import Viewer
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ class Session:
         self.benches = {handle.identifier: OnlineBench(handle) for handle in handles}
         self.folder, self.token_needed = folder, token_needed
         self.viewers: dict[str, Viewer] = {}
-        self._count, self._pings = 0, deque[tuple[int, float]](maxlen=16)
+        self._count, self._pings = 0, deque[tuple[int, float]](maxlen=64)
         self._ping, self._closed = 0, False
 
     async def start(self) -> None:
@@ -170,8 +170,13 @@ class Session:
     def pong(self, key: str, number: int) -> None:
         """Note an answer to a ping; one to an old ping or to none says nothing."""
         now_s = time.monotonic()
-        if any(ping == number and now_s - sent_s <= LEASE_S for ping, sent_s in self._pings):
+        if any(ping == number and now_s - sent_s <= self.pong_s for ping, sent_s in self._pings):
             self.sign_of_life(key)
+
+    @property
+    def pong_s(self) -> float:
+        """How old a ping may be for its answer to count [s]: as old as a lease, the shortest of all benches."""
+        return min(bench.control.lease_s for bench in self.benches.values())
 
     def sign_of_life(self, key: str) -> None:
         """Note that somebody is there."""
@@ -205,6 +210,7 @@ class Session:
         """Take control from holders who are no longer there; a heated run of theirs ends."""
         now_s = time.monotonic()
         for bench in self.benches.values():
+            bench.control.lease_s = LEASE_S if bench.handle.state.get("doing") else LEASE_AT_REST_S
             asked = bench.control.asking
             lost = bench.control.end_lost(now_s)
             if lost is not None:
