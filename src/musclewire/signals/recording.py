@@ -22,6 +22,7 @@ from musclewire.signals.writing import write_columns
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 __all__ = ["Recording", "MetadataValue"]
 
@@ -210,20 +211,44 @@ class Recording:
         frame.attrs.update(self.metadata)
         return frame
 
+    def to_xarray(self) -> xr.Dataset:
+        """Return an xarray data set, whose variables carry their units.
+
+        Returns
+        -------
+        A variable for each column over the coordinate ``time_s``, with the attributes ``units`` (SI, "1" without one)
+        and ``long_name``; over ``row`` for a table without a clock. The metadata are the attributes of the data set,
+        except those that are None, which no netCDF file can keep.
+
+        Raises
+        ------
+        MissingExtraError
+            Without xarray.
+        """
+        try:
+            import xarray as xr
+        except ImportError:
+            raise MissingExtraError("Recording.to_xarray()", "xarray") from None
+        axis = "time_s" if "time_s" in self else "row"
+        variables = {name: (axis, values.copy(), _attributes(name)) for name, values in self.columns.items()}
+        attributes = {key: value for key, value in self.metadata.items() if value is not None}
+        return xr.Dataset(variables, attrs=attributes)
+
     def save(self, path: str | Path) -> None:
         """Write the recording, whole or not at all; a file of that name is replaced.
 
         Parameters
         ----------
         path
-            The file; its suffix says the format: .h5, .hdf5, .csv or .parquet.
+            The file; its suffix says the format: .h5, .hdf5, .csv, .parquet, .mat (MATLAB 5, or 7.3 if it is too
+            large for it) or .xlsx.
 
         Raises
         ------
         CallerError
             For another suffix, or a folder that cannot be written to.
         MissingExtraError
-            For .parquet without pyarrow.
+            For .parquet without pyarrow, for .xlsx without openpyxl.
         """
         write_columns(self.columns, self.metadata, Path(path))
 
@@ -248,6 +273,10 @@ class Recording:
         head = "<tr><th>column</th><th>unit</th><th>minimum</th><th>maximum</th></tr>"
         title = f"<b>Recording</b> ({html.escape(self._summary())})"
         return f"<div>{title}<table>{head}{rows}</table><small>{html.escape(facts)}</small></div>"
+
+
+def _attributes(name: str) -> dict[str, str]:
+    return {"units": COLUMNS[name].unit or "1", "long_name": COLUMNS[name].description}
 
 
 def _read_only(name: str, values: ArrayLike) -> FloatArray:

@@ -81,4 +81,12 @@ def _format_of(path: Path) -> Callable[[Columns, Metadata, Path], None]:
         from musclewire.signals.parquet import fill_parquet
 
         return fill_parquet
-    raise CallerError(f"{path}: cannot save as '{suffix}'; end the name in .h5, .hdf5, .csv or .parquet")
+    if suffix == ".mat":
+        from musclewire.signals.lab_files.matlab_export import fill_matlab
+
+        return fill_matlab
+    if suffix == ".xlsx":
+        from musclewire.signals.lab_files.excel_export import fill_excel
+
+        return fill_excel
+    raise CallerError(f"{path}: cannot save as '{suffix}'; end the name in .h5, .hdf5, .csv, .parquet, .mat or .xlsx")

@@ -7,7 +7,7 @@ import warnings
 from array import array
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import date, datetime, time, timedelta
 from pathlib import Path
 from typing import Any
@@ -16,9 +16,11 @@ import numpy as np
 
 from musclewire.errors import MissingExtraError, RecordingError, nearest_hint
 from musclewire.signals.headers import numbered_headers
+from musclewire.signals.lab_files.excel_export import METADATA_SHEET, RECORDING_SHEET
 from musclewire.signals.lab_files.excel_layout import SheetLayout, layout_of, number_of_text
 from musclewire.signals.lab_files.file_table import damage_reported, metadata_of, one_line
 from musclewire.signals.lab_files.xlsx_check import check_xlsx
+from musclewire.signals.metadata import MetadataValue, entry_from_text
 from musclewire.signals.source_table import Cells, SourceColumn, TableInMemory
 
 __all__ = ["read_excel_table"]
@@ -46,10 +48,21 @@ def read_excel_table(path: Path, group: str | None = None) -> TableInMemory:
         check_xlsx(path)
         workbook = openpyxl.load_workbook(path, read_only=True, data_only=True, keep_links=False)
         with closing(workbook):
-            sheet, layout = _chosen(workbook.worksheets, group, path)
+            own = _own_metadata(workbook, path)
+            sheet, layout = _chosen(workbook.worksheets, RECORDING_SHEET if own and group is None else group, path)
             columns, rows = _read(sheet, layout, path)
         formulas = _without_values(path, sheet.title, layout, columns, openpyxl)
-    return _table(path, sheet.title, layout, columns, rows, formulas)
+    table = _table(path, sheet.title, layout, columns, rows, formulas)
+    return replace(table, metadata=own) if own else table
+
+
+def _own_metadata(workbook: Any, path: Path) -> dict[str, MetadataValue]:
+    """Return the metadata of a workbook that we wrote, from its second sheet; empty for any other."""
+    if workbook.sheetnames != [RECORDING_SHEET, METADATA_SHEET]:
+        return {}
+    pairs = [row[:2] for row in _rows(workbook[METADATA_SHEET], path) if len(row) > 1]
+    entries = [entry_from_text(str(key), str(value)) for key, value in pairs if key is not None and value is not None]
+    return dict(entry for entry in entries if entry is not None)
 
 
 def _rows(sheet: Any, path: Path) -> Iterator[tuple[Any, ...]]:
