@@ -13,6 +13,7 @@ from musclewire.app.files import require_free
 from musclewire.app.options import (
     DROP_MISSING,
     IGNORE,
+    MATLAB_VERSION,
     OUTPUT,
     OVERWRITE,
     SAMPLE_PERIOD,
@@ -33,11 +34,12 @@ __all__ = ["add_import_command"]
 
 @dataclasses.dataclass(frozen=True)
 class TableOptions:
-    """What only import asks of a file, and a mapping file remembers."""
+    """What only import asks of a file, and a mapping file remembers, and what is written."""
 
     sample_period: Annotated[str | None, SAMPLE_PERIOD] = None
     ignore: Annotated[list[str] | None, IGNORE] = None
     drop_missing: Annotated[bool, DROP_MISSING] = False
+    matlab_version: Annotated[str | None, MATLAB_VERSION] = None
 
     def added_to(self, mapping: ImportMapping) -> ImportMapping:
         """Return a mapping with these options."""
@@ -69,7 +71,7 @@ def import_recordings(
         require_one_file(path, files)
         if path is not None:
             require_free(path, overwrite)
-    understood = [imported(path, mapping, output) for path in files]
+    understood = [imported(path, mapping, output, table.matlab_version) for path in files]
     problem = next((item.problem for item in understood if item.problem), "")
     if save_mapping is not None and not problem:
         remember(understood[0], save_mapping)
@@ -91,11 +93,11 @@ def require_one_file(path: Path | None, files: list[Path]) -> None:
         raise CallerError(f"{path} can be written for one file, {len(files)} were given: import them one by one")
 
 
-def imported(path: Path, mapping: ImportMapping, output: Path | None) -> Understanding:
+def imported(path: Path, mapping: ImportMapping, output: Path | None, matlab_version: str | None) -> Understanding:
     """Return how a file was understood; if it can be used and there is an output, it has been converted."""
     from musclewire.signals import import_recording
 
-    return import_recording(path, output, mapping=mapping)
+    return import_recording(path, output, mapping=mapping, matlab_version=matlab_version)
 
 
 def remember(understood: Understanding, path: Path) -> None:

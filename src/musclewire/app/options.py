@@ -183,6 +183,12 @@ SAVE_MAPPING = option("--save-mapping", help="Mapping file to write (.toml), for
 SAMPLE_PERIOD = quantity(
     "--sample-period", "s", "Time between two rows of a file without a clock, as '10 ms'.", 1e-9, 86400.0
 )
+GROUP = option(
+    "--group", "--sheet", help="Group, sheet or struct of a file that holds several tables (TDMS, HDF5, MATLAB, Excel)."
+)
+MATLAB_VERSION = option(
+    "--matlab-version", help="Version of a .mat file to write: 5 or 7.3 (default: 5, unless it is too large)."
+)
 IGNORE = option("--ignore", help="Leave out a column, by its header or as #3. Repeatable.", metavar="COLUMN")
 DROP_MISSING = option("--drop-missing", help="Leave out rows in which a used column has no number.")
 ZERO = option("--zero", help="Count displacement, strain and force from the first row.")

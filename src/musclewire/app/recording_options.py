@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from musclewire.app.options import COLUMN, INVERT, LEG_LENGTH, MAPPING, SHUNT, ZERO, in_si, mapping
+from musclewire.app.options import COLUMN, GROUP, INVERT, LEG_LENGTH, MAPPING, SHUNT, ZERO, in_si, mapping
 
 if TYPE_CHECKING:
     from musclewire.signals.import_mapping import ImportMapping
@@ -27,6 +27,7 @@ class ReadingOptions:
     zero: Annotated[bool, ZERO] = False
     invert: Annotated[bool, INVERT] = False
     mapping: Annotated[Path | None, MAPPING] = None
+    group: Annotated[str | None, GROUP] = None
 
     def metadata(self) -> dict[str, MetadataValue]:
         """Return what the options state about a recording."""
@@ -40,7 +41,9 @@ class ReadingOptions:
         """Return all options as a mapping; those of a mapping file come second."""
         from musclewire.signals.import_mapping import ImportMapping, load_mapping
 
-        options = ImportMapping(mapping(self.column), zero=self.zero, invert=self.invert, metadata=self.metadata())
+        options = ImportMapping(
+            mapping(self.column), zero=self.zero, invert=self.invert, metadata=self.metadata(), group=self.group
+        )
         return options if self.mapping is None else load_mapping(self.mapping).joined(options)
 
     def read(self, recording: str) -> Recording:

@@ -20,7 +20,7 @@ from musclewire.signals.columns import COLUMNS
 from musclewire.signals.metadata import RESERVED, MetadataValue, checked_metadata
 from musclewire.signals.whole_files import write_whole
 
-__all__ = ["describe_recording", "fill_hdf5", "read_hdf5_columns"]
+__all__ = ["describe_recording", "fill_hdf5", "is_recording", "read_hdf5_columns"]
 
 FORMAT = "musclewire-recording"
 FORMAT_VERSION = 1
@@ -113,6 +113,12 @@ def read_hdf5_columns(path: Path) -> tuple[dict[str, FloatArray], dict[str, Meta
     if metadata.get("ended") == "running":
         metadata["ended"] = "cut off"
     return {name: values[:rows] for name, values in columns.items()}, metadata
+
+
+def is_recording(path: Path) -> bool:
+    """Return whether an HDF5 file is a recording of musclewire. Raises RecordingError if it cannot be opened."""
+    with _open_file(path) as file, _damage_reported(path):
+        return bool(file.attrs.get("format") == FORMAT)
 
 
 def _write_metadata(file: Any, metadata: Mapping[str, MetadataValue]) -> None:

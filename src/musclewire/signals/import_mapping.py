@@ -4,6 +4,7 @@ format = "musclewire-mapping"
 version = 1
 sample_period = "10 ms"             for files without a clock
 ignore = ["Humidity"]               columns that are left out
+group = "Measured"                  group, sheet or struct of a file that holds several tables
 drop_missing = true                 leave out rows in which a number is missing
 zero = true                         count displacement, strain and force from the first row
 invert = true                       the sensor reads backwards: negate displacement and strain
@@ -34,7 +35,8 @@ from musclewire.signals.whole_files import write_text_whole
 __all__ = ["ImportMapping", "load_mapping", "save_mapping"]
 
 _FORMAT = "musclewire-mapping"
-_KEYS = ("format", "version", "sample_period", "ignore", "drop_missing", "zero", "invert", "columns", "metadata")
+_SWITCHES = ("drop_missing", "zero", "invert")
+_KEYS = ("format", "version", "sample_period", "ignore", "group", *_SWITCHES, "columns", "metadata")
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,8 @@ class ImportMapping:
         Whether the sensor reads backwards, so that displacement and strain are negated; False by default.
     metadata
         Added to those of the file, and used instead of them if both state a key; empty by default.
+    group
+        Group, sheet or struct of a file that holds several tables; None by default, for the only one.
     only_mapped
         Whether all columns that are not in ``columns`` are left out, as with a mapping file; False by default.
 
@@ -76,6 +80,7 @@ class ImportMapping:
     invert: bool = False
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
     only_mapped: bool = False
+    group: str | None = None
 
     def __post_init__(self) -> None:
         """Check the sample period."""
@@ -105,6 +110,7 @@ class ImportMapping:
             self.invert or other.invert,
             {**self.metadata, **other.metadata},
             self.only_mapped or other.only_mapped,
+            self.group if other.group is None else other.group,
         )
 
 
@@ -158,7 +164,9 @@ def save_mapping(mapping: ImportMapping, path: str | Path) -> None:
         lines.append(f"sample_period = {_toml(f'{mapping.sample_period_s!r} s')}")
     if mapping.ignore:
         lines.append(f"ignore = [{', '.join(map(_toml, mapping.ignore))}]")
-    lines += [f"{key} = true" for key in ("drop_missing", "zero", "invert") if getattr(mapping, key)]
+    if mapping.group is not None:
+        lines.append(f"group = {_toml(mapping.group)}")
+    lines += [f"{key} = true" for key in _SWITCHES if getattr(mapping, key)]
     lines += ["", "[columns]", *(f"{name} = {_toml(wanted)}" for name, wanted in mapping.columns.items())]
     if mapping.metadata:
         stated = {key: value for key, value in mapping.metadata.items() if value is not None}
@@ -184,17 +192,17 @@ def _mapping_of(data: Mapping[str, Any]) -> ImportMapping:
     ignore = _typed(data, "ignore", list, [])
     if not all(isinstance(header, str) for header in ignore):
         raise CallerError('ignore is a list of headers, as ["Humidity"]')
-    period = _typed(data, "sample_period", str, None)
+    period, group = _typed(data, "sample_period", str, None), _typed(data, "group", str, None)
     metadata = checked_metadata(_typed(data, "metadata", dict, {}))
-    switches = {key: _typed(data, key, bool, False) for key in ("drop_missing", "zero", "invert")}
+    switches = {key: _typed(data, key, bool, False) for key in _SWITCHES}
     period_s = None if period is None else parse_quantity(period, "s")
     return dataclasses.replace(
-        ImportMapping(columns, tuple(ignore), period_s, metadata=metadata, only_mapped=True), **switches
+        ImportMapping(columns, tuple(ignore), period_s, metadata=metadata, only_mapped=True, group=group), **switches
     )
 
 
 def _typed(data: Mapping[str, Any], key: str, kind: type, default: Any) -> Any:
-    words = {dict: "a table", list: "a list", str: 'text with a unit, as "10 ms"', bool: "true or false"}
+    words = {dict: "a table", list: "a list", str: "text", bool: "true or false"}
     value = data.get(key, default)
     if value is not default and not isinstance(value, kind):
         raise CallerError(f"{key} is {value!r}; it must be {words[kind]}")

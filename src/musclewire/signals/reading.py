@@ -27,13 +27,15 @@ def read_recording(
     columns: Mapping[str, str] | None = None,
     metadata: Mapping[str, MetadataValue] | None = None,
     mapping: ImportMapping | str | Path | None = None,
+    group: str | None = None,
 ) -> Recording:
-    """Read a recording from .h5, .hdf5, .csv, .tsv, .txt or .parquet.
+    """Read a recording of ours, or of LabVIEW, MATLAB, Excel and other programs.
 
     Parameters
     ----------
     path
-        The file.
+        The file; its suffix states the format: .h5 and .hdf5 (ours or others'), .csv, .tsv, .txt, .dat and .asc,
+        .tdms, .lvm, .mat (4, 5 and 7.3), .xlsx and .xlsm, .parquet.
     columns
         NAME -> "HEADER" or "HEADER:UNIT" for headers that are not recognised by themselves, such as
         ``{"wire_voltage_v": "Vw:mV"}``; HEADER may itself carry a unit, and ``#2`` is the second column whatever it is
@@ -43,6 +45,9 @@ def read_recording(
     mapping
         Everything else about how the file is read: an :class:`~musclewire.signals.ImportMapping`, or the path of a
         mapping file; what ``columns`` and ``metadata`` say comes first. None if there is nothing else to say.
+    group
+        Group, sheet or struct of a file that holds several tables. None, the default, takes the only one; where there
+        are several, the error lists them.
 
     Returns
     -------
@@ -55,10 +60,10 @@ def read_recording(
     CallerError
         For a NAME in ``columns`` that is no column, metadata that no file could keep, or a wrong mapping file.
     MissingExtraError
-        For .parquet without pyarrow.
+        For .parquet without pyarrow, for .tdms and .xlsx without the extra ``labfiles``.
     """
-    wanted = _mapping(mapping, columns, metadata)
-    plan, tally = plan_import(_table(Path(path)), wanted), Tally()
+    wanted = _mapping(mapping, columns, metadata, group)
+    plan, tally = plan_import(_table(Path(path), wanted.group), wanted), Tally()
     blocks = list(checked_blocks(plan, tally))
     values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     started = {} if tally.start_time is None else {"start_time": tally.start_time}
@@ -71,6 +76,8 @@ def import_recording(
     columns: Mapping[str, str] | None = None,
     metadata: Mapping[str, MetadataValue] | None = None,
     mapping: ImportMapping | str | Path | None = None,
+    group: str | None = None,
+    matlab_version: str | None = None,
 ) -> Understanding:
     """Check a recording of another program to its last row, and convert it if an output is given.
 
@@ -81,13 +88,18 @@ def import_recording(
     path
         The file.
     output
-        The file to write: .h5, .hdf5, .csv or .parquet; one of this name is replaced. None, the default, only checks.
+        The file to write: .h5, .hdf5, .csv, .parquet, .mat or .xlsx, of which the last two are collected in memory
+        first; one of this name is replaced. None, the default, only checks.
     columns
         As in :func:`read_recording`.
     metadata
         As in :func:`read_recording`.
     mapping
         As in :func:`read_recording`.
+    group
+        As in :func:`read_recording`.
+    matlab_version
+        As in :meth:`Recording.save`, of an output that ends in .mat.
 
     Returns
     -------
@@ -100,14 +112,15 @@ def import_recording(
     CallerError
         For a NAME in ``columns`` that is no column, a wrong mapping file, or an output that cannot be written.
     MissingExtraError
-        For .parquet without pyarrow.
+        For .parquet without pyarrow, for .tdms and .xlsx without the extra ``labfiles``.
     """
-    plan, tally = plan_import(_table(Path(path)), _mapping(mapping, columns, metadata)), Tally()
+    wanted = _mapping(mapping, columns, metadata, group)
+    plan, tally = plan_import(_table(Path(path), wanted.group), wanted), Tally()
     problem = ""
     if output is None:
         problem = _first_problem(plan, tally)
     else:
-        _write(plan, tally, Path(output))
+        _write(plan, tally, Path(output), matlab_version)
     return understanding_of(plan, tally, problem)
 
 
@@ -160,7 +173,7 @@ def has_headers(path: str | Path) -> bool:
     RecordingError
         If it cannot be read.
     """
-    headers = tuple(column.header for column in _table(Path(path)).columns)
+    headers = tuple(column.header for column in _table(Path(path), None).columns)
     return headers != numbered_headers(len(headers))
 
 
@@ -168,9 +181,10 @@ def _mapping(
     mapping: ImportMapping | str | Path | None,
     columns: Mapping[str, str] | None,
     metadata: Mapping[str, MetadataValue] | None,
+    group: str | None,
 ) -> ImportMapping:
     given = load_mapping(mapping) if isinstance(mapping, str | Path) else mapping or ImportMapping()
-    return given.joined(ImportMapping(columns or {}, metadata=checked_metadata(metadata or {})))
+    return given.joined(ImportMapping(columns or {}, metadata=checked_metadata(metadata or {}), group=group))
 
 
 def _first_problem(plan: ImportPlan, tally: Tally) -> str:
@@ -183,10 +197,10 @@ def _first_problem(plan: ImportPlan, tally: Tally) -> str:
     return ""
 
 
-def _write(plan: ImportPlan, tally: Tally, output: Path) -> None:
+def _write(plan: ImportPlan, tally: Tally, output: Path, matlab_version: str | None) -> None:
     if plan.problem:
         raise RecordingError(plan.problem)
-    require_streamable(output)
+    require_streamable(output, matlab_version)
     blocks = checked_blocks(plan, tally)
     # What the first block shows, when a file with dates begins, belongs to the metadata.
     first = next(blocks, None)
@@ -199,32 +213,51 @@ def _write(plan: ImportPlan, tally: Tally, output: Path) -> None:
         for block in blocks:
             yield tuple(block[name] for name in plan.names)
 
-    write_blocks(plan.names, rows(), metadata, output)
+    write_blocks(plan.names, rows(), metadata, output, matlab_version)
 
 
-def _table(path: Path) -> SourceTable:
+def _table(path: Path, group: str | None) -> SourceTable:
     read = _reader_for(path)
     if not path.is_file() and not (is_journal(path) or unfinished(path)):
         what = "is a folder" if path.is_dir() else "no such file"
         raise RecordingError(f"{path}: {what}; give the path of a recording")
-    return read(path)
+    return read(path, group)
 
 
-def _reader_for(path: Path) -> Callable[[Path], SourceTable]:
-    # Imported here: h5py and pyarrow are slow to load, and most commands read no file.
+def _reader_for(path: Path) -> Callable[[Path, str | None], SourceTable]:
+    # Imported here: h5py and the readers of other formats are slow to load, and most commands read no file.
+    from musclewire.signals.lab_files.formats import LAB_SUFFIXES, lab_file_reader
+
     suffix = path.suffix.lower()
-    if suffix in {".h5", ".hdf5"} or is_journal(path) or unfinished(path):
-        return _own_table
+    if is_journal(path) or unfinished(path):
+        return lambda file, group: _own_table(_without_groups(file, group))
+    if (read := lab_file_reader(path)) is not None:
+        return read
+    if suffix in {".h5", ".hdf5"}:
+        return _hdf5_table
     if suffix in {".csv", ".tsv", ".txt", ".dat", ".asc"}:
         from musclewire.signals.text_tables import read_text_table
 
-        return read_text_table
-    if suffix == ".parquet":
-        from musclewire.signals.parquet import read_parquet_table
-
-        return read_parquet_table
-    known = ".h5, .hdf5, .csv, .tsv, .txt, .dat, .asc or .parquet"
+        return lambda file, group: read_text_table(_without_groups(file, group))
+    known = f".h5, .hdf5, .csv, .tsv, .txt, .dat, .asc, {', '.join(LAB_SUFFIXES[:-1])} or {LAB_SUFFIXES[-1]}"
     raise RecordingError(f"{path}: files ending in '{suffix}' are not read; export it as {known}")
+
+
+def _without_groups(path: Path, group: str | None) -> Path:
+    """Return the path of a file that holds one table. Raises RecordingError if a group is asked for."""
+    if group is not None:
+        raise RecordingError(f"{path}: holds one table, no group '{group}'; leave --group out")
+    return path
+
+
+def _hdf5_table(path: Path, group: str | None) -> SourceTable:
+    from musclewire.signals.hdf5 import is_recording
+
+    if not is_recording(path):
+        from musclewire.signals.lab_files.foreign_hdf5 import read_hdf5_of_others
+
+        return read_hdf5_of_others(path, group)
+    return _own_table(_without_groups(path, group))
 
 
 def _own_table(path: Path) -> SourceTable:

@@ -234,7 +234,7 @@ class Recording:
         attributes = {key: value for key, value in self.metadata.items() if value is not None}
         return xr.Dataset(variables, attrs=attributes)
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, matlab_version: str | None = None) -> None:
         """Write the recording, whole or not at all; a file of that name is replaced.
 
         Parameters
@@ -242,15 +242,18 @@ class Recording:
         path
             The file; its suffix says the format: .h5, .hdf5, .csv, .parquet, .mat (MATLAB 5, or 7.3 if it is too
             large for it) or .xlsx.
+        matlab_version
+            "5" or "7.3" for a .mat file. None, the default, is 5, which everything reads, or 7.3 if a column is too
+            large for it.
 
         Raises
         ------
         CallerError
-            For another suffix, or a folder that cannot be written to.
+            For another suffix or version, a folder that cannot be written to, or more rows than a sheet holds.
         MissingExtraError
             For .parquet without pyarrow, for .xlsx without openpyxl.
         """
-        write_columns(self.columns, self.metadata, Path(path))
+        write_columns(self.columns, self.metadata, Path(path), matlab_version)
 
     def __repr__(self) -> str:
         """Return one line: number of rows, duration, how the run ended, and the columns."""

@@ -19,17 +19,20 @@ Metadata = Mapping[str, MetadataValue]
 Blocks = Iterable[tuple[FloatArray, ...]]
 
 
-def write_columns(columns: Columns, metadata: Metadata, path: Path) -> None:
+def write_columns(columns: Columns, metadata: Metadata, path: Path, matlab_version: str | None = None) -> None:
     """Write columns, each (n_times,), and metadata in the format of the path's suffix, whole or not at all.
 
-    Raises CallerError for another suffix or a folder that cannot be written to, MissingExtraError for .parquet without
+    ``matlab_version`` is that of a .mat file; None is 5, or 7.3 if 5 cannot hold it. Raises CallerError for another
+    suffix or version or a folder that cannot be written to, MissingExtraError for .parquet without
     pyarrow.
     """
-    fill = _format_of(path)
+    fill = _format_of(path, matlab_version)
     write_whole(path, lambda temporary: fill(columns, metadata, temporary))
 
 
-def write_blocks(names: Sequence[str], blocks: Blocks, metadata: Metadata, path: Path) -> None:
+def write_blocks(
+    names: Sequence[str], blocks: Blocks, metadata: Metadata, path: Path, matlab_version: str | None = None
+) -> None:
     """Write a recording block after block, whole or not at all, in the format of the path's suffix.
 
     Each block holds a column of shape (n_rows,) for each of ``names``. A format that cannot grow is written
@@ -40,12 +43,12 @@ def write_blocks(names: Sequence[str], blocks: Blocks, metadata: Metadata, path:
         write_whole(path, lambda temporary: fill(names, blocks, metadata, temporary))
         return
     collected = [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
-    write_columns(dict(zip(names, collected, strict=True)), metadata, path)
+    write_columns(dict(zip(names, collected, strict=True)), metadata, path, matlab_version)
 
 
-def require_streamable(path: Path) -> None:
+def require_streamable(path: Path, matlab_version: str | None = None) -> None:
     """Raise CallerError unless a recording can be written in the format of a path's suffix."""
-    _format_of(path)
+    _format_of(path, matlab_version)
 
 
 def _block_format_of(path: Path) -> Callable[[Sequence[str], Blocks, Metadata, Path], None] | None:
@@ -66,9 +69,11 @@ def _block_format_of(path: Path) -> Callable[[Sequence[str], Blocks, Metadata, P
     return None
 
 
-def _format_of(path: Path) -> Callable[[Columns, Metadata, Path], None]:
+def _format_of(path: Path, matlab_version: str | None) -> Callable[[Columns, Metadata, Path], None]:
     # Imported here: h5py and pyarrow take longer to load than everything else in this room.
     suffix = path.suffix.lower()
+    if matlab_version is not None and suffix != ".mat":
+        raise CallerError(f"{path}: a MATLAB version is that of a .mat file; end the name in .mat or leave it out")
     if suffix in {".h5", ".hdf5"}:
         from musclewire.signals.hdf5 import fill_hdf5
 
@@ -82,9 +87,9 @@ def _format_of(path: Path) -> Callable[[Columns, Metadata, Path], None]:
 
         return fill_parquet
     if suffix == ".mat":
-        from musclewire.signals.lab_files.matlab_export import fill_matlab
+        from musclewire.signals.lab_files.matlab_export import fill_of_version
 
-        return fill_matlab
+        return fill_of_version(matlab_version)
     if suffix == ".xlsx":
         from musclewire.signals.lab_files.excel_export import fill_excel
 

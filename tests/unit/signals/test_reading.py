@@ -79,7 +79,7 @@ def test_a_missing_file_a_folder_and_an_unknown_ending_are_told_apart(tmp_path):
     assert "no such file" in refusal(tmp_path / "none.csv")
     (tmp_path / "folder.csv").mkdir()
     assert "is a folder" in refusal(tmp_path / "folder.csv")
-    assert "files ending in '.mat' are not read; export it as .h5" in refusal(tmp_path / "a.mat")
+    assert "files ending in '.doc' are not read; export it as .h5" in refusal(tmp_path / "a.doc")
 
 
 def test_a_file_without_a_clock_is_told_how_to_name_one(tmp_path):

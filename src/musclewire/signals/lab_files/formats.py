@@ -44,10 +44,10 @@ def lab_file_reader(path: Path) -> _Reader | None:
         from musclewire.signals.lab_files.lvm import read_lvm_table
 
         return read_lvm_table
-    return _binary_reader(suffix, path)
+    return _binary_reader(suffix)
 
 
-def _binary_reader(suffix: str, path: Path) -> _Reader | None:
+def _binary_reader(suffix: str) -> _Reader | None:
     # Imported here: the packages behind them are slow to load, and most commands read none of these files.
     if suffix == ".tdms":
         from musclewire.signals.lab_files.tdms import read_tdms_table
@@ -61,16 +61,17 @@ def _binary_reader(suffix: str, path: Path) -> _Reader | None:
         from musclewire.signals.lab_files.parquet_table import read_parquet_table
 
         return read_parquet_table
-    return _matlab_reader(path) if suffix == ".mat" else None
+    return _read_matlab if suffix == ".mat" else None
 
 
-def _matlab_reader(path: Path) -> _Reader:
-    """Return the reader of the version that the file states in its first line."""
+def _read_matlab(path: Path, group: str | None) -> SourceTable:
+    """Read a MATLAB file by the version that it states in its first line."""
     from musclewire.signals.lab_files.matlab5 import read_matlab5_table
     from musclewire.signals.lab_files.matlab73 import read_matlab73_table
 
     start = _start(path, 16)
-    return read_matlab73_table if start.startswith((_MATLAB73, b"\x89HDF")) else read_matlab5_table
+    read = read_matlab73_table if start.startswith((_MATLAB73, b"\x89HDF")) else read_matlab5_table
+    return read(path, group)
 
 
 def _is_labview_text(path: Path) -> bool:

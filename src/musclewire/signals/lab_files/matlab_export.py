@@ -7,7 +7,7 @@ of each variable as the attribute ``MATLAB_class``.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,10 @@ from musclewire.signals.columns import COLUMNS
 from musclewire.signals.lab_files.matlab_variables import METADATA_NAME
 from musclewire.signals.metadata import MetadataValue
 
-__all__ = ["MATLAB_VERSIONS", "fill_matlab", "fill_matlab_5", "fill_matlab_73"]
+__all__ = ["MATLAB_VERSIONS", "fill_matlab", "fill_matlab_5", "fill_matlab_73", "fill_of_version"]
+
+Columns = Mapping[str, FloatArray]
+Metadata = Mapping[str, MetadataValue]
 
 MATLAB_VERSIONS = ("5", "7.3")
 
@@ -29,14 +32,22 @@ _HEADER_BYTES = 512
 _TEXT = "MATLAB 7.3 MAT-file, written by musclewire HDF5 schema 1.00 ."
 
 
-def fill_matlab(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+def fill_of_version(version: str | None) -> Callable[[Columns, Metadata, Path], None]:
+    """Return what writes a version; None is 5, or 7.3 where that is needed. Raises CallerError for another one."""
+    known = {None: fill_matlab, "5": fill_matlab_5, "7.3": fill_matlab_73}
+    if version not in known:
+        raise CallerError(f"MATLAB version '{version}' is not written; give {' or '.join(MATLAB_VERSIONS)}")
+    return known[version]
+
+
+def fill_matlab(columns: Columns, metadata: Metadata, path: Path) -> None:
     """Write version 5, which everything reads, or 7.3 if a column is too large for it."""
     largest = max((values.nbytes for values in columns.values()), default=0)
     fill = fill_matlab_5 if largest <= MAX_COLUMN_BYTES else fill_matlab_73
     fill(columns, metadata, path)
 
 
-def fill_matlab_5(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+def fill_matlab_5(columns: Columns, metadata: Metadata, path: Path) -> None:
     """Write columns as column vectors with our names, ``units`` and ``metadata`` as structs of text and numbers."""
     from scipy.io import savemat
 
@@ -50,11 +61,11 @@ def fill_matlab_5(columns: Mapping[str, FloatArray], metadata: Mapping[str, Meta
     savemat(str(path), variables, appendmat=False, do_compression=True, long_field_names=True)
 
 
-def fill_matlab_73(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+def fill_matlab_73(columns: Columns, metadata: Metadata, path: Path) -> None:
     """Write the same as version 7.3, compressed in chunks, without a limit of size."""
     import h5py
 
-    with h5py.File(path, "w", userblock_size=_HEADER_BYTES) as file:
+    with h5py.File(path, "w", userblock_size=_HEADER_BYTES, track_order=True) as file:
         for name, values in columns.items():
             _array(file, name, values[np.newaxis, :], chunks=(1, min(max(values.size, 1), 65_536)))
         _struct(file, "units", _units(columns))

@@ -7,7 +7,7 @@ import pytest
 from scipy.io import loadmat
 
 from musclewire.errors import CallerError
-from musclewire.signals import Recording
+from musclewire.signals import Recording, read_recording
 from musclewire.signals.lab_files import excel_export, matlab_export
 from musclewire.signals.lab_files.matlab_export import fill_matlab, fill_matlab_73
 
@@ -58,6 +58,15 @@ def test_a_workbook_has_the_columns_that_pandas_reads_and_text_that_is_no_formul
     assert frame.to_numpy() == pytest.approx(RECORDING.to_pandas().to_numpy(), rel=1e-15)
     metadata = pd.read_excel(tmp_path / "a.xlsx", sheet_name="metadata", header=None, index_col=0)[1]
     assert metadata["rig.kind"] == "=1+1"
+
+
+def test_a_matlab_version_is_asked_for_by_its_number(tmp_path):
+    RECORDING.save(tmp_path / "a.mat", matlab_version="7.3")
+    assert read_recording(tmp_path / "a.mat") == RECORDING
+    with pytest.raises(CallerError, match="give 5 or 7"):
+        RECORDING.save(tmp_path / "b.mat", matlab_version="6")
+    with pytest.raises(CallerError, match=r"end the name in \.mat"):
+        RECORDING.save(tmp_path / "b.h5", matlab_version="5")
 
 
 def test_more_rows_than_a_sheet_holds_are_refused(tmp_path, monkeypatch):
