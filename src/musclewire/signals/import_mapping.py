@@ -61,10 +61,10 @@ class ImportMapping:
         Whether the sensor reads backwards, so that displacement and strain are negated; False by default.
     metadata
         Added to those of the file, and used instead of them if both state a key; empty by default.
-    group
-        Group, sheet or struct of a file that holds several tables; None by default, for the only one.
     only_mapped
         Whether all columns that are not in ``columns`` are left out, as with a mapping file; False by default.
+    group
+        Group, sheet or struct of a file that holds several tables; None by default, for the only one.
 
     Raises
     ------
