@@ -1,15 +1,15 @@
 /** The wire itself, drawn: its moving end over a scale, the target above, its colour by the estimated temperature. */
 
-import { el, setText, svg } from "./dom.js";
+import { svg } from "./dom.js";
 import { fixed, QUANTITIES, tickDigits, ticks } from "./format.js";
 
 const HEIGHT = 86;
 const EDGE = 44;
 
-/** Return a colour between cool and hot as a CSS colour-mix of the theme's two colours. */
+/** Return the colour of a wire between cold, grey as metal, and its limit. */
 function heatColour(temperature, limit) {
   const share = Math.max(0, Math.min(1, (temperature - 22) / Math.max(20, (limit ?? 150) - 22)));
-  return `color-mix(in oklab, var(--heating) ${Math.round(100 * share)}%, var(--cooling))`;
+  return `color-mix(in oklab, var(--heating) ${Math.round(100 * share)}%, var(--line-strong))`;
 }
 
 export class Gauge {
@@ -99,32 +99,4 @@ function spring(from, to) {
   let path = `M${from.toFixed(1)} 45h${straight}`;
   for (let n = 0; n < turns; n += 1) path += `l${(step / 4).toFixed(2)} -8l${(step / 2).toFixed(2)} 16l${(step / 4).toFixed(2)} -8`;
   return `${path}H${to}`;
-}
-
-/** The present values in large figures. */
-export class Numbers {
-  constructor(root) {
-    this.items = {};
-    for (const [key, name] of Object.entries({ value: "Strain", resistance: "Resistance", drive: "Drive", current: "Current", power: "Power", temperature: "Temperature" })) {
-      const item = {
-        box: el("div", { class: key === "value" ? "number first" : "number" }), name: el("p", { class: "name" }, name),
-        figure: el("span", {}), unit: el("span", { class: "unit" }), below: el("p", { class: "below" }),
-      };
-      item.box.append(item.name, el("p", { class: "value" }, item.figure, item.unit), item.below);
-      root.append(item.box);
-      this.items[key] = item;
-    }
-  }
-
-  /** Write {key: {name, figure, unit, below, near}}. */
-  write(values) {
-    for (const [key, value] of Object.entries(values)) {
-      const item = this.items[key];
-      if (value.name) setText(item.name, value.name);
-      setText(item.figure, value.figure);
-      setText(item.unit, value.unit);
-      setText(item.below, value.below ?? "");
-      item.box.classList.toggle("near-limit", Boolean(value.near));
-    }
-  }
 }

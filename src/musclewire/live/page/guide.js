@@ -55,7 +55,7 @@ const STEPS = [
   },
   {
     key: "moved", title: "Move the wire", button: "Follow the slider",
-    body: () => [el("p", {}, "The loop closes by the resistance alone. Then move the slider, or use the arrow keys.")],
+    body: (state) => [el("p", {}, state.doing?.steering ? "The wire follows: move the slider, or use the arrow keys." : "The loop closes by the resistance alone. Then move the slider, or use the arrow keys.")],
     commands: () => [{ do: "control", controller: null, estimator: null, settings: null, reference: { kind: "steer", start: null } }],
     thenFocus: true,
   },
@@ -100,7 +100,7 @@ export class Guide {
     const off = !["ready", "busy", "ending", "starting"].includes(state.phase);
     const shown = off && next !== 0 ? AGAIN : next;
     const canGo = !isRunning && ["ready", "off", "stopped", "failed"].includes(state.phase);
-    const key = JSON.stringify([shown, canGo, isRunning, state.phase, state.doctor, state.steps, Boolean(state.rig), state.rig?.limits]);
+    const key = JSON.stringify([shown, canGo, isRunning, state.phase, state.doctor, state.steps, Boolean(state.rig), state.rig?.limits, state.doing?.steering]);
     this.keepsFocus ||= this.list.contains(document.activeElement);
     renew(this.list, key, () => this.items(state, shown, canGo, isRunning));
     // A button that was pressed and is made again would leave the keyboard nowhere: the next one takes its place.
@@ -126,7 +126,7 @@ export class Guide {
     const body = el("div", {}, el("h3", {}, step.title, el("span", { class: "unseen" }, done ? ", done" : isNext ? ", next" : ", later")));
     if (isNext) {
       body.append(...step.body(state).filter(Boolean));
-      const text = isRunning || state.phase === "busy" ? "Running\u2026" : step.button;
+      const text = isRunning || state.phase === "busy" ? (state.doing?.steering ? "Now move the slider" : "Running\u2026") : step.button;
       body.append(el("button", { type: "button", class: "primary", disabled: !canGo, onclick: () => this.run(step.commands(state), step.thenFocus) }, text));
     } else if (step.key === "doctor" && state.doctor) {
       const found = state.doctor.checks.filter((check) => check.ok).length;

@@ -1,7 +1,7 @@
 /** Protection and its margin, gains and fired rules, messages: what a wire's state says in words and small tables. */
 
-import { el, renew, setText, table } from "./dom.js";
-import { fixed, KELVIN, short, timeOfDay } from "./format.js";
+import { el, renew, setText, show, table } from "./dom.js";
+import { fixed, KELVIN, sentence, short, timeOfDay } from "./format.js";
 import { COLUMN } from "./rows.js";
 import { guardWords } from "./words.js";
 
@@ -95,6 +95,14 @@ export class ControllerPanel {
 export function showMessages(root, state) {
   const messages = state.messages ?? [];
   renew(root, JSON.stringify(messages), () => messages.map(({ level, text, at }) => el("li", { class: level }, el("time", { datetime: at }, timeOfDay(at)), el("span", {}, level === "info" ? "" : `${level}: `, text))));
+}
+
+/** Show what the fit of a model remarks, folded up; nothing if it remarks nothing. */
+export function showNotes(details, notes) {
+  show(details, notes.length > 0);
+  const [summary, list] = details.children;
+  setText(summary, notes.length === 1 ? "1 note on the model" : `${notes.length} notes on the model`);
+  renew(list, JSON.stringify(notes), () => notes.map((note) => el("li", {}, sentence(note))));
 }
 
 /** Return the last rows as a table, one each second: what the plots show, for who does not see them. */

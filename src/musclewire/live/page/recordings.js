@@ -21,6 +21,12 @@ export async function fetchColumns(name, options, points = 1000) {
   return recordedColumns(answer, { ...options, shunt_resistance_ohm });
 }
 
+/** Return recordings by the time in their names, the newest first. Pure. */
+export function newestFirst(recordings) {
+  const time = ({ name }) => /\d{8}-\d{6}/.exec(name)?.[0] ?? "";
+  return [...recordings].sort((one, other) => time(other).localeCompare(time(one)) || other.name.localeCompare(one.name));
+}
+
 export class Recordings {
   /** `compare` is called with columns and name, or null; `options` returns how rows are read. */
   constructor(root, note, { compare, options }) {
@@ -34,7 +40,7 @@ export class Recordings {
 
   follow(recordings = []) {
     this.recordings = recordings;
-    const newest = [...recordings].reverse();
+    const newest = newestFirst(recordings);
     const shown = this.showsAll ? newest : newest.slice(0, SHOWN);
     const focused = document.activeElement?.dataset?.recording;
     const changed = renew(this.root, JSON.stringify([shown, this.compared, recordings.length]), () => this.content(shown, recordings.length));

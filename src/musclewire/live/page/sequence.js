@@ -5,8 +5,10 @@ const ENDS = new Set(["stopped", "failed", "off"]);
 const SETTLED_MS = 700;
 
 export class Sequence {
-  /** `send` sends a command and returns a promise of its answer; `refused` is called with the reason why one was not accepted. */
-  constructor(send, refused) {
+  /** `send` sends a command and returns a promise of its answer; `refused` is called with the reason why one was not
+  accepted, `ended` when all are done. */
+  constructor(send, refused, ended) {
+    this.ended = ended;
     this.send = send;
     this.refused = refused;
     this.rest = [];
@@ -33,6 +35,7 @@ export class Sequence {
     const command = this.rest.shift();
     if (!command) {
       this.current = null;
+      this.ended();
       return;
     }
     const step = { command, wasOther: false, accepted: false, accepted_ms: 0 };

@@ -42,6 +42,7 @@ export class TimePlots {
     this.container = container;
     this.history = history;
     this.window_s = 60;
+    this.end_s = 0;
     this.limit = null;
     this.compared = null;
     this.plots = [];
@@ -97,12 +98,13 @@ export class TimePlots {
   }
 
   range() {
-    const last = this.history.recent.last(COLUMN.time) ?? this.window_s;
-    return [Math.max(0, last - this.window_s), Math.max(last, this.window_s)];
+    const end = Math.max(this.end_s, this.window_s);
+    return [end - this.window_s, end];
   }
 
-  /** Draw the newest rows. */
-  draw() {
+  /** Draw the newest rows; the window ends at `end_s`. */
+  draw(end_s) {
+    this.end_s = end_s;
     const all = this.history.columns(this.window_s);
     const time = all[COLUMN.time];
     // What lies left of the window would only be searched through: cut it off.

@@ -3,11 +3,13 @@
 import { announce } from "./announce.js";
 import { el, partsOf, setText, show } from "./dom.js";
 import { fixed, KELVIN, QUANTITIES } from "./format.js";
-import { Gauge, Numbers } from "./gauge.js";
+import { Gauge } from "./gauge.js";
 import { Guide, limitsTable } from "./guide.js";
-import { ControllerPanel, plotTable, ProtectionPanel, showMessages } from "./panels.js";
+import { isOff, Numbers, numberTiles } from "./numbers.js";
+import { ControllerPanel, plotTable, ProtectionPanel, showMessages, showNotes } from "./panels.js";
 import { Plane } from "./plane.js";
-import { fetchColumns, Recordings } from "./recordings.js";
+import { PlaneCurves } from "./plane_curves.js";
+import { Recordings } from "./recordings.js";
 import { History } from "./ring_buffers.js";
 import { COLUMN, quantityOf, rowReader, WIDTH } from "./rows.js";
 import { RunPanel } from "./run_panel.js";
@@ -19,6 +21,9 @@ import { clockWords, doingWords, holderWords, modelWords, PHASES, verdictOf } fr
 const WINDOWS = [[20, "20 s"], [60, "1 min"], [180, "3 min"], [600, "10 min"]];
 const SPEEDS = [1, 2, 5, 10, 20];
 const NUMBERS_MS = 150;
+// Between two samples the plots go on for so long; then what is shown stands still.
+const MOVING_MS = 150;
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
 const STEER = { do: "control", controller: null, estimator: null, settings: null, reference: { kind: "steer", start: null } };
 
 export class WireView {
@@ -33,9 +38,10 @@ export class WireView {
     this.history = new History(WIDTH);
     this.quantity = "strain";
     this.numbers_ms = 0;
+    this.rows_ms = 0;
+    this.end_s = 0;
     this.state = null;
     this.rules = null;
-    this.loopColumns = null;
     this.build();
   }
 
@@ -43,13 +49,14 @@ export class WireView {
     const { parts } = this;
     const refuse = (text) => setText(parts.refusal, text);
     this.refuse = refuse;
-    this.sequence = new Sequence((command) => this.send(command), (message) => this.refused(message));
+    this.sequence = new Sequence((command) => this.send(command), (message) => this.refused(message), () => this.refresh());
     const run = (commands, focusSlider = false) => this.run(commands, focusSlider);
     this.numbers = new Numbers(parts.numbers);
     this.gauge = new Gauge(parts.gauge);
     this.plots = new TimePlots(parts.plots, this.history);
     this.plots.showQuantity(this.quantity);
     this.plane = new Plane(parts.plane);
+    this.curves = new PlaneCurves(this.plane, parts, () => this.reading());
     this.guide = new Guide(parts.steps, parts["guide-card"], run);
     this.runs = new RunPanel(parts, this.bench, run, refuse);
     this.steering = new Steering(parts, { send: (value) => this.send({ do: "target", value }), start: () => run([STEER], true), refuse });
@@ -108,7 +115,7 @@ export class WireView {
     this.state = state;
     this.sequence.follow(state);
     if (state.model) this.useQuantity(state.model.quantity);
-    if (state.model !== before?.model || state.loop?.recording !== before?.loop?.recording) this.setCurves(before);
+    this.curves.follow(state, this.quantity);
     if (before?.phase !== state.phase) this.phaseChanged(state);
     if (state.metrics?.text && state.metrics.text !== before?.metrics?.text) announce(state.metrics.text);
     this.refresh();
@@ -154,6 +161,7 @@ export class WireView {
     this.gauge.setScale(this.quantity, Math.min(0, range?.[0] ?? 0), (range?.[1] ?? 0.045) * 1.08, range);
     parts.limits.replaceChildren(limitsTable(state));
     setText(parts["model-words"], modelWords(state.model, state.loop));
+    showNotes(parts["model-notes"], state.model?.warnings ?? []);
     showMessages(parts.messages, state);
     if (state.phase !== "busy") this.controller.showRules(null);
     this.dirty = true;
@@ -181,6 +189,7 @@ export class WireView {
     known.read ??= rowReader(known.columns, this.reading());
     for (const row of rows) this.history.push(known.read(row));
     if (rules !== undefined) this.rules = rules;
+    this.rows_ms = performance.now();
     this.dirty = true;
   }
 
@@ -195,7 +204,6 @@ export class WireView {
     for (const layout of this.layouts.values()) layout.read = null;
     this.history.clear();
     this.plots.showQuantity(quantity);
-    setText(this.parts["plane-title"], `${QUANTITIES[quantity].name} over resistance`);
   }
 
   /** Draw what has come since the last time. `now_ms` is the time of the frame. */
@@ -207,12 +215,23 @@ export class WireView {
       this.writeNumbers();
     }
     if (!this.dirty) return false;
-    this.dirty = false;
     this.numbersDue = true;
-    this.plots.draw();
+    this.plots.draw(this.endOfWindow(now_ms));
+    this.dirty = now_ms - this.rows_ms < MOVING_MS;
     this.plane.draw(this.history);
     this.gauge.draw(this.shown());
     return true;
+  }
+
+  /** Return the time at the right edge: it goes on with the rig's clock between two samples, so that plots glide. */
+  endOfWindow(now_ms) {
+    const last = this.history.recent.last(COLUMN.time) ?? 0;
+    const gone_s = (Math.max(0, now_ms - this.rows_ms) / 1000) * (this.state.clock_speed || 1);
+    const most_s = (MOVING_MS / 1000) * (this.state.clock_speed || 1);
+    const end = last + (calm.matches || isOff(this.state) ? 0 : Math.min(gone_s, most_s));
+    // It never goes back by so little; a clock that began again goes back by more.
+    this.end_s = end < this.end_s && this.end_s - end <= 2 * most_s ? this.end_s : end;
+    return this.end_s;
   }
 
   shown() {
@@ -222,21 +241,10 @@ export class WireView {
 
   writeNumbers() {
     const { state } = this;
-    const last = (column) => this.history.recent.last(column);
-    const { target, estimate, instrument, temperature, limit } = this.shown();
-    const { name, unit, digits } = QUANTITIES[this.quantity];
-    const value = estimate ?? instrument;
-    const margin = temperature === null || limit === null ? null : limit - temperature;
-    this.numbers.write({
-      value: { name: estimate === null ? `${name}, instrument` : `${name}, estimated`, figure: fixed(value, digits), unit, below: besides(target, estimate, instrument, digits) },
-      resistance: { figure: fixed(last(COLUMN.resistance), 2), unit: "\u03a9", below: last(COLUMN.resistance) === null ? "no current to sense with" : "" },
-      drive: { figure: fixed(last(COLUMN.drive), 2), unit: "V", below: state.rig ? `of ${fixed(state.rig.maximum_voltage_v, 2)}\u202fV at most` : "" },
-      current: { figure: fixed(last(COLUMN.current), 0), unit: "mA" },
-      power: { figure: fixed(last(COLUMN.power), 0), unit: "mW" },
-      temperature: { figure: fixed(temperature, 0), unit: "\u00b0C", below: margin === null ? "" : `${fixed(margin, 0)}\u202fK to the limit`, near: margin !== null && margin < 15 },
-    });
+    const shown = this.shown();
+    this.numbers.write(numberTiles(this.history.recent, shown, state, this.quantity));
     this.plots.writeValues();
-    this.protection.draw(temperature);
+    this.protection.draw(isOff(state) ? null : shown.temperature);
     this.controller.draw(this.history, state.gains);
     if (state.phase === "busy") this.controller.showRules(this.rules);
     this.showProgress();
@@ -256,42 +264,8 @@ export class WireView {
     const recent = this.history.recent;
     const begin_s = (recent.last(COLUMN.time) ?? 0) - (recent.last(COLUMN.run) ?? recent.last(COLUMN.time) ?? 0);
     this.plots.compared = columns && { columns, begin_s };
-    this.compared = columns && { columns, name };
-    this.setCurves(this.state);
+    this.curves.compare(columns && { columns, name });
     this.dirty = true;
-  }
-
-  /** Set the curves of the plane: the model's branches, the recorded loop, the run to compare with. */
-  setCurves(before) {
-    const { model, loop } = this.state;
-    const { factor } = QUANTITIES[this.quantity];
-    const curves = [];
-    if (loop?.recording && loop.recording !== this.loopName) this.fetchLoop(loop.recording);
-    if (this.loopColumns) curves.push({ ...planeCurve(this.loopColumns), colour: "line-strong", width: 1.2 });
-    if (this.compared) curves.push({ ...planeCurve(this.compared.columns), colour: "compared", width: 1.4, dash: [2, 3] });
-    for (const [name, branch] of Object.entries(model?.branches ?? {})) {
-      curves.push({ x: branch.resistance_ohm, y: branch.value.map((value) => value * factor), colour: name, width: 2.6 });
-    }
-    this.plane.setCurves(this.quantity, curves);
-    const key = (kind, text) => el("li", { class: `key ${kind}` }, text);
-    this.parts["plane-legend"].replaceChildren(
-      key("key-target dot", "now"), key("key-text", "lately"),
-      ...(model ? [key("key-heating", "heating branch"), key("key-cooling", "cooling branch")] : []),
-      ...(this.loopColumns ? [key("key-loop", "recorded loop")] : []), ...(this.compared ? [key("key-compared dashed", this.compared.name)] : []),
-    );
-    const words = `${QUANTITIES[this.quantity].name} over resistance: ${model ? "both branches of the model, " : ""}${this.loopColumns ? "the recorded loop, " : ""}the last values and the present point`;
-    this.parts.plane.setAttribute("aria-label", words);
-    return before;
-  }
-
-  async fetchLoop(name) {
-    this.loopName = name;
-    try {
-      this.loopColumns = await fetchColumns(name, this.reading(), 800);
-      this.setCurves(this.state);
-    } catch (problem) {
-      this.loopColumns = null;
-    }
   }
 
   recolour() {
@@ -301,12 +275,6 @@ export class WireView {
   }
 }
 
-function planeCurve(columns) {
-  const measured = columns[COLUMN.instrument];
-  const y = measured.some((value) => value !== null) ? measured : columns[COLUMN.estimate];
-  return { x: columns[COLUMN.resistance], y };
-}
-
 function subtitle({ rig }) {
   if (!rig) return "";
   const parts = [];
@@ -314,12 +282,5 @@ function subtitle({ rig }) {
   if (rig.wire_diameter_m) parts.push(`\u00d8 ${fixed(rig.wire_diameter_m * 1e6, 0)}\u202f\u00b5m`);
   if (rig.wire_length_m) parts.push(`${fixed(rig.wire_length_m * 1e3, 0)}\u202fmm`);
   if (rig.pretension_n) parts.push(`pretension ${fixed(rig.pretension_n, 2)}\u202fN`);
-  return parts.join(", ");
-}
-
-function besides(target, estimate, instrument, digits) {
-  const parts = [];
-  if (target !== null) parts.push(`target ${fixed(target, digits)}`);
-  if (estimate !== null && instrument !== null) parts.push(`instrument ${fixed(instrument, digits)}`);
   return parts.join(", ");
 }

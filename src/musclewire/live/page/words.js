@@ -71,7 +71,7 @@ export function doingWords(state, run_s) {
 export function modelWords(model, loop) {
   if (model) {
     const gap = model.gap_pct === null || model.gap_pct === undefined ? "" : `, gap of the loop ${fixed(model.gap_pct, 2)}\u202f%`;
-    return [`Model ${model.file}${gap}.`, ...(model.warnings ?? [])].join(" ");
+    return `Model ${model.file}${gap}.`;
   }
   if (!loop) return "No loop has been recorded in this session.";
   if (loop.shows_c === false) return `Loop ${loop.recording}: it does not reach the end of the transformation.`;
