@@ -13,7 +13,7 @@ from musclewire.errors import CallerError
 from musclewire.live.messages import NEEDS_NO_CONTROL
 from musclewire.live.server.json_texts import compact, read_json
 from musclewire.live.server.rate_limits import Bucket
-from musclewire.live.server.session import OnlineBench, Session
+from musclewire.live.server.session import ORDERED, OnlineBench, Session
 from musclewire.live.server.socket_messages import (
     AnswerControl,
     AskControl,
@@ -151,7 +151,7 @@ class Connection:
         """Begin a command. A stop goes out here and now; the others wait for the bench's answer in tasks."""
         if is_stop(message):
             bench.handle.stop(self._viewer.name)
-            self._answer(message.id, True, "stopped")
+            self._answer(message.id, True, ORDERED)
         elif message.command.do not in NEEDS_NO_CONTROL and not self._session.may_command(bench, self._viewer.key):
             self._answer(message.id, False, "you do not have control of this bench: ask for it first")
         elif len(self._commands) >= MAX_COMMANDS_WAITING:

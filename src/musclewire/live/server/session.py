@@ -6,7 +6,7 @@ import asyncio
 import secrets
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,10 +23,11 @@ from musclewire.live.server.viewers import Viewer
 if TYPE_CHECKING:
     from musclewire.live.bench_handle import BenchHandle
 
-__all__ = ["MAX_VIEWERS", "SAFE_PHASES", "OnlineBench", "Session"]
+__all__ = ["MAX_VIEWERS", "ORDERED", "SAFE_PHASES", "OnlineBench", "Session"]
 
 FRAME_S, LEASE_CHECK_S, PING_S = 1.0 / 30.0, 0.05, 0.15
 MAX_VIEWERS = 32
+ORDERED = "the drive is being switched off; the state says when it is"
 SAFE_PHASES = frozenset({"off", "stopped", "failed"})
 
 
@@ -45,6 +46,8 @@ class OnlineBench:
         self.state_changed = True
         self._frames, self._cursor = FrameMaker(), -1
         self._changed = asyncio.Event()
+        self.on_phase: Callable[[OnlineBench], None] | None = None
+        self._phase_seen = ""
         handle.on_change.append(self._on_change)
 
     @property
@@ -61,6 +64,9 @@ class OnlineBench:
         self.state_changed = True
         self._changed.set()
         self._changed = asyncio.Event()
+        if self.phase != self._phase_seen and self.on_phase is not None:
+            self._phase_seen = self.phase
+            self.on_phase(self)
 
     async def wait_until_safe(self, max_wait_s: float) -> str:
         """Return the phase as soon as the drive is off, or what it is after ``max_wait_s`` [s]."""
@@ -103,6 +109,8 @@ class Session:
     def __init__(self, handles: Sequence[BenchHandle], folder: Path, *, token_needed: bool = False) -> None:
         """Begin without viewers; benches are started by ``start``."""
         self.benches = {handle.identifier: OnlineBench(handle) for handle in handles}
+        for bench in self.benches.values():
+            bench.on_phase = self.send_state  # at once: it may say that the drive is off
         self.folder, self.token_needed = folder, token_needed
         self.viewers: dict[str, Viewer] = {}
         self._count, self._pings = 0, deque[tuple[int, float]](maxlen=64)
@@ -226,7 +234,7 @@ class Session:
         """Pass a command on to the bench; whoever sends it is permitted to."""
         if isinstance(command, Stop):
             bench.handle.stop(who)
-            return Answer(True, "stopped")
+            return Answer(True, ORDERED)
         refuse_paths(command)
         return await bench.handle.command(command)
 
@@ -247,15 +255,19 @@ class Session:
         """Send the rows since the last time, and every state that has changed."""
         for bench in self.benches.values():
             if bench.state_changed:
-                bench.state_changed = False
-                text = state_text(bench)
-                for viewer in self.viewers.values():
-                    viewer.show_state(bench.name, text)
+                self.send_state(bench)
             if not self.viewers:
                 bench.skip_rows()
                 continue
             for frame in bench.new_frames():
                 self._show(bench.name, frame)
+
+    def send_state(self, bench: OnlineBench) -> None:
+        """Send every viewer the state of a bench."""
+        bench.state_changed = False
+        text = state_text(bench)
+        for viewer in self.viewers.values():
+            viewer.show_state(bench.name, text)
 
     def _show(self, bench: str, frame: Frame) -> None:
         message: dict[str, Any] = {
