@@ -15,7 +15,8 @@ Written by `python docs/images/draw.py pages` from the records and routes that t
 page to it. Do not edit it by hand.
 
 `musclewire serve` shows a wire on a page; the page uses nothing but what is here, so a program can do all that it
-does. From Python, `mw.LiveClient` does it (extra `live`):
+does. From Python, `mw.LiveClient` does it (extra `live`;
+[example](../../examples/operate_a_wire_over_the_live_api.py)):
 
     with mw.LiveClient("http://127.0.0.1:8765") as client, client.control("my program"):
         client.command("switch_on")
@@ -50,6 +51,9 @@ anything from the internet.
   second from an address and 200 messages a second on a connection.
 - **A slow connection delays nobody.** It loses rows, keeps the newest state, and is closed when its messages do not
   move.
+
+`python -m benchmarks.live_stop` measures stops over both ways, in the middle of heated runs; `python -m
+benchmarks.malformed_messages` sends 10,000 malformed requests and messages and holds that nothing changes.
 
 Why it is built so: [decision 47](../explanation/decisions/0047-a-server-next-to-the-rigs-process.md).
 

@@ -22,6 +22,7 @@ PROMISES = {
     "compare_rule_bases": r"zhao-1993 .*%(?s:.*)fixed .*%(?s:.*)liu-7x7 .*%(?s:.*)liu-7x7-mirrored .*%",
     "couple_two_fmus": r"2\.5 % +2\.[45]\d\d %",
     "find_the_best_pretension": r"best: \d+\.\d+ N",
+    "operate_a_wire_over_the_live_api": r"target 0\.0\d+, estimate 0\.0\d+\n(?s:.*)stopped by the program: stopped",
     "train_by_evolution": r"trained +mean reward -\d\.\d+ (?s:.*)mean error is \d+ % below the plain PID's",
     "train_and_home": r"settled\n(?s:.*)at B the resistance moved by [+-]\d+\.\d+ \+- \d+\.\d+ ohm",
 }

@@ -92,7 +92,8 @@ class BenchHandle:
         self._ring: Ring | None = None
         self._ring_folder: tempfile.TemporaryDirectory[str] | None = None
         self._reader: asyncio.Task[None] | None = None
-        self._killer: asyncio.Task[None] | None = None
+        self._stops_ordered = self._stops_confirmed = 0
+        self._killers: set[asyncio.Task[None]] = set()
 
     @property
     def identifier(self) -> str:
@@ -185,8 +186,10 @@ class BenchHandle:
     def stop(self, who: str) -> None:
         """Order the drive off, now. A process that does not confirm within half a second is ended."""
         self._send({"stop": who})
-        if self._killer is None or self._killer.done():
-            self._killer = asyncio.create_task(self._end_unless_stopped(self.revision))
+        self._stops_ordered += 1
+        killer = asyncio.create_task(self._end_unless_stopped(self._stops_ordered))
+        self._killers.add(killer)
+        killer.add_done_callback(self._killers.discard)
 
     def release(self, why: str) -> None:
         """End the present run: whoever had control is lost or has left."""
@@ -234,6 +237,7 @@ class BenchHandle:
             self._become(message["state"])
         elif "stopped" in message:
             self.last_stop = message
+            self._stops_confirmed += 1
         elif (waiting := self._answers.get(message["answer"])) is not None and not waiting.done():
             waiting.set_result(Answer(bool(message["accepted"]), str(message["message"])))
 
@@ -243,11 +247,11 @@ class BenchHandle:
         for call in self.on_change:
             call(self)
 
-    async def _end_unless_stopped(self, revision: int) -> None:
-        """End the process if it does not say in time that it has stopped."""
+    async def _end_unless_stopped(self, number: int) -> None:
+        """End the process if it does not confirm in time so many stops; by then it may have been switched on again."""
         await asyncio.sleep(MAX_STOP_S)
         process = self._process
-        if process is not None and not (self.state["phase"] == "stopped" and self.revision > revision):
+        if process is not None and self._stops_confirmed < number:
             await ended(process)
 
 

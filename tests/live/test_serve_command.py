@@ -1,0 +1,125 @@
+"""The command serve: the real program, its rig's process, its exit codes, and what it says."""
+
+from __future__ import annotations
+
+import signal
+import socket
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from benchmarks import live_stop, malformed_messages
+from benchmarks.live_server import running_server
+
+from musclewire.app.serve_command import identifiers
+from musclewire.live.client import LiveClient
+
+
+def test_each_rig_has_a_name_of_its_own_that_fits_into_addresses() -> None:
+    assert identifiers(["simulated", "benches/my bench.toml", "simulated", "ä.toml"]) == [
+        "simulated",
+        "my-bench",
+        "simulated-2",
+        "rig",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--cpu", "0", "simulated", "finger"], "--cpu keeps one loop on one core"),
+        (["--host", "no.such.host.invalid"], "cannot listen at no.such.host.invalid"),
+        (["--token-file", "none.txt"], "--token-file none.txt cannot be read"),
+        (["--output", "/proc/none"], "--output /proc/none cannot be made"),
+    ],
+)
+def test_what_cannot_be_served_is_one_line(
+    options: list[str], said: str, run_here: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here("serve", *options) == 2
+    text = capsys.readouterr().err
+    assert said in text
+    assert len(text.strip().splitlines()) == 1
+
+
+@pytest.fixture
+def run_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
+    """Run the command line in a folder of its own; return its exit code."""
+    from musclewire.app.main import run
+
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: run(list(arguments))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_switches_off_and_ends_with_its_code_and_a_taken_port_is_said(
+    number: int, code: int, tmp_path: Path
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = str(taken.getsockname()[1])
+        with running_server(tmp_path, "--port", port) as server:
+            with LiveClient(server.link) as client, client.control("a test"):
+                live_stop.heated(client)
+                server.process.send_signal(number)
+                assert server.process.wait(30) == code
+            assert f"port {port} is in use: this is port" in server.said
+            assert "every drive is off" in server.said
+            assert "Traceback" not in server.said
+    assert len(list((tmp_path / "session").glob("*.h5"))) == 1
+
+
+@pytest.mark.slow
+def test_beyond_loopback_the_link_has_a_token_and_nothing_is_shown_without_it(tmp_path: Path) -> None:
+    with running_server(tmp_path, "--host", "0.0.0.0") as server:
+        link = httpx.URL(server.link)
+        there = link.copy_with(host="127.0.0.1")
+        assert len(link.params["token"]) >= 43
+        assert "not encrypted" in server.said
+        with httpx.Client(trust_env=False) as http:
+            assert http.get(there.copy_with(query=None)).status_code == 401
+            assert http.get(there).status_code == 200
+        with LiveClient(str(there)) as client:
+            assert client.state()["bench"] == "simulated"
+
+
+@pytest.mark.slow
+def test_a_rig_is_switched_on_again_right_after_a_stop_and_stays_on(tmp_path: Path) -> None:
+    """Half a second after a stop the server looks whether it was confirmed; by then the rig may be on again."""
+    with running_server(tmp_path) as server, LiveClient(server.link) as client, client.control("a test"):
+        for _ in range(4):
+            live_stop.heated(client)
+            assert client.stop() == "stopped"
+        live_stop.heated(client)
+        client.command("end")
+        assert client.wait_for("ready")["phase"] == "ready"
+
+
+@pytest.mark.slow
+def test_two_rigs_are_served_next_to_each_other(tmp_path: Path) -> None:
+    with running_server(tmp_path, rigs=("simulated", "finger")) as server:
+        with LiveClient(server.link, bench="finger") as finger, finger.control("a test"):
+            finger.command("switch_on")
+            assert finger.wait_for("ready")["bench"] == "finger"
+            with LiveClient(server.link, bench="simulated") as other:
+                assert other.state()["phase"] == "off"
+        with pytest.raises(ValueError, match="several benches"):
+            LiveClient(server.link)
+
+
+@pytest.mark.slow
+def test_stops_over_http_and_websocket_end_in_a_state_that_says_so(tmp_path: Path) -> None:
+    found = live_stop.run(tmp_path, 6, 1)
+    # A busy machine's clock judges nothing here; the benchmark holds the bar of 20 ms.
+    assert max(found["http_ms"]["max"], found["websocket_ms"]["max"]) < 500.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1])
+def test_ten_thousand_malformed_messages_change_nothing(seed: int, tmp_path: Path) -> None:
+    found = malformed_messages.run(tmp_path, seed, 10_000)
+    assert found["passed"], found
+    assert sum(found["http"].values()) > 4000
+    assert found["websocket"]["problem"] > 1000
