@@ -21,6 +21,7 @@ MAX_BYTES = 2**29
 _MATRIX, _COMPRESSED = 14, 15
 _SPARSE, _OPAQUE = 5, 17
 _HEADER_BYTES = 128
+_PIECE_BYTES = 2**20
 MAX_DEPTH = 40
 
 
@@ -51,11 +52,14 @@ def _too_large(path: Path) -> RecordingError:
 
 
 def _unpacked(content: memoryview, room: int, path: Path) -> bytes:
-    stream = zlib.decompressobj()
-    plain = stream.decompress(content, room + 1)
-    if len(plain) > room:
-        raise _too_large(path)
-    return plain
+    """Return the unpacked element. Its size is counted first, piece by piece: growing memory would hold it twice."""
+    stream, size, rest = zlib.decompressobj(), 0, bytes(content)
+    while rest and not stream.eof:
+        size += len(stream.decompress(rest, _PIECE_BYTES))
+        rest = stream.unconsumed_tail
+        if size > room:
+            raise _too_large(path)
+    return zlib.decompressobj().decompress(content, size + 1)
 
 
 def _elements(data: memoryview, order: str, path: Path, padded: bool = True) -> Iterator[tuple[int, memoryview]]:
