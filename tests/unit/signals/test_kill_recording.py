@@ -21,7 +21,7 @@ def answer(tmp_path_factory: pytest.TempPathFactory) -> subprocess.CompletedProc
     return subprocess.run(command, capture_output=True, text=True, timeout=600.0, check=False)
 
 
-def test_killed_recordings_have_every_row_older_than_a_tenth_of_a_second(
+def test_killed_recordings_miss_a_tenth_of_a_second_at_most(
     answer: subprocess.CompletedProcess[str],
 ) -> None:
     assert answer.returncode == 0, answer.stdout + answer.stderr
