@@ -181,3 +181,11 @@ def test_rows_arrive_with_columns_once_and_what_follows_from_them(server: Any) -
     row = dict(zip(messages[0]["columns"], messages[0]["rows"][0], strict=True))
     assert row["run_s"] is None
     assert (row["current_a"], row["power_w"], row["resistance_ohm"]) == (0.25, 0.75, 12.0)
+
+
+def test_a_number_of_the_state_that_is_not_known_is_null_and_ends_nothing(server: Any) -> None:
+    with page(server) as one:
+        server.bench.change(metrics={"mae_mean_pct": float("nan"), "steps": [float("inf"), 1.0]})
+        state = one.until(lambda said: said["type"] == "state" and said["state"].get("metrics"))["state"]
+        assert state["metrics"] == {"mae_mean_pct": None, "steps": [None, 1.0]}
+    assert server.http.get(BENCH).json()["metrics"]["mae_mean_pct"] is None

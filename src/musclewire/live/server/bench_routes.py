@@ -22,6 +22,7 @@ from musclewire.live.server.http_messages import (
     RowsAnswer,
     read_as,
 )
+from musclewire.live.server.json_texts import compact_finite
 from musclewire.live.server.leases import Outcome
 from musclewire.live.server.requests import PROBLEMS, BenchOf, BodyOf, LeaseOf, SessionOf, json_answer
 from musclewire.live.server.session import SAFE_PHASES, OnlineBench, name_of
@@ -60,7 +61,7 @@ def summary(bench: OnlineBench) -> dict[str, Any]:
 @ROUTES.get("/{bench}")
 async def bench_state(bench: BenchOf) -> Response:
     """Return the whole state of a bench."""
-    return json_answer(bench.handle.state)
+    return Response(compact_finite(bench.handle.state), media_type="application/json")
 
 
 @ROUTES.get("/{bench}/rows", response_model=RowsAnswer)

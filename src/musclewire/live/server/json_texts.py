@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any, NoReturn
 
 from musclewire.errors import CallerError
 
-__all__ = ["MAX_BYTES", "compact", "read_json"]
+__all__ = ["MAX_BYTES", "compact", "compact_finite", "read_json"]
 
 # A drawn path of 10 000 points with all their digits takes 400 kB.
 MAX_BYTES = 512 * 1024
@@ -33,3 +34,20 @@ def refuse_constant(name: str) -> NoReturn:
 def compact(value: Any) -> str:
     """Return a value as a short JSON text. ValueError for NaN and infinities: those that may occur are null before."""
     return json.dumps(value, separators=(",", ":"), allow_nan=False)
+
+
+def compact_finite(value: Any) -> str:
+    """Return a value as a short JSON text, with null for NaN and infinities: what is unknown."""
+    try:
+        return compact(value)
+    except ValueError:
+        return compact(finite(value))
+
+
+def finite(value: Any) -> Any:
+    """Return a value of JSON with None for every number that is not finite."""
+    if isinstance(value, dict):
+        return {key: finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -29,7 +29,7 @@ __all__ = ["Connection", "live"]
 # A slider sends some dozens of targets a second.
 MESSAGES_PER_S, BURST = 200.0, 400.0
 # What comes too fast is not read, but for a stop, which is short; a client that does not end is disconnected.
-SHORT, MAX_UNREAD = 200, 5000
+SHORT, MAX_UNREAD = 200, 1000
 # A message takes one place in the bucket, and another for each so many characters.
 CHARACTERS_PER_PLACE = 8192
 MAX_COMMANDS_WAITING = 8

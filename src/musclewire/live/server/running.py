@@ -30,7 +30,7 @@ __all__ = ["Address", "Ended", "Running", "ServerSettings", "listening_socket", 
 # If the usual port is taken, these next to it are tried.
 PORTS_TRIED = 20
 # What a connection may have sent that is not read yet: small, so that a flood is taken in small portions.
-RECEIVE_BUFFER_BYTES = 32 * 1024
+RECEIVE_BUFFER_BYTES = 4 * 1024
 BACKLOG = 128
 CLOSE_S = 2.0
 

@@ -16,7 +16,7 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.live.messages import Answer, Command, Stop
 from musclewire.live.messages import Control as ClosedLoop
 from musclewire.live.server.frames import Frame, FrameMaker, json_rows
-from musclewire.live.server.json_texts import compact
+from musclewire.live.server.json_texts import compact, compact_finite
 from musclewire.live.server.leases import LEASE_AT_REST_S, LEASE_S, Control, Outcome, Person
 from musclewire.live.server.viewers import Viewer
 
@@ -311,7 +311,7 @@ def name_of(person: Person | None) -> str | None:
 
 def state_text(bench: OnlineBench) -> str:
     """Return the message with a bench's state."""
-    return compact({"type": "state", "state": bench.handle.state})
+    return compact_finite({"type": "state", "state": bench.handle.state})
 
 
 def refuse_paths(command: Command) -> None:
