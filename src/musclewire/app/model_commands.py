@@ -22,7 +22,9 @@ __all__ = ["add_model_commands"]
 
 RecordingPath = Annotated[
     str,
-    typer.Argument(metavar="RECORDING", help="HDF5, CSV or Parquet file, or 'lan-fan-2010-table-2', the paper's."),
+    typer.Argument(
+        metavar="RECORDING", help="Recording of ours or of another program, or 'lan-fan-2010-table-2', the paper's."
+    ),
 ]
 
 

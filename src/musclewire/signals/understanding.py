@@ -139,6 +139,7 @@ def _explicit(plan: ImportPlan) -> ImportMapping:
         given.invert,
         given.metadata,
         only_mapped=True,
+        group=given.group,
     )
 
 

@@ -15,6 +15,7 @@ from scipy.io import loadmat
 from tests.corpus.lab_signals import DISPLACEMENT_MM, FORCE_N, ROWS, TIME_S, WIRE_VOLTAGE_V
 
 from musclewire.errors import MusclewireError, RecordingError
+from musclewire.signals import import_recording, load_mapping, read_recording, save_mapping
 from musclewire.signals.lab_files import hdf5_trial
 from musclewire.signals.lab_files.foreign_hdf5 import read_hdf5_of_others
 from musclewire.signals.lab_files.formats import lab_file_reader
@@ -296,3 +297,19 @@ def test_a_file_from_which_hdf5_does_not_come_back_is_refused(lab_files, monkeyp
     assert "does not come back" in refusal(lab_files / "read" / "hdf5_vectors.h5")
     monkeypatch.setattr(hdf5_trial, "_CHILD", "import os; os.abort()")
     assert "crashes" in refusal(lab_files / "read" / "hdf5_vectors.h5")
+
+
+def test_a_mapping_remembers_the_group_and_a_mapping_file_keeps_it(lab_files, tmp_path):
+    path = lab_files / "read" / "tdms_two_rates.tdms"
+    understood = import_recording(path, group="Fast")
+    save_mapping(understood.mapping, tmp_path / "fast.toml")
+    assert load_mapping(tmp_path / "fast.toml").group == "Fast"
+    assert len(read_recording(path, mapping=tmp_path / "fast.toml")) == 5 * ROWS
+
+
+def test_a_group_of_a_file_without_groups_is_refused(lab_files, tmp_path):
+    with pytest.raises(RecordingError, match="leave --group out"):
+        read_recording(lab_files / "read" / "parquet_pandas.parquet", group="a")
+    (tmp_path / "a.csv").write_text("time_s,force_n\n0,1\n1,2\n")
+    with pytest.raises(RecordingError, match="leave --group out"):
+        read_recording(tmp_path / "a.csv", group="a")
