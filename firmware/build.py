@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from musclewire.controllers import DriveLimits
+from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
 from musclewire.export.c import write_library
 from musclewire.identify.use_of_model import settings_for
@@ -32,6 +33,8 @@ FIRMWARE = Path(__file__).resolve().parent
 MODEL = FIRMWARE / "models" / "paper-100um.json"
 WIRE = FIRMWARE / "models" / "paper-100um.toml"
 EXPIRY_MS = 250
+# How lines of text show what a model estimates: what a label ends in, and how much larger the number is than in SI.
+TEXT_UNITS = {"strain": ("pct", 100.0), "displacement": ("mm", 1000.0), "force": ("n", 1.0)}
 WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wno-unknown-pragmas", "-Wno-override-init", "-Werror"]
 COMMON = ["-std=gnu99", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections", *WARNINGS]
 M4F = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]
@@ -100,6 +103,20 @@ def require_fit(board: str, description: dict[str, Any], wire: MountedWire) -> N
         )
 
 
+def text_constants(model: SensingModel, wire: MountedWire) -> dict[str, str]:
+    """Return what lines of text say: unit and range of the model's quantity, the protection's events by number."""
+    unit, scale = TEXT_UNITS[model.quantity]
+    lowest, highest = (scale * edge for edge in (model.quantity_min, model.quantity_max))
+    names = {event.value: event.name.lower() for event in Event}
+    listed = "".join(names.get(number, "") + "\\n" for number in range(max(names) + 1))
+    return {
+        "PLOT_UNIT": f'"{unit}"',
+        "PLOT_SCALE": f"{scale!r}f",
+        "PLOT_RANGES": f'"target {lowest:.2f} to {highest:.2f} {unit}, drive 0 to {wire.maximum_voltage:g} V, 120 s"',
+        "EVENT_NAMES": f'"{listed}"',
+    }
+
+
 def board_constants(board: str, description: dict[str, Any], model: SensingModel, wire: MountedWire) -> str:
     """Return the text of board_constants.h. Raises CallerError if board and wire do not fit together."""
     require_fit(board, description, wire)
@@ -123,6 +140,8 @@ def board_constants(board: str, description: dict[str, Any], model: SensingModel
         "TARGET_HIGHEST": f"{model.quantity_max!r}f",
         "BOARD_HAS_BUTTON": f"{int(description['has_button'])}",
         "BOARD_HAS_KNOB": f"{int(description['has_knob'])}",
+        "DRIVE_AMPLITUDE_V": f"{wire.drive_amplitude!r}f",
+        **text_constants(model, wire),
     }
     lines = [f"#define MW_{name} {value}" for name, value in numbers.items()]
     start = f"/* Written by firmware/build.py from boards/{board}/board.toml, the model and the wire file. */\n"
@@ -210,11 +229,18 @@ def main() -> int:
     parser.add_argument("-o", "--out", type=Path, default=None, help="folder; firmware/build/BOARD without it")
     parser.add_argument("--standalone", action="store_true", help="closes the loop by itself, started by a button")
     parser.add_argument(
+        "--serial-plotter", action="store_true", help="begins with lines of text for a serial monitor and plotter"
+    )
+    parser.add_argument(
         "--fault-injection", action="store_true", help="for tests: include the command that injects faults"
     )
     given = parser.parse_args()
     folder = given.out or FIRMWARE / "build" / given.board
-    flags = {"-DMW_STANDALONE": given.standalone, "-DMW_FAULT_INJECTION": given.fault_injection}
+    flags = {
+        "-DMW_STANDALONE": given.standalone,
+        "-DMW_FAULT_INJECTION": given.fault_injection,
+        "-DMW_TEXT_AT_START": given.serial_plotter,
+    }
     options = [flag for flag, wanted in flags.items() if wanted]
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -131,6 +131,10 @@ static void settle(mw_application *application)
     application->reported_state = state;
     application->reported_event = event;
     retain(state, event);
+    if (application->plotter.on) {
+        mw_plotter_changed(&application->plotter, state, event, mw_loop_resistance(&application->loop));
+        return;
+    }
     mw_message message;
     message.type = MW_EVENT;
     message.payload_length = MW_EVENT_BYTES;
@@ -222,8 +226,27 @@ static uint8_t plain_command(mw_application *application, const mw_message *comm
     return MW_DONE;
 }
 
+/* Whether a byte belonged to a line of text, which has then been obeyed. */
+static bool is_text(mw_application *application, uint8_t byte)
+{
+    const bool before = application->plotter.on;
+    const bool text = mw_plotter_byte(&application->plotter, &application->loop, byte);
+    if (text && !before) {
+        mw_decoder_start(&application->decoder);
+        mw_standalone_stop(&application->standalone);
+        memset(&application->sums, 0, sizeof application->sums);
+    }
+    if (text || before) {
+        settle(application);
+    }
+    return text;
+}
+
 void mw_application_byte(mw_application *application, uint8_t byte)
 {
+    if (is_text(application, byte)) {
+        return;
+    }
     mw_message command;
     const mw_frame_result result = mw_decoder_push(&application->decoder, byte, &command);
     if (result == MW_FRAME_NONE) {
@@ -299,6 +322,28 @@ static void stream(mw_application *application, uint8_t ticks)
     send_sample(application);
 }
 
+/* Text instead of samples: the means since the last line. */
+static void plot(mw_application *application, uint8_t ticks)
+{
+    const mw_control_loop *loop = &application->loop;
+    if (!mw_plotter_tick(&application->plotter, &application->loop, ticks)) {
+        return;
+    }
+    const mw_sums *sums = &application->sums;
+    const float count = sums->count > 0u ? (float)sums->count : NAN;
+    const mw_real resistance_ohm =
+        mw_resistance((mw_real)(sums->wire_voltage_v / count), (mw_real)(sums->shunt_voltage_v / count));
+    const bool current = resistance_ohm > 0;
+    const mw_plot shown = {
+        .target = loop->closed_loop ? loop->target : NAN,
+        .estimate = current ? estimate_of(loop, resistance_ohm) : NAN,
+        .resistance_ohm = current ? (float)resistance_ohm : NAN,
+        .drive_v = mw_loop_output(loop),
+    };
+    mw_plotter_numbers(&shown);
+    memset(&application->sums, 0, sizeof application->sums);
+}
+
 void mw_application_tick(mw_application *application, mw_board_tick tick, const mw_board_reading *given)
 {
     mw_board_reading reading = *given;
@@ -314,12 +359,20 @@ void mw_application_tick(mw_application *application, mw_board_tick tick, const 
     if (tick == MW_TICK_READING) {
         application->tick += reading.ticks;
     }
+    if (there && mw_plotter_settles(&application->plotter)) {
+        there = false;
+    }
     if (there) {
         mw_loop_reading(&application->loop, &reading);
         watch_node(application, &reading);
         count(application, &reading);
     } else {
         mw_loop_missing(&application->loop);
+    }
+    if (application->plotter.on) {
+        plot(application, reading.ticks);
+        settle(application);
+        return;
     }
     mw_standalone_tick(&application->standalone, &application->loop);
     settle(application);
@@ -336,10 +389,13 @@ void mw_application_start(mw_application *application)
     mw_decoder_start(&application->decoder);
     mw_loop_start(&application->loop);
     mw_standalone_start(&application->standalone, application->reset_cause);
+    mw_plotter_start(&application->plotter, application->event_at_reset);
     board_set_drive(0.0f);
     retain(MW_STATE_OFF, application->event_at_reset);
     application->reported_state = MW_STATE_OFF;
     application->reported_event = mw_loop_event(&application->loop);
     /* Without a request: it informs a host in the middle of a run that the board has restarted. */
-    send_identity(application);
+    if (!application->plotter.on) {
+        send_identity(application);
+    }
 }

@@ -6,6 +6,7 @@
 #include "control.h"
 #include "framing.h"
 #include "messages.h"
+#include "plotter.h"
 #include "standalone.h"
 
 #define MW_FIRMWARE_MAJOR 1u
@@ -25,6 +26,7 @@ typedef struct {
     mw_decoder decoder;
     mw_control_loop loop;
     mw_standalone standalone;
+    mw_plotter plotter;
     mw_sums sums;
     uint32_t tick;
     float node_v, node_still_s; /* the node's last voltage, and for how long it has not changed */

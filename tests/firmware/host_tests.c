@@ -19,7 +19,7 @@ mw_retained board_retained;
 static uint8_t fake_cause;
 static float output_v;
 static bool line_full, button;
-static uint8_t sent[65536];
+static uint8_t sent[131072];
 static size_t sent_length;
 
 uint8_t board_reset_cause(void) { return fake_cause; }
@@ -626,6 +626,164 @@ static void a_monitor_chip_that_is_gone_foreign_or_forgetful_is_not_believed(voi
 }
 
 /* Golden vectors: "type sequence payload-in-hex" a line in, the frame in hex out. */
+/* ---- lines of text ---------------------------------------------------------------------------------- */
+
+/* Types a line and lets what is said to it be sent. */
+static void type_line(const char *line)
+{
+    sent_length = 0;
+    for (; *line; line++)
+        mw_application_byte(&app, (uint8_t)*line);
+    mw_application_byte(&app, '\n');
+    live(60);
+    sent[sent_length] = 0;
+}
+
+static bool was_said(const char *text) { return strstr((const char *)sent, text) != NULL; }
+
+static bool is_out(float volts) { return fabsf(output_v - volts) < 1e-4f; }
+
+#define SECONDS(s) ((int)((s) / MW_TICK_S))
+
+static void fresh_text(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    type_line("plot");
+    type_line("on");
+}
+
+static void a_typed_word_switches_to_text_and_a_zero_back_to_frames(void)
+{
+    fresh(MW_RESET_POWER_ON);
+    type_line("on");
+    MUST(sent_length == 0u && is_out(0.0f)); /* in frames only two words are text */
+    type_line("Help");
+    MUST(was_said("# target 2.0 [20]") && was_said("at the sense") == false && is_out(0.0f));
+    type_line("plot");
+    MUST(was_said("target_" MW_PLOT_UNIT ":nan estimate_") && was_said(" drive_v:0.000\r\n"));
+    type_line("on");
+    MUST(is_out((float)MW_SENSE_VOLTAGE_V) && was_said("# on"));
+    mw_application_byte(&app, 0u);
+    MUST(is_out(0.0f)); /* a host comes: it arms for itself */
+    sent_length = 0;
+    say(MW_HELLO, "", 0);
+    mw_message identity;
+    MUST(last_sent(MW_IDENTITY, &identity));
+    sent_length = 0;
+    live(SECONDS(1.0f));
+    MUST(sent_length == 0u);
+}
+
+static void numbers_come_25_times_a_second(void)
+{
+    fresh_text();
+    sent_length = 0;
+    live(SECONDS(10.0f));
+    int lines = 0;
+    for (size_t i = 0; i < sent_length; i++)
+        lines += sent[i] == '\n';
+    MUST(lines >= 249 && lines <= 251);
+    const float ohm = 0.5f * ((float)MW_RESISTANCE_LOW_OHM + (float)MW_RESISTANCE_HIGH_OHM);
+    sent[sent_length] = 0;
+    const char *at = strstr((const char *)sent, "resistance_ohm:");
+    MUST(at && fabsf((float)atof(at + 15) - ohm) < 0.02f * ohm);
+    at = strstr((const char *)sent, "drive_v:");
+    MUST(at && fabsf((float)atof(at + 8) - (float)MW_SENSE_VOLTAGE_V) < 6e-4f);
+}
+
+static void a_command_ends_by_itself_at_the_sense_voltage_and_a_board_left_alone_goes_off(void)
+{
+    fresh_text();
+    type_line("drive 1.5 20");
+    MUST(is_out(1.5f));
+    live(SECONDS(19.0f));
+    MUST(is_out(1.5f)); /* nobody sends anything meanwhile */
+    sent_length = 0;
+    live(SECONDS(1.2f));
+    sent[sent_length] = 0;
+    MUST(is_out((float)MW_SENSE_VOLTAGE_V) && was_said("# time is over"));
+    type_line("drive 1,25"); /* 30 s, and a comma */
+    MUST(is_out(1.25f));
+    live(SECONDS(29.0f));
+    MUST(is_out(1.25f));
+    live(SECONDS(1.2f));
+    MUST(is_out((float)MW_SENSE_VOLTAGE_V));
+    live(SECONDS(298.0f));
+    MUST(is_out((float)MW_SENSE_VOLTAGE_V));
+    sent_length = 0;
+    live(SECONDS(3.0f));
+    sent[sent_length] = 0;
+    MUST(is_out(0.0f) && was_said("# no command for five minutes: off"));
+}
+
+static void a_sweep_goes_up_to_the_amplitude_and_back(void)
+{
+    fresh_text();
+    type_line("sweep");
+    float highest = 0.0f;
+    for (int i = 0; i < SECONDS(89.0f); i++) {
+        live(1);
+        highest = output_v > highest ? output_v : highest;
+    }
+    MUST(fabsf(highest - MW_DRIVE_AMPLITUDE_V) < 0.02f);
+    MUST(output_v < (float)MW_SENSE_VOLTAGE_V + 0.15f);
+    live(SECONDS(1.5f));
+    MUST(is_out((float)MW_SENSE_VOLTAGE_V));
+}
+
+static void what_cannot_be_is_refused_and_changes_nothing(void)
+{
+    static const char *const wrong[] = {"drive 99",    "drive -1", "drive 1 121", "drive 1 0", "drive",    "drive 1 2 3",
+                                        "drive 1.5 x", "target 99", "target",     "targets 1", "drive1.5", "drive nan",
+                                        "a line that is much too long to be a command of this board", "\x80\xff"};
+    fresh(MW_RESET_POWER_ON);
+    type_line("plot");
+    type_line("drive 1");
+    MUST(is_out(0.0f) && was_said("# refused: type on first"));
+    type_line("sweep");
+    MUST(is_out(0.0f) && was_said("# refused: type on first"));
+    type_line("on");
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        type_line(wrong[i]);
+        MUST(is_out((float)MW_SENSE_VOLTAGE_V) && (was_said("# refused: target") || was_said("# what is that?")));
+    }
+    type_line("drive 1.5");
+    type_line("stop");
+    MUST(is_out(0.0f) && was_said("# off"));
+}
+
+static void text_is_below_the_protection(void)
+{
+    fresh_text();
+    type_line("drive 1.5");
+    sent_length = 0;
+    silent(SECONDS(0.3f));
+    sent[sent_length] = 0;
+    MUST(is_out(0.0f) && was_said("# protection: sample_late") && was_said(", off"));
+    type_line("drive 1.5");
+    MUST(is_out(0.0f) && was_said("# refused: type on first"));
+    type_line("on");
+    MUST(is_out((float)MW_SENSE_VOLTAGE_V));
+    type_line("drive 1.5");
+    for (int i = 0; i < SECONDS(0.5f); i++) {
+        const mw_board_reading open = {output_v, 0.0f, 1u};
+        mw_application_tick(&app, MW_TICK_READING, &open);
+    }
+    MUST(is_out(0.0f));
+}
+
+static void a_typed_target_closes_the_loop(void)
+{
+    char line[MW_TEXT_LINE_BYTES];
+    fresh_text();
+    const float middle = 0.5f * (float)(MW_QUANTITY_MIN + MW_QUANTITY_MAX);
+    snprintf(line, sizeof line, "target %.2f", (double)(middle * MW_PLOT_SCALE));
+    type_line(line);
+    MUST(app.loop.closed_loop && fabsf(app.loop.target - middle) < 0.01f / MW_PLOT_SCALE);
+    snprintf(line, sizeof line, "target_" MW_PLOT_UNIT ":%.2f ", (double)(middle * MW_PLOT_SCALE));
+    MUST(was_said(line));
+}
+
 static int print_frames(void)
 {
     char line[1024], hex[512];
@@ -683,6 +841,13 @@ int main(int count, char **arguments)
     alone_nothing_starts_after_a_watchdog_reset();
     a_host_takes_over_and_its_silence_counts_again();
 #endif
+    a_typed_word_switches_to_text_and_a_zero_back_to_frames();
+    numbers_come_25_times_a_second();
+    a_command_ends_by_itself_at_the_sense_voltage_and_a_board_left_alone_goes_off();
+    a_sweep_goes_up_to_the_amplitude_and_back();
+    what_cannot_be_is_refused_and_changes_nothing();
+    text_is_below_the_protection();
+    a_typed_target_closes_the_loop();
     channels_turn_codes_into_volts();
     a_saturated_channel_reads_as_the_end_of_its_range();
     the_monitor_chip_gives_each_pair_once_and_in_volts();

@@ -33,7 +33,7 @@ static uint8_t flags_at_reset __attribute__((section(".noinit")));
 static volatile uint8_t from_host_in, from_host_out, to_host_in, to_host_out;
 static volatile uint8_t from_host[FROM_HOST], to_host[TO_HOST];
 
-static volatile uint16_t node_sum, shunt_sum;
+static volatile uint16_t node_sum, shunt_sum, node_code;
 static volatile uint8_t readings, milliseconds, knob_code;
 static uint8_t cause, missed;
 
@@ -127,8 +127,11 @@ ISR(ADC_vect)
         return;
     }
     if (channel == NODE_CHANNEL) {
-        node_sum = (uint16_t)(node_sum + code);
+        node_code = code;
     } else {
+        /* Both at once: a tick that is fetched late, between the two, would otherwise have one reading more of the node,
+         * and the next one less: two jumps of a tenth, by which the protection trips. */
+        node_sum = (uint16_t)(node_sum + node_code);
         shunt_sum = (uint16_t)(shunt_sum + code);
         readings++;
     }
