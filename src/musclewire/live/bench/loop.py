@@ -11,7 +11,7 @@ from musclewire.errors import CallerError, MusclewireError, NumericsError, Recor
 from musclewire.live import messages
 from musclewire.live.bench.opening import switch_on
 from musclewire.live.bench.orders import Order, Orders
-from musclewire.live.bench.recipes import RECIPES, Recipe
+from musclewire.live.bench.recipes import RECIPES, Recipe, rig_of
 from musclewire.live.bench.session import RunEndedError, Session
 
 __all__ = ["run_session"]
@@ -75,6 +75,8 @@ def carry_out(session: Session, order: Order, recipe: Recipe) -> None:
         "started_at": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     with busy(session, order, doing, heats=recipe.heats):
+        # A recipe computes before its first sample (a fit, what is compiled): a pause, and no sample that comes too late.
+        rig_of(session).make_safe()
         try:
             recipe.run(session, order.command)
         except RunEndedError as ended:

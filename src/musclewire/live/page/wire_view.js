@@ -164,7 +164,7 @@ export class WireView {
     showNotes(parts["model-notes"], state.model?.warnings ?? []);
     showMessages(parts.messages, state);
     if (state.phase !== "busy") this.controller.showRules(null);
-    this.dirty = true;
+    this.isNew = this.dirty = true;
   }
 
   showClock(state) {
@@ -190,7 +190,7 @@ export class WireView {
     for (const row of rows) this.history.push(known.read(row));
     if (rules !== undefined) this.rules = rules;
     this.rows_ms = performance.now();
-    this.dirty = true;
+    this.isNew = this.dirty = true;
   }
 
   reading() {
@@ -217,9 +217,12 @@ export class WireView {
     if (!this.dirty) return false;
     this.numbersDue = true;
     this.plots.draw(this.endOfWindow(now_ms));
+    if (this.isNew) {
+      this.plane.draw(this.history);
+      this.gauge.draw(this.shown());
+    }
+    this.isNew = false;
     this.dirty = now_ms - this.rows_ms < MOVING_MS;
-    this.plane.draw(this.history);
-    this.gauge.draw(this.shown());
     return true;
   }
 
