@@ -96,6 +96,7 @@ function setConnection(state) {
     ? "CONNECTION LOST. What you see is old. A bench that you controlled ends its run and takes the heat off by itself within a second. Trying again."
     : "");
   for (const view of wires()) view.root.classList.toggle("old", state === "lost");
+  if (state === "lost") stopButton.unknown();
 }
 
 connection.addEventListener("hello", ({ detail }) => {

@@ -63,7 +63,7 @@ export class ControllerPanel {
   }
 
   showRules(rules) {
-    const weights = new Map((rules ?? []).map((rule) => [`${rule.error} ${rule.change}`, rule]));
+    const weights = new Map((rules ?? []).filter((rule) => rule.weight >= 0.005).map((rule) => [`${rule.error} ${rule.change}`, rule]));
     for (const [place, cell] of this.cells) {
       const rule = weights.get(place);
       const text = rule ? fixed(100 * rule.weight, 0) : "\u00b7";

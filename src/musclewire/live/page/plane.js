@@ -5,7 +5,7 @@ import { COLUMN } from "./rows.js";
 import { colour } from "./theme.js";
 
 const EDGE = { left: 46, right: 12, top: 10, bottom: 34 };
-const TRAIL_ROWS = 1500;
+const TRAIL_ROWS = 500;
 
 export class Plane {
   constructor(canvas) {

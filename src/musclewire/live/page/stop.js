@@ -77,6 +77,11 @@ export class StopButton {
     if (!this.pending.size) this.draw(restingState(wires.map((wire) => wire.state?.phase)));
   }
 
+  /** The connection is lost: nothing is known of the drives, so the button claims nothing. */
+  unknown() {
+    if (!this.pending.size) this.draw("idle");
+  }
+
   draw(state) {
     this.button.dataset.state = state;
     setText(this.word, state === "idle" && this.wires().length > 1 ? "STOP ALL" : WORDS[state][0]);

@@ -81,11 +81,11 @@ export class TimePlots {
     const axes = [
       // The time is written once, below the lowest plot.
       { ...axis, size: definition.lowest ? 22 : 5, gap: 2, values: (_, splits) => splits.map((value) => (definition.lowest ? `${value} s` : "")) },
-      { ...axis, size: 46, gap: 4, space: 26, values: written(Math.min(definition.digits, 1)) },
+      { ...axis, size: 46, gap: 4, space: 17, values: written(Math.min(definition.digits, 1)) },
     ];
     if (definition.right) {
       scales.right = { range: (_, low, high) => padded(low, high, { ...definition.right, keep: 0 }) };
-      axes.push({ ...axis, size: 40, gap: 4, space: 26, side: 1, scale: "right", grid: { show: false }, values: written(0) });
+      axes.push({ ...axis, size: 40, gap: 4, space: 17, side: 1, scale: "right", grid: { show: false }, values: written(0) });
     } else axes.push({ ...axis, size: 40, side: 1, scale: "y", grid: { show: false }, values: (_, splits) => splits.map(() => "") });
     const series = definition.series.map((each) => ({
       label: each.name, stroke: () => colour(each.colour), width: 1.8, dash: each.dash, scale: each.right ? "right" : "y", points: { show: false },
