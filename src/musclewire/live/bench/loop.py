@@ -75,7 +75,7 @@ def carry_out(session: Session, order: Order, recipe: Recipe) -> None:
         "started_at": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     with busy(session, order, doing, heats=recipe.heats):
-        # A recipe computes before its first sample (a fit, what is compiled): a pause, not a sample that comes too late.
+        # A recipe computes before its first sample (a fit, compiling): a pause, and no sample that comes too late.
         rig_of(session).make_safe()
         try:
             recipe.run(session, order.command)
