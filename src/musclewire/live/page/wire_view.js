@@ -47,8 +47,7 @@ export class WireView {
 
   build() {
     const { parts } = this;
-    const refuse = (text) => setText(parts.refusal, text);
-    this.refuse = refuse;
+    const refuse = (this.refuse = (text) => setText(parts.refusal, text));
     this.sequence = new Sequence((command) => this.send(command), (message) => this.refused(message), () => this.refresh());
     const run = (commands, focusSlider = false) => this.run(commands, focusSlider);
     this.numbers = new Numbers(parts.numbers);
@@ -187,10 +186,23 @@ export class WireView {
     const sensed = quantityOf(known.columns);
     if (sensed) this.useQuantity(sensed);
     known.read ??= rowReader(known.columns, this.reading());
-    for (const row of rows) this.history.push(known.read(row));
+    for (const row of rows) this.addRow(known.read(row));
     if (rules !== undefined) this.rules = rules;
     this.rows_ms = performance.now();
     this.isNew = this.dirty = true;
+  }
+
+  addRow(row) {
+    const run_s = row[COLUMN.run];
+    const before_s = this.history.recent.last(COLUMN.run);
+    if (run_s !== null && (before_s === null || run_s < before_s)) this.runBegins(row[COLUMN.time] - run_s);
+    this.history.push(row);
+  }
+
+  /** A run that is shown for comparison begins where the present one begins. */
+  runBegins(begin_s) {
+    this.begin_s = begin_s;
+    if (this.plots.compared) this.plots.compared.begin_s = begin_s;
   }
 
   reading() {
@@ -264,8 +276,7 @@ export class WireView {
 
   /** Lay an earlier run over the plots, from the beginning of the present run; null takes it away. */
   compare(columns, name) {
-    const recent = this.history.recent;
-    const begin_s = (recent.last(COLUMN.time) ?? 0) - (recent.last(COLUMN.run) ?? recent.last(COLUMN.time) ?? 0);
+    const begin_s = this.begin_s ?? this.history.recent.last(COLUMN.time) ?? 0;
     this.plots.compared = columns && { columns, begin_s };
     this.curves.compare(columns && { columns, name });
     this.dirty = true;
