@@ -46,21 +46,27 @@ def rest(session: Session) -> None:
 
 def perform(session: Session, order: Order) -> None:
     """Carry out a command and answer it: as begun with its first sample, as refused if it raises an error before."""
-    command = order.command
+    command, refused = order.command, ""
     try:
         if isinstance(command, messages.SwitchOn):
             switch_on(session)
         else:
             carry_out(session, order, RECIPES[type(command)])
     except (RigError, NumericsError, RecordingNotWrittenError) as problem:
-        order.answer(False, str(problem))
+        refused = str(problem)
         failed(session, problem)
     except MusclewireError as problem:
-        order.answer(False, str(problem))
-        session.shown.say("error", str(problem))
+        refused = str(problem)
+        session.shown.say("error", refused)
     finally:
-        session.queued = ""
-    order.answer(True)
+        make_room(session, order)
+    order.answer(not refused, refused)
+
+
+def make_room(session: Session, order: Order) -> None:
+    """Let the next command in: before an answer or "ready" is sent, since whoever sees either may send it at once."""
+    if not order.is_over:
+        order.is_over, session.queued = True, ""
 
 
 def carry_out(session: Session, order: Order, recipe: Recipe) -> None:
@@ -95,6 +101,7 @@ def busy(session: Session, order: Order, doing: dict[str, Any], *, heats: bool) 
         session.heating, session.on_first_row = False, None
         session.note_recordings()
         if session.shown.state.phase == "busy":
+            make_room(session, order)
             session.shown.change(phase="ready", doing=None)
 
 

@@ -30,7 +30,8 @@ class Order:
 
     def __init__(self, number: int, command: Command, outbox: Outbox) -> None:
         """Wait to be answered."""
-        self.command = command
+        # is_over: whether the next command may come, which is before the answer and the phase that say so.
+        self.command, self.is_over = command, False
         self._number, self._outbox, self._answered = number, outbox, False
 
     def answer(self, accepted: bool, message: str = "") -> None:
