@@ -40,7 +40,7 @@ def switch_on(session: Session) -> None:
         raise
     # A rig without a clock is paced here; hardware and the simulated rig pace themselves.
     session.pacer = None if rig.paced else Pacer(rig.sample_period_s)
-    session.rig = rig
+    session.rig, session.protection_seen = rig, (-1, -1)  # another rig: what its protection does is shown again
     if session.stopped.by:  # meanwhile, by another thread that found no rig to switch off
         rig.close()
         return

@@ -95,7 +95,7 @@ class Session:
     _columns: dict[tuple[str, ...], int] = field(default_factory=dict)
     _since_s: float = 0.0
     _now_s: float = 0.0
-    _protection_seen: tuple[int, int] = (-1, -1)
+    protection_seen: tuple[int, int] = (-1, -1)
 
     def stop(self, by: str) -> None:
         """Switch the drive off now, whichever thread asks, and for good: ``switch_on`` opens the rig again."""
@@ -171,8 +171,8 @@ class Session:
             layout = self.new_layout(names)
         values = (self._now_s, row["time_s"], *(row[name] for name in names), protection.temperature_k)
         self.ring.write(layout, values)  # type: ignore[arg-type]  # the names are those of columns with a value
-        if (protection.state, protection.event) != self._protection_seen:
-            self._protection_seen = (protection.state, protection.event)
+        if (protection.state, protection.event) != self.protection_seen:
+            self.protection_seen = (protection.state, protection.event)
             self.shown.change(protection=described_protection(rig))
 
     def new_layout(self, names: tuple[str, ...]) -> int:

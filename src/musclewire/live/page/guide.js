@@ -19,7 +19,7 @@ const STEPS = [
   {
     key: "switched_on", title: "Wire it up", button: "Switch on and check the wiring",
     body: (state) => [
-      el("p", {}, state.rig?.simulated ? "" : "Wire this first, with the supply off:"),
+      el("p", {}, "What to wire, with the supply off:"),
       el("ul", {}, ...(state.rig?.wiring ?? state.wiring ?? []).map((line) => el("li", {}, line))),
       el("p", {}, "Switching on senses at a small voltage. Nothing is heated."),
     ],
@@ -100,7 +100,7 @@ export class Guide {
     const off = !["ready", "busy", "ending", "starting"].includes(state.phase);
     const shown = off && next !== 0 ? AGAIN : next;
     const canGo = !isRunning && ["ready", "off", "stopped", "failed"].includes(state.phase);
-    const key = JSON.stringify([shown, canGo, isRunning, state.phase, state.doctor, state.steps, Boolean(state.rig), state.rig?.limits, state.doing?.steering]);
+    const key = JSON.stringify([shown, canGo, isRunning, state.phase, state.doctor, state.steps, Boolean(state.rig), state.wiring, state.rig?.limits, state.doing?.steering]);
     this.keepsFocus ||= this.list.contains(document.activeElement);
     renew(this.list, key, () => this.items(state, shown, canGo, isRunning));
     // A button that was pressed and is made again would leave the keyboard nowhere: the next one takes its place.
