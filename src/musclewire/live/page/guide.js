@@ -29,7 +29,7 @@ const STEPS = [
     key: "doctor", title: "Check the wiring", button: "Check the wiring",
     body: (state) => [state.doctor ? findings(state.doctor) : el("p", {}, "Wiring, noise, polarity and sample clock are measured. Nothing is heated.")],
     commands: () => [{ do: "doctor" }],
-    done: (state) => state.steps.doctor && state.doctor?.ok !== false,
+    done: (state, goesOn) => Boolean(state.doctor) && (goesOn || (state.steps.doctor && state.doctor.ok !== false)),
   },
   {
     key: "pulse", title: "Safe limits, then a warm pulse", button: "Warm the wire for 1 s",
@@ -64,8 +64,8 @@ const STEPS = [
 const AGAIN = -2; // in the place of a step's number: the rig is to be switched on again
 const MAIN_LIMITS = /temperature|voltage|current|power|force/;
 
-function isDone(step, state) {
-  return Boolean(step.done ? step.done(state) : state.steps?.[step.key]);
+function isDone(step, state, goesOn) {
+  return Boolean(step.done ? step.done(state, goesOn) : state.steps?.[step.key]);
 }
 
 /** Return the table of the limits whose names match. */
@@ -92,15 +92,18 @@ export class Guide {
     this.list = list;
     this.card = card;
     this.run = run;
+    this.goesOn = false;
   }
 
   follow(state, isRunning) {
     if (!state.steps) return;
-    const next = STEPS.findIndex((step) => !isDone(step, state));
+    this.state = state;
+    if (state.doctor?.ok) this.goesOn = false;
+    const next = STEPS.findIndex((step) => !isDone(step, state, this.goesOn));
     const off = !["ready", "busy", "ending", "starting"].includes(state.phase);
     const shown = off && next !== 0 ? AGAIN : next;
     const canGo = !isRunning && ["ready", "off", "stopped", "failed"].includes(state.phase);
-    const key = JSON.stringify([shown, canGo, isRunning, state.phase, state.doctor, state.steps, Boolean(state.rig), state.wiring, state.rig?.limits, state.doing?.steering]);
+    const key = JSON.stringify([shown, this.goesOn, canGo, isRunning, state.phase, state.doctor, state.steps, Boolean(state.rig), state.wiring, state.rig?.limits, state.doing?.steering]);
     this.keepsFocus ||= this.list.contains(document.activeElement);
     renew(this.list, key, () => this.items(state, shown, canGo, isRunning));
     // A button that was pressed and is made again would leave the keyboard nowhere: the next one takes its place.
@@ -116,18 +119,28 @@ export class Guide {
     return [...again, ...STEPS.map((step, place) => this.item(step, state, place === next, canGo, isRunning))];
   }
 
+  /** A finding may be known and harmless, as a sample that comes late on a busy machine: a person may go on. */
+  goOn(canGo) {
+    const go = () => {
+      this.goesOn = true;
+      this.follow(this.state, false);
+    };
+    return el("button", { type: "button", class: "quiet", disabled: !canGo, onclick: go }, "I have read this: go on");
+  }
+
   againItem(canGo) {
     const button = el("button", { type: "button", class: "primary", disabled: !canGo, onclick: () => this.run([{ do: "switch_on" }]) }, "Switch on again");
     return el("li", { class: "step again", "data-state": "next" }, el("div", {}, el("h3", {}, "Switch on again"), el("p", {}, "What was found out so far is kept."), button));
   }
 
   item(step, state, isNext, canGo, isRunning) {
-    const done = isDone(step, state);
+    const done = isDone(step, state, this.goesOn);
     const body = el("div", {}, el("h3", {}, step.title, el("span", { class: "unseen" }, done ? ", done" : isNext ? ", next" : ", later")));
     if (isNext) {
       body.append(...step.body(state).filter(Boolean));
       const text = isRunning || state.phase === "busy" ? (state.doing?.steering ? "Now move the slider" : "Running\u2026") : step.button;
       body.append(el("button", { type: "button", class: "primary", disabled: !canGo, onclick: () => this.run(step.commands(state), step.thenFocus) }, text));
+      if (step.key === "doctor" && state.doctor?.ok === false) body.append(this.goOn(canGo));
     } else if (step.key === "doctor" && state.doctor) {
       const found = state.doctor.checks.filter((check) => check.ok).length;
       body.append(el("details", {}, el("summary", {}, `${fixed(found, 0)} of ${state.doctor.checks.length} checks passed`), findings(state.doctor)));
