@@ -1,0 +1,125 @@
+"""The live page's modules without a page: rings, envelopes, formats, paths, fields. A Chromium runs them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytestmark = pytest.mark.browser
+
+FOLDER = Path(str(files("musclewire.live"))) / "page"
+TYPES = {".js": "text/javascript", ".html": "text/html"}
+
+
+@pytest.fixture(scope="module")
+def modules() -> Iterator[Any]:
+    """A page of nothing, from whose address the modules can be imported."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        if os.environ.get("MUSCLEWIRE_REQUIRE_BROWSER"):
+            pytest.fail("no Chromium: apt-get install --no-install-recommends chromium")
+        pytest.skip("not run: needs Chromium (apt-get install --no-install-recommends chromium)")
+
+    def answer(route: Any) -> None:
+        path = FOLDER / route.request.url.removeprefix("http://page.test/")
+        if path.is_file():
+            route.fulfill(body=path.read_text("utf-8"), content_type=TYPES[path.suffix])
+        else:
+            route.fulfill(body="<!doctype html>", content_type="text/html")
+
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        page = browser.new_page()
+        page.route("**/*", answer)
+        page.goto("http://page.test/")
+        yield page
+        browser.close()
+
+
+def run(modules: Any, name: str, body: str) -> Any:
+    """Return what a function body gives that uses a module as ``m``."""
+    return modules.evaluate(f"async () => {{ const m = await import('/{name}.js'); {body} }}")
+
+
+def test_a_ring_keeps_the_last_rows_and_never_twice_its_capacity(modules: Any) -> None:
+    body = """const rows = new m.LastRows(2, 100); let longest = 0;
+        for (let n = 0; n < 10000; n += 1) { rows.push([n, -n]); longest = Math.max(longest, rows.length); }
+        const [time] = rows.columns;
+        return [longest, rows.last(0), time[0], time.every((each, n) => n === 0 || each === time[n - 1] + 1)];"""
+    longest, last, first, is_whole = run(modules, "ring_buffers", body)
+    assert longest <= 200
+    assert last == 9999
+    assert last - first + 1 >= 100
+    assert is_whole
+
+
+def test_an_envelope_loses_no_peak(modules: Any) -> None:
+    body = """const all = new m.Envelope(2, 1000, 1.0);
+        for (let n = 0; n < 3000; n += 1) all.push([n / 100, n === 1234 ? 50 : n === 1250 ? -7 : 1]);
+        return [Math.max(...all.rows.columns[1]), Math.min(...all.rows.columns[1]), all.rows.length];"""
+    assert run(modules, "ring_buffers", body) == [50, -7, 58]
+
+
+def test_a_history_begins_again_when_the_clock_of_the_rig_does(modules: Any) -> None:
+    body = "const h = new m.History(1); h.push([5]); h.push([6]); h.push([0.05]); return h.recent.columns[0];"
+    assert run(modules, "ring_buffers", body) == [0.05]
+
+
+@pytest.mark.parametrize(
+    ("expression", "text"),
+    [
+        ("m.fixed(null, 2)", "–"),
+        ("m.fixed(NaN, 2)", "–"),
+        ("m.fixed(-0.001, 2)", "0.00"),
+        ("m.fixed(-1.5, 1)", "−1.5"),
+        ("m.namedValue('maximum_temperature_k', 473.15).join(' ')", "Maximum temperature 200\u202f°C"),
+        ("m.namedValue('maximum_current_a', 0.40816).join(' ')", "Maximum current 0.408\u202fA"),
+        ("m.span(125)", "2\u202fmin 05\u202fs"),
+        ("m.bytes(214000)", "214\u202fkB"),
+        ("m.ticks(0, 1, 5).map((each) => each.toFixed(1)).join(' ')", "0.0 0.2 0.4 0.6 0.8 1.0"),
+    ],
+)
+def test_numbers_are_written_for_people(modules: Any, expression: str, text: str) -> None:
+    assert run(modules, "format", f"return {expression};") == text
+
+
+def test_rows_have_the_units_that_are_shown_and_no_resistance_without_current(modules: Any) -> None:
+    body = """
+        const names = ["time_s", "wire_voltage_v", "shunt_voltage_v", "displacement_m", "protection_temperature_k"];
+        const rig = { leg_length_m: 0.07, shunt_resistance_ohm: 2.0, minimum_current_a: 0.001 };
+        const read = m.rowReader(names, { quantity: "strain", ...rig });
+        const shown = ["current", "resistance", "power", "instrument", "temperature"];
+        const of = (row) => shown.map((each) => row[m.COLUMN[each]]);
+        return [of(read([1, 3.0, 0.4, 0.0014, 373.15])), of(read([1, 3.0, 0.0001, null, null]))];"""
+    driven, without = run(modules, "rows", body)
+    assert driven == pytest.approx([200.0, 15.0, 600.0, 2.0, 100.0])
+    assert without[0] == pytest.approx(0.05)
+    assert without[1:] == [None, None, None, None]
+
+
+def test_a_drawn_path_goes_on_in_time_from_0_to_its_duration(modules: Any) -> None:
+    body = "return m.asPath([[3, 1], [1, 2], [1.0005, 4], [9, 5]], 6);"
+    assert run(modules, "path_editor", body) == [[0, 4], [1, 4], [3, 1], [6, 5]]
+
+
+@pytest.mark.parametrize(
+    ("field", "text", "expected"),
+    [
+        ("{label: 'Hold', unit: 's', min: 0.5}", "6,5", 6.5),
+        ("{label: 'Voltage', unit: 'V', optional: true}", " ", None),
+        ("{label: 'Pretensions', text: true}", "1.2 1,5", [1.2, 1.5]),
+        ("{label: 'Hold', unit: 's', min: 0.5}", "0.1", "Hold: at least 0.5 s."),
+        ("{label: 'Cycles', whole: true}", "1.5", "Cycles: write a whole number."),
+        ("{label: 'Hold', unit: 's'}", "long", "Hold: write a number."),
+    ],
+)
+def test_fields_give_numbers_or_say_what_is_wrong(modules: Any, field: str, text: str, expected: Any) -> None:
+    body = f"try {{ return m.readField({field}, {text!r}); }} catch (problem) {{ return problem.message; }}"
+    assert run(modules, "run_kinds", body) == expected
