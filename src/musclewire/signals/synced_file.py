@@ -73,8 +73,9 @@ class SyncedFile:
 
 
 def append_input(source: int, target: int) -> None:
-    """Append what comes from one descriptor to the file behind another, until there is no more."""
+    """Say that this is ready, then append what comes from one descriptor to the file behind another, to its end."""
     file = SyncedFile(target)
+    os.write(2, READY)
     while data := os.read(source, READ_BYTES):
         file.append(data)
     file.close()
@@ -86,7 +87,6 @@ def main() -> int:
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
         os.sched_setaffinity(0, range(os.cpu_count() or 1))
     try:
-        os.write(2, READY)
         append_input(0, 1)
     except OSError as problem:
         print(problem.strerror or problem, file=sys.stderr, flush=True)
