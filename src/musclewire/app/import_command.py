@@ -13,6 +13,7 @@ from musclewire.app.files import require_free
 from musclewire.app.options import (
     DROP_MISSING,
     IGNORE,
+    JOIN,
     MATLAB_VERSION,
     OUTPUT,
     OVERWRITE,
@@ -27,6 +28,7 @@ from musclewire.errors import CallerError, RecordingError
 
 if TYPE_CHECKING:
     from musclewire.signals.import_mapping import ImportMapping
+    from musclewire.signals.joining import JoinedRecordings
     from musclewire.signals.understanding import Understanding
 
 __all__ = ["add_import_command"]
@@ -60,37 +62,49 @@ def import_recordings(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recordings of other programs.")],
     reading: ReadingOptions,
     table: TableOptions,
+    join: Annotated[str | None, JOIN] = None,
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     save_mapping: Annotated[Path | None, SAVE_MAPPING] = None,
     json: Json = False,
 ) -> None:
-    """Read recordings of other programs and show how they were interpreted; with -o convert one."""
-    mapping = table.added_to(reading.import_mapping())
-    for path in (output, save_mapping):
-        require_one_file(path, files)
-        if path is not None:
-            require_free(path, overwrite)
-    understood = [imported(path, mapping, output, table.matlab_version) for path in files]
+    """Read recordings of other programs and show how they were interpreted; with -o convert one, or join two."""
+    from musclewire.signals.reading import mappings_of_files
+
+    require_possible(files, join, output, save_mapping, overwrite)
+    joining = join is not None or (output is not None and len(files) > 1)
+    mappings = mappings_of_files(files, table.added_to(reading.import_mapping()))
+    single, version = None if joining else output, table.matlab_version
+    understood = [imported(path, mapping, single, version) for path, mapping in zip(files, mappings, strict=True)]
     problem = next((item.problem for item in understood if item.problem), "")
-    if save_mapping is not None and not problem:
-        remember(understood[0], save_mapping)
-    if json and not problem:
-        emit_json({"files": [item.as_dict() for item in understood]})
-        return
-    for item in understood:
-        show(str(item))
+    if not json or problem:
+        for item in understood:
+            show(str(item))
     if problem:
         raise RecordingError(problem)
+    joined = joined_files(files, mappings, join) if joining else None
+    if joined is not None and output is not None:
+        joined.recording.save(output, version)
+    if save_mapping is not None:
+        remember(understood[0], save_mapping)
+    report(understood, joined, [path for path in (output, save_mapping) if path is not None], json)
+
+
+def require_possible(
+    files: list[Path], join: str | None, output: Path | None, save_mapping: Path | None, overwrite: bool
+) -> None:
+    """Raise CallerError for files that cannot be written, or too many or too few to join."""
+    if len(files) != 2 and join is not None:
+        raise CallerError(f"--join takes two files, {len(files)} were given")
+    if len(files) > 2 and output is not None:
+        raise CallerError(f"-o takes one file, or two to join, {len(files)} were given: import them one by one")
+    if len(files) > 1 and save_mapping is not None:
+        raise CallerError(
+            f"--save-mapping takes one file, {len(files)} were given: a mapping belongs to one kind of file"
+        )
     for path in (output, save_mapping):
         if path is not None:
-            show(f"written to {path}")
-
-
-def require_one_file(path: Path | None, files: list[Path]) -> None:
-    """Raise CallerError if something is to be written for more than one file."""
-    if path is not None and len(files) != 1:
-        raise CallerError(f"{path} can be written for one file, {len(files)} were given: import them one by one")
+            require_free(path, overwrite)
 
 
 def imported(path: Path, mapping: ImportMapping, output: Path | None, matlab_version: str | None) -> Understanding:
@@ -100,8 +114,50 @@ def imported(path: Path, mapping: ImportMapping, output: Path | None, matlab_ver
     return import_recording(path, output, mapping=mapping, matlab_version=matlab_version)
 
 
+def joined_files(files: list[Path], mappings: list[ImportMapping], join: str | None) -> JoinedRecordings:
+    """Return two files as one recording on the first one's clock."""
+    from musclewire.signals import join_recordings, read_recording
+
+    first, second = (read_recording(path, mapping=mapping) for path, mapping in zip(files, mappings, strict=True))
+    one, equals, other = (join or "").partition("=")
+    return join_recordings(
+        first, second, None if join is None else (one.strip(), other.strip() if equals else one.strip())
+    )
+
+
 def remember(understood: Understanding, path: Path) -> None:
     """Write the mapping by which a file was read."""
     from musclewire.signals import save_mapping
 
     save_mapping(understood.mapping, path)
+
+
+def report(understood: list[Understanding], joined: JoinedRecordings | None, written: list[Path], json: bool) -> None:
+    """Print how the files were joined and what was written; as JSON all that was found."""
+    if json:
+        emit_json(
+            {
+                "files": [item.as_dict() for item in understood],
+                "join": None
+                if joined is None
+                else {
+                    "delay_s": joined.delay_s,
+                    "delay_std_s": joined.delay_std_s,
+                    "correlation": joined.correlation,
+                    "columns": list(joined.columns),
+                    "rows": len(joined.recording),
+                    "notes": list(joined.notes),
+                },
+            }
+        )
+        return
+    if joined is not None:
+        show(
+            f"{understood[1].path}: its clock is ahead by {joined.delay_s:.6g} s, standard deviation "
+            f"{joined.delay_std_s:.2g} s, by the correlation {joined.correlation:.3f} of "
+            f"{' and '.join(dict.fromkeys(joined.columns))}"
+        )
+        for note in joined.notes:
+            show(f"  {note}")
+    for path in written:
+        show(f"written to {path}")

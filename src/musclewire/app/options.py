@@ -191,6 +191,12 @@ MATLAB_VERSION = option(
 )
 IGNORE = option("--ignore", help="Leave out a column, by its header or as #3. Repeatable.", metavar="COLUMN")
 DROP_MISSING = option("--drop-missing", help="Leave out rows in which a used column has no number.")
+JOIN = option(
+    "--join",
+    help="Join two files of loggers with different clocks by this column, or by one of each: FIRST=SECOND. "
+    "By default by the only column that both have.",
+    metavar="COLUMN",
+)
 ZERO = option("--zero", help="Count displacement, strain and force from the first row.")
 INVERT = option("--invert", help="The sensor reads backwards: negate displacement and strain.")
 ORDER = option("--order", help="Order of the polynomials, or 'auto' (cross-validation).")

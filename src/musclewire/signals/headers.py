@@ -25,6 +25,7 @@ __all__ = [
     "MatchedHeader",
     "UndecidedHeader",
     "match_columns",
+    "missing_from",
     "numbered_headers",
     "split_header",
     "understand_headers",
@@ -180,6 +181,23 @@ def _with_one_clock(
     ]
 
 
+def missing_from(
+    columns: Sequence[SourceColumn], mapping: Mapping[str, str], ignore: Sequence[str]
+) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the names of a mapping and the ignored headers that a table does not have."""
+    headers = [column.header for column in columns]
+
+    def absent(name: str, wanted: str) -> bool:
+        try:
+            _find(name, wanted, headers, "")
+        except RecordingError as problem:
+            return "no column" in str(problem)
+        return False
+
+    names = frozenset(name for name, wanted in mapping.items() if absent(name, wanted))
+    return names, frozenset(header for header in ignore if not _indices_called(header, columns))
+
+
 def _left_out(
     columns: Sequence[SourceColumn],
     ignore: Sequence[str],
@@ -271,7 +289,8 @@ def _recognised(
     source: SourceColumn, index: int, path: str, already_mapped: frozenset[str]
 ) -> MatchedHeader | IgnoredHeader | UndecidedHeader:
     header = source.header
-    name, unit = (header.strip(), source.unit) if source.unit is not None else split_header(header)
+    name, unit = split_header(header)
+    unit = unit if source.unit is None else source.unit
     own = _own_column(name)
     if own is not None and source.is_text and own.name != "time_s":
         problem = f"{path}: column '{header}' holds text, not numbers; write numbers, or ignore this column"
@@ -370,6 +389,11 @@ def _as_branch_table(taken: list[MatchedHeader]) -> list[MatchedHeader]:
     return [replace(item, column=BRANCH_TABLE[0]) if item.column == "wire_resistance_ohm" else item for item in taken]
 
 
+def _name_of(item: MatchedHeader, other: MatchedHeader) -> str:
+    """Return how a mapping names a header: by its number if another has the same name."""
+    return item.header if item.header != other.header else f"#{item.index + 1}:{item.unit}"
+
+
 def _taken_once(taken: Sequence[MatchedHeader], path: str) -> tuple[list[MatchedHeader], tuple[UndecidedHeader, ...]]:
     """Return those whose column no other header is, and the others as undecided."""
     by_column: dict[str, list[MatchedHeader]] = {}
@@ -380,7 +404,7 @@ def _taken_once(taken: Sequence[MatchedHeader], path: str) -> tuple[list[Matched
         for item in items[1:]:
             problem = (
                 f"{path}: columns '{items[0].header}' and '{item.header}' are both taken as {column}: "
-                f"map the one you mean: {column}={item.header}"
+                f"map the one you mean: {column}={_name_of(item, items[0])}"
             )
             undecided.append(UndecidedHeader(item.header, item.index, column, problem))
     return [items[0] for items in by_column.values()], tuple(undecided)

@@ -21,7 +21,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -87,6 +87,25 @@ class ImportMapping:
         period_s = self.sample_period_s
         if period_s is not None and not 0.0 < period_s < float("inf"):
             raise CallerError(f"sample_period_s is {period_s}; give the time between two rows, above 0 s")
+
+    def without(self, columns: Collection[str], ignore: Collection[str]) -> ImportMapping:
+        """Return this mapping without some of its columns and ignored headers.
+
+        Parameters
+        ----------
+        columns
+            Names that are left out.
+        ignore
+            Ignored headers that are left out.
+
+        Returns
+        -------
+        The rest.
+        """
+        kept = {name: wanted for name, wanted in self.columns.items() if name not in columns}
+        return dataclasses.replace(
+            self, columns=kept, ignore=tuple(header for header in self.ignore if header not in ignore)
+        )
 
     def joined(self, other: ImportMapping) -> ImportMapping:
         """Return this mapping with what another adds to it or says instead.

@@ -15,9 +15,17 @@ from musclewire.errors import RecordingError
 from musclewire.signals.absolute_clocks import ABSOLUTE_FROM_S, absolute_clock
 from musclewire.signals.clock_texts import ClockTexts
 from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, needs_no_clock
-from musclewire.signals.headers import HeaderMatch, IgnoredHeader, MatchedHeader, match_columns, numbered_headers
+from musclewire.signals.headers import (
+    HeaderMatch,
+    IgnoredHeader,
+    MatchedHeader,
+    match_columns,
+    missing_from,
+    numbered_headers,
+)
 from musclewire.signals.import_mapping import ImportMapping
 from musclewire.signals.metadata import MetadataValue
+from musclewire.signals.side_by_side import stacked_branches
 from musclewire.signals.source_table import Block, Cells, SourceTable, head_of
 from musclewire.signals.units import conversion_to_si
 
@@ -30,6 +38,7 @@ _STRAINS = frozenset({"reference_strain", "target_strain", "strain_heating", "st
 # What a sensor reads that may begin anywhere or be mounted backwards.
 _INVERTED = ("displacement_m", "reference_strain")
 _ZEROED = (*_INVERTED, "force_n")
+_TEMPERATURES = frozenset({"wire_temperature_k", "ambient_temperature_k"})
 # Columns that say when and in which cycle, but nothing about a wire.
 _COUNTERS = frozenset({"time_s", "cycle"})
 _DROP_CURE = "or leave such rows out (--drop-missing, drop_missing=True)"
@@ -83,6 +92,8 @@ def plan_import(table: SourceTable, mapping: ImportMapping) -> ImportPlan:
     Raises RecordingError and CallerError for what is wrong with the mapping itself; what is wrong with the file is in
     the plan's ``problem``.
     """
+    found = missing_from(table.columns, mapping.columns, ())[0] != frozenset(mapping.columns)
+    table = table if found else stacked_branches(table)
     path, headers = table.path, tuple(column.header for column in table.columns)
     match = match_columns(table.columns, mapping.columns, path, mapping.ignore, mapping.only_mapped)
     match = _with_absolute_clock(match, table)
@@ -176,14 +187,21 @@ class _Reader:
             cure = f"correct it, {_DROP_CURE}" if missing else "correct it or remove the row"
             raise RecordingError(f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}': {what}; {cure}")
         self._check_strain_is_a_fraction(item, written, block, rows)
+        if item.column == "time_s" and item.how != "own name":
+            written = self._since_the_first(written, item.factor)
         converted = item.conversion.apply(written)
-        return self._since_the_first(converted) if item.column == "time_s" and item.how != "own name" else converted
+        if item.column in _TEMPERATURES and (converted < 0.0).any():
+            row = int(np.argmax(converted < 0.0))
+            where = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}'"
+            what = f"{written[row]:g} {item.unit} is below absolute zero"
+            raise RecordingError(f"{where}: {what}; correct the number or its unit")
+        return converted
 
-    def _since_the_first(self, time_s: FloatArray) -> FloatArray:
-        """Return a clock that counts from long ago as time since the first row."""
-        if self._origin is None and time_s.size:
-            self._origin = float(time_s[0]) if time_s[0] >= ABSOLUTE_FROM_S else 0.0
-        return time_s - self._origin if self._origin else time_s
+    def _since_the_first(self, written: FloatArray, factor: float) -> FloatArray:
+        """Return a clock that counts from long ago, in its own unit, as time since the first row."""
+        if self._origin is None and written.size:
+            self._origin = float(written[0]) if factor * written[0] >= ABSOLUTE_FROM_S else 0.0
+        return written - self._origin if self._origin else written
 
     def _check_strain_is_a_fraction(
         self, item: MatchedHeader, written: FloatArray, block: Block, rows: np.ndarray[tuple[int], np.dtype[np.intp]]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, RecordingError
-from musclewire.signals.headers import numbered_headers
+from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.signals.headers import missing_from, numbered_headers
 from musclewire.signals.import_mapping import ImportMapping, load_mapping
 from musclewire.signals.importing import ImportPlan, Tally, checked_blocks, plan_import
 from musclewire.signals.journal import is_journal, unfinished
@@ -19,7 +19,7 @@ from musclewire.signals.source_table import SourceColumn, SourceTable, TableInMe
 from musclewire.signals.understanding import Understanding, understanding_of
 from musclewire.signals.writing import require_streamable, write_blocks
 
-__all__ = ["has_headers", "import_recording", "read_hdf5", "read_recording", "understand"]
+__all__ = ["has_headers", "import_recording", "mappings_of_files", "read_hdf5", "read_recording", "understand"]
 
 
 def read_recording(
@@ -122,6 +122,24 @@ def import_recording(
     else:
         _write(plan, tally, Path(output), matlab_version)
     return understanding_of(plan, tally, problem)
+
+
+def mappings_of_files(paths: Sequence[str | Path], mapping: ImportMapping) -> list[ImportMapping]:
+    """Return for each of several files the part of a mapping whose headers the file has.
+
+    Raises RecordingError for a header that is in none of the files, and what reading their headers raises.
+    """
+    if len(paths) == 1:
+        return [mapping]
+    tables = [_table(Path(path), mapping.group) for path in paths]
+    missing = [missing_from(table.columns, mapping.columns, mapping.ignore) for table in tables]
+    names = frozenset.intersection(*(one for one, _ in missing))
+    headers = frozenset.intersection(*(one for _, one in missing))
+    for wanted in (*(mapping.columns[name] for name in names), *headers):
+        listed = ", ".join(str(path) for path in paths)
+        known = [column.header for table in tables for column in table.columns]
+        raise RecordingError(f"no column '{wanted}' in any of {listed}{nearest_hint(wanted, known)}")
+    return [mapping.without(*one) for one in missing]
 
 
 def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> Understanding:

@@ -87,6 +87,8 @@ def _split(text: str) -> tuple[list[str], str]:
     # Only these end a line: str.splitlines would also split at form feeds and at U+2028.
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
+    # Old systems end a file by this sign.
+    text = text.rstrip("\x1a") if text.endswith("\x1a") else text
     *texts, last = text.split("\n")
     return _whole_quotes(texts, last) if '"' in text else (texts, last)
 
@@ -134,7 +136,8 @@ def _check_no_nul(text: str, number: int, path: Path) -> None:
     found = text.find("\0")
     if found < 0:
         return
-    if number == 1 and found < 1000:
+    before = text[max(0, found - 1000) : found]
+    if number == 1 and (not before.strip() or any(sign < " " and sign not in "\t\n\r\f\x1a" for sign in before)):
         raise RecordingError(f"{path}: is not a text file; export it as CSV")
     line = number + text.count("\n", 0, found)
     raise RecordingError(

@@ -110,7 +110,7 @@ class TextTable:
             except ValueError:
                 if not is_missing(cell):
                     where = f"{self.path}: line {numbers[row]}, column '{self.columns[index].header}'"
-                    shown = cell.strip()[:40]
+                    shown = " ".join(cell.split())[:40]
                     raise RecordingError(f"{where}: '{shown}' is not a number; correct it or remove the line") from None
         return values
 
@@ -236,7 +236,7 @@ def _pair(text: str, separator: str) -> tuple[str, str] | None:
     if sign:
         return key, value
     cells = [cell.strip() for cell in split_line(text, separator) if cell.strip()] if separator != " " else [text]
-    if len(cells) == 2:
+    if len(cells) == 2 and ":" not in cells[0][:-1]:
         return cells[0].rstrip(":"), cells[1]
     key, sign, value = text.partition(": ")
     return (key, value.strip(_ONLY_SEPARATORS)) if sign and len(cells) == 1 else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 from musclewire.signals.columns import COLUMNS
@@ -125,14 +125,11 @@ def understanding_of(plan: ImportPlan, tally: Tally, problem: str) -> Understand
 def _explicit(plan: ImportPlan) -> ImportMapping:
     """Return a mapping that takes what this plan takes, whatever names will be recognised then."""
     given = plan.mapping
-    columns = {
-        item.column: item.header if item.is_text or not item.unit else f"{item.header}:{item.unit}"
-        for item in plan.match.taken
-    }
-    ignore = tuple(item.header for item in plan.match.ignored if item.reason == "as asked for")
+    headers = [column.header for column in plan.table.columns]
+    columns = {item.column: _wanted(item, headers) for item in plan.match.taken}
     return ImportMapping(
         columns,
-        ignore,
+        (),
         given.sample_period_s,
         given.drop_missing,
         given.zero,
@@ -141,6 +138,12 @@ def _explicit(plan: ImportPlan) -> ImportMapping:
         only_mapped=True,
         group=given.group,
     )
+
+
+def _wanted(item: MatchedHeader, headers: Sequence[str]) -> str:
+    """Return a header with its unit as a mapping names it: by its number if others have the same name."""
+    header = item.header if headers.count(item.header) == 1 else f"#{item.index + 1}"
+    return header if item.is_text or not item.unit else f"{header}:{item.unit}"
 
 
 def _why(item: MatchedHeader) -> str:

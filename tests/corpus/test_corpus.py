@@ -1,0 +1,104 @@
+"""Every file of the corpus is read as its manifest says, or refused in one line with exit code 2 that names the cure.
+
+The manifests are the .toml files next to this test; ``text_files.toml`` explains their keys.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from musclewire.app.main import run
+from musclewire.errors import CallerError, RecordingError
+from musclewire.signals import ImportMapping, import_recording, read_recording
+from musclewire.signals.units import parse_quantity
+
+HERE = Path(__file__).resolve().parent
+MIN_FILES = {"read": 60, "damaged": 40}
+
+
+def entries() -> list[dict[str, Any]]:
+    """Return the entries of all manifests, with what is usual in each."""
+    found: list[dict[str, Any]] = []
+    for manifest in sorted(HERE.glob("*.toml")):
+        document = tomllib.loads(manifest.read_text("utf-8"))
+        usual = document.get("usual", {})
+        found += [{**({} if "refused" in one else usual), **one} for one in document["file"]]
+    return found
+
+
+ENTRIES = entries()
+READ = [entry for entry in ENTRIES if "refused" not in entry]
+REFUSED = [entry for entry in ENTRIES if "refused" in entry]
+
+
+def name_of(entry: dict[str, Any]) -> str:
+    return "-".join([entry["name"], *(key for key in ("mapping", "ignore", "sample_period") if key in entry)])
+
+
+def path_of(entry: dict[str, Any]) -> Path:
+    return HERE / entry["folder"] / entry["name"]
+
+
+def mapping_of(entry: dict[str, Any]) -> ImportMapping:
+    period = entry.get("sample_period")
+    return ImportMapping(
+        entry.get("mapping", {}),
+        tuple(entry.get("ignore", ())),
+        None if period is None else parse_quantity(period, "s"),
+        entry.get("drop_missing", False),
+        metadata=entry.get("metadata", {}),
+    )
+
+
+@pytest.mark.parametrize("entry", READ, ids=map(name_of, READ))
+def test_a_file_is_read_with_the_columns_and_numbers_it_holds(entry: dict[str, Any]) -> None:
+    recording = read_recording(path_of(entry), mapping=mapping_of(entry))
+    assert set(recording.names) == set(entry["columns"])
+    assert len(recording) == entry["rows"]
+    for row, place in ((0, "first"), (-1, "last")):
+        for name, value in entry.get(place, {}).items():
+            assert recording[name][row] == pytest.approx(value, rel=1e-6, abs=1e-6), (place, name)
+
+
+@pytest.mark.parametrize("entry", READ, ids=map(name_of, READ))
+def test_a_preview_finds_no_problem_and_its_mapping_reads_the_same(entry: dict[str, Any]) -> None:
+    understood = import_recording(path_of(entry), mapping=mapping_of(entry))
+    assert understood.problem == ""
+    assert understood.row_count == entry["rows"]
+    again = read_recording(path_of(entry), mapping=understood.mapping)
+    assert again == read_recording(path_of(entry), mapping=mapping_of(entry))
+
+
+@pytest.mark.parametrize("entry", REFUSED, ids=map(name_of, REFUSED))
+def test_a_file_is_refused_in_one_line_that_names_the_cure(entry: dict[str, Any]) -> None:
+    with pytest.raises((RecordingError, CallerError)) as caught:
+        read_recording(path_of(entry), mapping=mapping_of(entry))
+    message = str(caught.value)
+    assert "\n" not in message
+    assert len(message) < 700
+    assert entry["refused"] in message
+
+
+@pytest.mark.parametrize(
+    "entry", [entry for entry in REFUSED if "mapping" not in entry], ids=lambda entry: str(entry["name"])
+)
+def test_the_command_ends_with_2_and_that_line(
+    entry: dict[str, Any], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    output = tmp_path / "out.h5"
+    assert run(["import", str(path_of(entry)), "-o", str(output)]) == 2
+    printed = capsys.readouterr()
+    assert len(printed.err.splitlines()) == 1
+    assert entry["refused"] in printed.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_corpus_is_as_large_as_it_has_to_be_and_nothing_in_it_is_forgotten() -> None:
+    for folder, least in MIN_FILES.items():
+        listed = {entry["name"] for entry in ENTRIES if entry["folder"] == folder}
+        assert listed == {path.name for path in (HERE / folder).iterdir()}
+        assert len(listed) >= least

@@ -1,0 +1,112 @@
+"""Loggers with different clocks: known delays are found within their stated uncertainty, or refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.signals import Recording, join_recordings
+
+Shape = Callable[[np.ndarray], np.ndarray]
+
+
+def step(time_s: np.ndarray) -> np.ndarray:
+    return (time_s > 12.3).astype(float)
+
+
+def steps(time_s: np.ndarray) -> np.ndarray:
+    return np.searchsorted([3.1, 7.7, 9.2, 15.5, 21.0, 24.4], time_s) % 3 * 1.0
+
+
+def chirp(time_s: np.ndarray) -> np.ndarray:
+    return np.sin(2.0 * np.pi * (0.05 * time_s + 0.01 * time_s**2))
+
+
+def sine(time_s: np.ndarray) -> np.ndarray:
+    return np.sin(2.0 * np.pi * time_s / 3.0)
+
+
+def two_loggers(
+    shape: Shape,
+    delay_s: float,
+    periods_s: tuple[float, float] = (0.01, 0.023),
+    stretch: float = 1.0,
+    noise: float = 0.0,
+) -> tuple[Recording, Recording]:
+    """The same command by two loggers; the second one begins later, ends earlier and records a force, which is time."""
+    first_s, second_s = np.arange(0.0, 30.0, periods_s[0]), np.arange(1.234, 28.0, periods_s[1])
+    random = np.random.default_rng(len(first_s))
+    first = Recording({"time_s": first_s, "drive_voltage_v": shape(first_s)})
+    second = Recording(
+        {
+            "time_s": stretch * second_s + delay_s,
+            "drive_voltage_v": shape(second_s) + noise * random.standard_normal(second_s.size),
+            "force_n": second_s,
+        }
+    )
+    return first, second
+
+
+@pytest.mark.parametrize("delay_s", [-31.7, 0.0, 4.2371, 1000.0])
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+@pytest.mark.parametrize("shape", [step, steps, chirp])
+def test_a_known_delay_is_found_within_three_standard_deviations(shape: Shape, noise: float, delay_s: float) -> None:
+    joined = join_recordings(*two_loggers(shape, delay_s, noise=noise))
+    assert abs(joined.delay_s - delay_s) < 3.0 * joined.delay_std_s
+    assert joined.delay_std_s < 0.05
+    # The force was the second logger's own time, so that it must be the first one's time now.
+    late_s = joined.recording["force_n"] - joined.recording["time_s"]
+    assert np.abs(late_s).max() < 3.0 * joined.delay_std_s
+    assert joined.recording.metadata["join_delay_s"] == joined.delay_s
+
+
+def test_rows_are_those_of_the_first_recording_within_the_second() -> None:
+    first, second = two_loggers(steps, 5.0)
+    joined = join_recordings(first, second)
+    assert set(joined.recording["time_s"]) <= set(first["time_s"])
+    assert joined.recording["time_s"][0] == pytest.approx(1.234, abs=0.05)
+    assert any("2675 of 3000 rows kept" in note or "of 3000 rows kept" in note for note in joined.notes)
+
+
+def test_a_faster_second_logger_is_averaged_and_a_slower_one_interpolated() -> None:
+    averaged = join_recordings(*two_loggers(chirp, 5.0, (0.05, 0.01)))
+    between = join_recordings(*two_loggers(steps, 5.0, (0.01, 0.05)))
+    assert "by means over the first file's sample period" in averaged.notes[0]
+    assert "by straight lines between its samples" in between.notes[0]
+
+
+def test_two_columns_that_follow_each_other_will_do_even_with_opposite_signs() -> None:
+    first, second = two_loggers(steps, 5.0)
+    second = Recording({"time_s": second["time_s"], "displacement_m": -1e-3 * second["drive_voltage_v"]})
+    joined = join_recordings(first, second, ("drive_voltage_v", "displacement_m"))
+    assert joined.delay_s == pytest.approx(5.0, abs=3.0 * joined.delay_std_s)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "words"),
+    [
+        (*two_loggers(sine, 5.0), "record a single step or pulse"),
+        (*two_loggers(np.zeros_like, 5.0), "does not change"),
+        (two_loggers(steps, 5.0)[0], two_loggers(np.random.default_rng(1).permutation, 5.0)[1], "cannot be joined"),
+        (*two_loggers(chirp, 0.0, stretch=1.01), "the clocks drift apart"),
+    ],
+    ids=["periodic", "constant", "unrelated", "drifting"],
+)
+def test_what_does_not_determine_a_delay_is_refused(first: Recording, second: Recording, words: str) -> None:
+    with pytest.raises(RecordingError, match=words):
+        join_recordings(first, second)
+
+
+def test_what_is_shared_is_asked_for_if_it_is_not_the_only_column() -> None:
+    first, second = two_loggers(steps, 0.0)
+    with pytest.raises(CallerError, match="both have drive_voltage_v, force_n: name the columns"):
+        join_recordings(first.with_columns(force_n=first["drive_voltage_v"]), second)
+    with pytest.raises(CallerError, match="no column in common"):
+        join_recordings(first, Recording({"time_s": second["time_s"], "force_n": second["force_n"]}))
+    with pytest.raises(CallerError, match="the second recording has no wire_voltage_v"):
+        join_recordings(first, second, ("drive_voltage_v", "wire_voltage_v"))
+    with pytest.raises(CallerError, match="adds no column"):
+        join_recordings(first, Recording({"time_s": second["time_s"], "drive_voltage_v": second["drive_voltage_v"]}))
