@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import re
+import warnings
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -95,9 +96,15 @@ class ClockTexts:
         if not cells or self._midnights_us or not _PLAIN_ISO.fullmatch(cells[0].strip()):
             return None
         try:
-            moments = np.array(cells, dtype="datetime64[us]").astype(np.int64)
-        except (ValueError, UserWarning):
+            with warnings.catch_warnings():
+                # NumPy warns of a time zone, and leaves it out.
+                warnings.simplefilter("error")
+                dates = np.array(cells, dtype="datetime64[us]")
+        except (ValueError, UserWarning, DeprecationWarning):
             return None
+        if np.isnat(dates).any():
+            return None
+        moments = dates.astype(np.int64)
         epoch_us = datetime.date(1970, 1, 1).toordinal() * _DAY_US
         return self._since_the_first(moments + epoch_us)
 

@@ -190,7 +190,7 @@ class _Reader:
         if item.column == "time_s" and item.how != "own name":
             written = self._since_the_first(written, item.factor)
         converted = item.conversion.apply(written)
-        if item.column in _TEMPERATURES and (converted < 0.0).any():
+        if item.column in _TEMPERATURES and item.how != "own name" and (converted < 0.0).any():
             row = int(np.argmax(converted < 0.0))
             where = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}'"
             what = f"{written[row]:g} {item.unit} is below absolute zero"

@@ -232,7 +232,7 @@ def _uncertainty_s(
         return std_s, ("the recordings have one event in common: whether the clocks drift is not known",)
     delays_s = [delay_s for delay_s, _ in parts]
     drift_s, drift_std_s = delays_s[-1] - delays_s[0], float(np.hypot(parts[0][1], parts[-1][1]))
-    if abs(drift_s) > 4.0 * drift_std_s + resolution_s:
+    if abs(drift_s) > 4.0 * drift_std_s + 2.0 * resolution_s:
         raise RecordingError(
             f"the clocks drift apart: the delay is {delays_s[0]:.6g} s at the beginning and {delays_s[-1]:.6g} s at "
             "the end; cut both recordings into shorter parts and join these"

@@ -1,0 +1,82 @@
+"""The command import: a preview is what writing does, mappings are remembered, messages do not advise what was done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import musclewire as mw
+
+FOREIGN = "Zeit;Vw;Strom [mA];Feuchte\n0,0;300,1;17,2;40\n0,1;300,4;17,3;41\n0,2;300,9;17,4;40\n"
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "mine.csv"
+    path.write_text(FOREIGN)
+    return path
+
+
+def test_a_mapping_is_proposed_completed_remembered_and_used_again(
+    file: Path, tmp_path: Path, musclewire: Callable[..., Any]
+) -> None:
+    proposed = musclewire("import", file)
+    assert proposed.code == 2
+    assert "'Zeit' undecided" in proposed.out
+    assert "'Vw' ignored: name not known" in proposed.out
+    assert "map it: time_s=Zeit:s" in proposed.err
+    saved = musclewire(
+        "import", file, "-c", "time_s=Zeit:s", "-c", "wire_voltage_v=Vw:mV", "--save-mapping", tmp_path / "m.toml"
+    )
+    assert saved.code == 0, saved.err
+    assert "wire_voltage_v: 0.3001 to 0.3009 V" in saved.out
+    again = musclewire("import", file, "--mapping", tmp_path / "m.toml", "-o", tmp_path / "mine.h5")
+    assert again.code == 0, again.err
+    assert mw.read_recording(tmp_path / "mine.h5")["wire_current_a"] == pytest.approx([0.0172, 0.0173, 0.0174])
+
+
+def test_a_sample_period_is_the_clock_of_a_file_without_one(file: Path, musclewire: Callable[..., Any]) -> None:
+    counted = musclewire("import", file, "--ignore", "Zeit", "--sample-period", "10 ms", "--json")
+    assert counted.json["files"][0]["ranges"]["time_s"] == pytest.approx([0.0, 0.02])
+    both = musclewire("import", file, "-c", "time_s=Zeit:s", "--sample-period", "10 ms")
+    assert both.code == 2
+    assert "has a clock, column 'Zeit', and a sample period was given" in both.err
+    assert "--sample-period" not in both.err
+
+
+def test_what_is_ignored_has_to_be_there(file: Path, musclewire: Callable[..., Any]) -> None:
+    assert (
+        "no column 'Feucht' to ignore; did you mean 'Feuchte'?" in musclewire("import", file, "--ignore", "Feucht").err
+    )
+    both = musclewire("import", file, "--ignore", "Zeit", "-c", "time_s=Zeit:s")
+    assert "'Zeit' is both mapped and ignored" in both.err
+
+
+def test_nothing_is_written_of_a_file_that_cannot_be_used(
+    file: Path, tmp_path: Path, musclewire: Callable[..., Any]
+) -> None:
+    file.write_text(FOREIGN.replace("300,9", "x"))
+    given = ("-c", "time_s=Zeit:s", "-c", "wire_voltage_v=Vw:mV")
+    preview, written = (musclewire("import", file, *given, *more) for more in ((), ("-o", tmp_path / "mine.h5")))
+    assert preview.code == written.code == 2
+    assert preview.err == written.err
+    assert not (tmp_path / "mine.h5").exists()
+
+
+def test_two_loggers_are_joined_and_the_delay_is_reported(tmp_path: Path, musclewire: Callable[..., Any]) -> None:
+    time_s = np.arange(0.0, 20.0, 0.02)
+    for name, delay_s, header in (("a.csv", 0.0, "Current [A]"), ("b.csv", 2.5, "Force [N]")):
+        pulse = ((time_s - delay_s > 7.3) & (time_s - delay_s < 9.0)) * 3.0
+        rows = [f"{one:.2f},{two},{one}\n" for one, two in zip(time_s, pulse, strict=True)]
+        (tmp_path / name).write_text(f"Time [s],Drive [V],{header}\n" + "".join(rows))
+    joined = musclewire("import", tmp_path / "a.csv", tmp_path / "b.csv", "-o", tmp_path / "loop.h5", "--json")
+    assert joined.code == 0, joined.err
+    assert joined.json["join"]["delay_s"] == pytest.approx(2.5, abs=3.0 * joined.json["join"]["delay_std_s"])
+    loop = mw.read_recording(tmp_path / "loop.h5")
+    assert loop.names == ("time_s", "drive_voltage_v", "wire_current_a", "force_n")
+    assert loop["force_n"] - loop["time_s"] == pytest.approx(2.5, abs=0.05)
+    assert "takes two files, 1 were given" in musclewire("import", tmp_path / "a.csv", "--join", "force_n").err
