@@ -51,6 +51,7 @@ def mapping_of(entry: dict[str, Any]) -> ImportMapping:
         None if period is None else parse_quantity(period, "s"),
         entry.get("drop_missing", False),
         metadata=entry.get("metadata", {}),
+        group=entry.get("group"),
     )
 
 
@@ -84,7 +85,7 @@ def test_a_file_is_refused_in_one_line_that_names_the_cure(entry: dict[str, Any]
 
 
 @pytest.mark.parametrize(
-    "entry", [entry for entry in REFUSED if "mapping" not in entry], ids=lambda entry: str(entry["name"])
+    "entry", [entry for entry in REFUSED if not {"mapping", "group"} & set(entry)], ids=lambda entry: str(entry["name"])
 )
 def test_the_command_ends_with_2_and_that_line(
     entry: dict[str, Any], capsys: pytest.CaptureFixture[str], tmp_path: Path
