@@ -96,6 +96,7 @@ export class Guide {
   }
 
   follow(state, isRunning) {
+    show(this.card, Boolean(state.steps)); // a bench whose process has not yet spoken has none
     if (!state.steps) return;
     this.state = state;
     if (state.doctor?.ok) this.goesOn = false;
