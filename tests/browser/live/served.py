@@ -1,0 +1,162 @@
+"""A really started ``musclewire serve`` on the simulated rig, and what it says over its API: never by the page."""
+
+from __future__ import annotations
+
+import json
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+__all__ = ["BENCH", "Served", "serving", "until"]
+
+BENCH = "simulated"
+# Only so that a fault does not hang a test: compiling may come before everything else.
+MAX_START_S, MAX_WAIT_S, MAX_END_S = 180.0, 60.0, 20.0
+# Proxies of the environment are for other machines.
+DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+
+
+def until(condition: Callable[[], Any], what: str, *, max_wait_s: float = MAX_WAIT_S, pause_s: float = 0.02) -> Any:
+    """Return what a condition returns as soon as it is true; AssertionError that names it after ``max_wait_s`` [s]."""
+    ends_s = time.monotonic() + max_wait_s
+    while not (found := condition()):
+        assert time.monotonic() < ends_s, f"not within {max_wait_s:g} s: {what}"
+        time.sleep(pause_s)
+    return found
+
+
+class Served:
+    """A running server: its process, its address, its folder, and requests to its API.
+
+    Parameters
+    ----------
+    process
+        The process of ``musclewire serve``.
+    url
+        The address that it printed, with a slash at its end.
+    folder
+        The session's folder.
+    """
+
+    def __init__(self, process: subprocess.Popen[str], url: str, folder: Path) -> None:
+        """Take a running process."""
+        self.process, self.url, self.folder = process, url, folder
+
+    def request(self, path: str, body: Any = None, method: str | None = None, **headers: str) -> Any:
+        """Return the JSON answer to a request to the API."""
+        data = None if body is None else json.dumps(body).encode()
+        method = method or ("GET" if body is None else "POST")
+        sent = {name.replace("_", "-"): value for name, value in headers.items()}
+        if body is not None:
+            sent["Content-Type"] = "application/json"
+        request = urllib.request.Request(f"{self.url}api/v1/{path}", data, sent, method=method)
+        with DIRECT.open(request, timeout=30.0) as answer:
+            return json.load(answer)
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """The state of the bench."""
+        return dict(self.request(f"benches/{BENCH}"))
+
+    @property
+    def phase(self) -> str:
+        """What the bench is doing."""
+        return str(self.state["phase"])
+
+    @property
+    def holder(self) -> str | None:
+        """The name of who has control."""
+        holder: str | None = self.request("benches")["benches"][0]["holder"]
+        return holder
+
+    def stop(self) -> str:
+        """Stop the bench."""
+        return str(self.request(f"benches/{BENCH}/stop", method="POST")["phase"])
+
+    def until_phase(self, *phases: str, max_wait_s: float = MAX_WAIT_S) -> dict[str, Any]:
+        """Return the state once the bench is in one of these phases."""
+        until(lambda: self.phase in phases, f"phase {' or '.join(phases)}", max_wait_s=max_wait_s)
+        return self.state
+
+    def rows(self) -> Rows:
+        """Return the rows from now on."""
+        return Rows(self)
+
+    def is_heating(self) -> bool:
+        """Return whether the drive of the newest row is above the sense voltage; what is off drives nothing."""
+        state = self.state
+        if state["phase"] in ("off", "stopped", "failed"):
+            return False
+        newest = self.rows().wait()[-1]
+        return bool(newest["drive_voltage_v"] > 1.01 * state["rig"]["sense_voltage_v"])
+
+    def until_safe(self, began_s: float, max_wait_s: float) -> float:
+        """Return how long [s] after ``began_s`` the bench was first seen without a run and without heat."""
+        until(lambda: self.phase != "busy" and not self.is_heating(), "end of the run", max_wait_s=max_wait_s)
+        return time.monotonic() - began_s
+
+
+class Rows:
+    """Rows of the bench, read over HTTP with a cursor."""
+
+    def __init__(self, served: Served) -> None:
+        """Begin now."""
+        self._served = served
+        self._cursor = self._answer(-1)["cursor"]
+
+    def _answer(self, after: int) -> Any:
+        return self._served.request(f"benches/{BENCH}/rows?after={after}")
+
+    def new(self) -> list[dict[str, float | None]]:
+        """Return the rows since the last time."""
+        answer = self._answer(self._cursor)
+        self._cursor = answer["cursor"]
+        return [dict(zip(part["columns"], row, strict=True)) for part in answer["parts"] for row in part["rows"]]
+
+    def wait(self) -> list[dict[str, Any]]:
+        """Return the next rows, at least one."""
+        return list(until(self.new, "a row"))
+
+
+@contextmanager
+def serving(folder: Path, *arguments: str, log: Path | None = None) -> Iterator[Served]:
+    """Start ``musclewire serve`` at a free port, and end it by Ctrl-C."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (log or folder.with_name(f"{folder.name}.log")).open("w+") as errors:
+        where = ("--port", str(free_port()), "--output", str(folder))
+        command = [sys.executable, "-m", "musclewire", "serve", *arguments, *where]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True)
+        try:
+            served = Served(process, printed_address(process), folder)
+            served.until_phase("off", max_wait_s=MAX_START_S)
+            yield served
+        finally:
+            process.terminate()
+            try:
+                process.wait(MAX_END_S)
+            finally:
+                process.kill()
+                assert process.stdout is not None
+                process.stdout.close()
+
+
+def free_port() -> int:
+    """Return a port that was free just now; the server takes the next one if it no longer is."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def printed_address(process: subprocess.Popen[str]) -> str:
+    """Return the address that a server prints once it can be opened."""
+    assert process.stdout is not None
+    for line in process.stdout:
+        if line.startswith("http"):
+            return line.strip().partition("?")[0]
+    raise AssertionError(f"musclewire serve has ended with {process.wait()}: see its log")
