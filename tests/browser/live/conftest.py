@@ -24,7 +24,8 @@ def playwright() -> Iterator[Any]:
 @pytest.fixture(scope="session")
 def browser(playwright: Any) -> Iterator[Any]:
     """A Chromium."""
-    yield from started(playwright)
+    with started(playwright) as browser:
+        yield browser
 
 
 @pytest.fixture(scope="session")

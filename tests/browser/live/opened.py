@@ -34,7 +34,7 @@ FLAGS = [
     *("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-background-networking"),
     *("--disable-component-update", "--disable-sync", "--no-first-run"),
 ]
-SIZES = {"phone": (390, 844), "tablet": (1024, 768), "screen": (1920, 1080)}
+SIZES = {"phone": (390, 844), "tablet": (1024, 768), "screen": (1920, 1080), "tutorial": (1440, 1000)}
 Page = Any  # playwright.sync_api.Page, which is not there everywhere
 LOOKS = Path(__file__).with_name("looks.js")
 
@@ -64,6 +64,7 @@ def require_playwright() -> Any:
     return sync_api
 
 
+@contextmanager
 def started(playwright: Any, *flags: str) -> Iterator[Any]:
     """Start Chromium, and end it."""
     browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*FLAGS, *flags])
@@ -74,8 +75,8 @@ def started(playwright: Any, *flags: str) -> Iterator[Any]:
 @contextmanager
 def launched(*flags: str) -> Iterator[Any]:
     """Start Chromium."""
-    with require_playwright().sync_playwright() as playwright:
-        yield from started(playwright, *flags)
+    with require_playwright().sync_playwright() as playwright, started(playwright, *flags) as browser:
+        yield browser
 
 
 @contextmanager

@@ -1,81 +1,106 @@
-"""First use: from ``musclewire serve`` to a wire that follows the slider, clicking what the page itself offers next."""
+"""First use: from ``musclewire serve`` to a wire that follows the slider, clicking what the page itself offers next.
+
+The same walk takes the pictures of the tutorial.
+"""
 
 from __future__ import annotations
 
+import re
 import time
 from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.browser.live.opened import opened
-from tests.browser.live.served import Rows, Served, serving, until
+from PIL import Image
+from tests.browser.live.opened import opened, wait_for_phase
+from tests.browser.live.pictures import FOLDER, Pictures
+from tests.browser.live.served import Served, serving, until
 
 MAX_S, MAX_CLICKS = 90.0, 6
-# The noise of one estimate; and how near the wire must come to where the slider was moved.
-MAX_ERROR_PCT = 0.15
-MOVES = ("ArrowRight", "ArrowLeft")
-
-
-def click_next(page: Any) -> str:
-    """Click the one button of the guide, and return what is on it."""
-    button = page.locator('[data-part="steps"] button.primary:not([disabled])')
-    text = str(button.inner_text())
-    button.click()
-    return text
-
-
-def strains_pct(rows: Rows, column: str) -> list[float]:
-    """Return the values of a column of strains in the rows since the last time [%]."""
-    return [100.0 * value for row in rows.new() if (value := row.get(column)) is not None]
+# How near the wire must come to where the slider was moved, as the mean over half a second of the true strain.
+MAX_ERROR_PCT, MEAN_ROWS, KEYS = 0.15, 10, 60
+TUTORIAL = Path(__file__).parents[3] / "docs" / "tutorials" / "the_live_page.md"
+BUTTON = '[data-part="steps"] button.primary:not([disabled])'
+MAX_PICTURE_BYTES = 200_000
 
 
 def comes_to(served: Served, target_pct: float) -> float:
-    """Return the mean of the wire's true strain over the half second in which it has come to a target [%]."""
+    """Return the mean of the wire's true strain once it has come to a target [%]."""
     rows, seen = served.rows(), []
-    state = served.state
+    leg_m = served.state["rig"]["leg_length_m"]
 
     def near() -> float | None:
-        for row in rows.new():
-            seen.append(100.0 * row["displacement_m"] / state["rig"]["leg_length_m"])  # type: ignore[operator]
-        last = seen[-10:]
+        seen.extend(100.0 * row["displacement_m"] / leg_m for row in rows.new())  # type: ignore[operator]
+        last = seen[-MEAN_ROWS:]
         mean = sum(last) / max(len(last), 1)
-        return mean if len(last) == 10 and abs(mean - target_pct) < MAX_ERROR_PCT else None
+        return mean if len(last) == MEAN_ROWS and abs(mean - target_pct) < MAX_ERROR_PCT else None
 
     return float(until(near, f"a strain of {target_pct:.2f} %", max_wait_s=30.0))
 
 
-@pytest.mark.browser
-def test_a_newcomer_has_a_wire_that_follows_the_slider(browser: Any, tmp_path: Path) -> None:
-    started_s = time.monotonic()
-    with serving(tmp_path / "session", "--seed", "3") as served:
-        opened_s = time.monotonic()
-        with opened(browser, served.url) as page:
-            clicked: list[str] = []
-            while not is_steering(served):
-                until(lambda: guide_waits(page) or is_steering(served), "the guide's next step", max_wait_s=MAX_S)
-                if guide_waits(page):
-                    clicked.append(click_next(page))
-            page.wait_for_selector('[data-part="slider"]:not([disabled]):focus')  # it has the keyboard by itself
-            before_pct = float(page.locator('[data-part="slider"]').input_value())
-            for _ in range(20):
-                page.keyboard.press("ArrowRight")
-            target_pct = float(page.locator('[data-part="slider"]').input_value())
-            assert target_pct > before_pct
-            reached_pct = comes_to(served, target_pct)
-            now_s, clicks = time.monotonic(), page.evaluate("looks.clicks")
-            print(f"first use: {now_s - opened_s:.1f} s after opening the page, {now_s - started_s:.1f} s after")
-            print(f"'musclewire serve', {clicks} clicks ({'; '.join(clicked)}): from {before_pct:.2f} % to")
-            print(f"{reached_pct:.2f} % for a target of {target_pct:.2f} %")
-            assert clicks <= MAX_CLICKS
-            assert now_s - started_s <= MAX_S
-
-
-def guide_waits(page: Any) -> bool:
-    """Return whether the guide offers a step."""
-    return bool(page.locator('[data-part="steps"] button.primary:not([disabled])').count())
+def walk(page: Any, served: Served, pictures: Pictures) -> list[str]:
+    """Click the guide's next button until a loop follows the slider; return what was on the buttons."""
+    clicked: list[str] = []
+    while not is_steering(served):
+        if page.locator(BUTTON).count():
+            clicked.append(str(page.locator(BUTTON).inner_text()))
+            if len(clicked) in (1, 2):
+                pictures.see(page, ("1_wire_it_up", "2_safe_limits")[len(clicked) - 1])
+            page.locator(BUTTON).click()
+        elif "slow loop" in "".join(clicked[-1:]) and "3_slow_loop" not in pictures.seen and served.phase == "busy":
+            page.wait_for_timeout(1500.0)
+            pictures.see(page, "3_slow_loop")
+        assert len(clicked) <= MAX_CLICKS, (clicked, served.state["messages"])
+        page.wait_for_timeout(50.0)
+    return clicked
 
 
 def is_steering(served: Served) -> bool:
     """Return whether a steered loop runs."""
     doing = served.state["doing"]
     return doing is not None and bool(doing["steering"])
+
+
+@pytest.mark.browser
+def test_a_newcomer_has_a_wire_that_follows_the_slider(browser: Any, tmp_path: Path) -> None:
+    pictures, started_s = Pictures(), time.monotonic()
+    with serving(tmp_path / "session", "--seed", "3") as served:
+        opened_s = time.monotonic()
+        with opened(browser, served.url, "tutorial", color_scheme="light", reduced_motion="reduce") as page:
+            clicked = walk(page, served, pictures)
+            page.wait_for_selector('[data-part="slider"]:not([disabled]):focus')  # it has the keyboard by itself
+            slider = page.locator('[data-part="slider"]')
+            before_pct = float(slider.input_value())
+            comes_to(served, before_pct)
+            for _ in range(KEYS):
+                page.keyboard.press("ArrowRight")
+            target_pct = float(slider.input_value())
+            assert target_pct - before_pct > 3.0 * MAX_ERROR_PCT
+            reached_pct = comes_to(served, target_pct)
+            now_s, clicks = time.monotonic(), page.evaluate("looks.clicks")
+            print(f"\nfirst use: {now_s - opened_s:.1f} s after opening the page, {now_s - started_s:.1f} s after")
+            print(
+                f"'musclewire serve', {clicks} clicks ({'; '.join(clicked)}): the slider went from {before_pct:.2f} %"
+            )
+            print(f"to {target_pct:.2f} %, and the wire to {reached_pct:.2f} %")
+            pictures.see(page, "4_follow_the_slider")
+            page.keyboard.press("Escape")
+            wait_for_phase(page, "stopped")
+            page.wait_for_selector('#stop[data-state="off"]')
+            pictures.see(page, "5_stopped")
+            assert clicks <= MAX_CLICKS
+            assert now_s - started_s <= MAX_S
+    assert pictures.seen == pictures_of_the_tutorial()
+
+
+def pictures_of_the_tutorial() -> set[str]:
+    """Return the names of the live page's pictures in the tutorial."""
+    return set(re.findall(r"\(\.\./images/live_page/(\w+)\.png\)", TUTORIAL.read_text("utf-8")))
+
+
+def test_the_pictures_of_the_tutorial_are_there_and_small() -> None:
+    assert pictures_of_the_tutorial() == {path.stem for path in FOLDER.glob("*.png")}
+    for path in FOLDER.glob("*.png"):
+        assert path.stat().st_size <= MAX_PICTURE_BYTES
+        with Image.open(path) as picture:
+            assert picture.size == (1440, 1000)

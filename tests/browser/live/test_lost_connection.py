@@ -81,7 +81,7 @@ def test_the_browsers_offline_switch_ends_the_run_or_nothing(served: Served, pag
 @pytest.fixture
 def renderers(playwright: Any) -> Iterator[tuple[Any, Callable[[int], None]]]:
     """A browser of its own, and a way to send a signal to all processes that draw its pages."""
-    for browser in started(playwright):
+    with started(playwright) as browser:
         session = browser.new_browser_cdp_session()
 
         def send(number: int) -> None:

@@ -29,6 +29,7 @@ export class Steering {
       return;
     }
     this.refuse("");
+    this.isUnmoved = false;
     this.show(value);
     this.waiting = value;
     const left_ms = this.sent_ms + BETWEEN_MS - performance.now();
@@ -42,6 +43,13 @@ export class Steering {
     this.sent_ms = performance.now();
     const answer = await this.send(this.waiting / this.scale.factor);
     if (!answer.accepted) this.refuse(answer.message);
+  }
+
+  /** Take the target of the newest row: where a loop began, and where somebody else moves it. */
+  followRow(target) {
+    if (target === null || !(this.isOthers || (this.isUnmoved && this.canSteer))) return;
+    this.isUnmoved = false;
+    this.show(target);
   }
 
   show(value) {
@@ -77,9 +85,8 @@ export class Steering {
     show(parts.steer, Boolean(state.model) && !isSteering);
     parts.steer.disabled = isRunning || state.phase !== "ready";
     setText(parts["slider-hint"], this.hint(state, control, isSteering));
-    const target = state.doing?.target;
-    const isOthers = isSteering && !this.canSteer;
-    if (Number.isFinite(target) && (began || isOthers)) this.show(target * scale.factor);
+    this.isOthers = isSteering && !this.canSteer;
+    if (began) this.isUnmoved = true;
     if (began && this.canSteer && this.focusWhenSteering) {
       this.focusWhenSteering = false;
       slider.focus({ preventScroll: false });

@@ -258,6 +258,7 @@ export class WireView {
     const { state } = this;
     const shown = this.shown();
     this.numbers.write(numberTiles(this.history.recent, shown, state, this.quantity));
+    this.steering.followRow(shown.target);
     this.plots.writeValues();
     this.protection.draw(isOff(state) ? null : shown.temperature);
     this.controller.draw(this.history, state.gains);

@@ -1,0 +1,45 @@
+"""The pictures of the tutorial: taken by the tests, and compared by what a reader finds on them, not by pixels.
+
+``MUSCLEWIRE_TAKE_PICTURES=1`` writes them anew, with what is on them; without it, what the page shows must be what the
+committed pictures show. Numbers are left out of the comparison: they differ from run to run.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+__all__ = ["FOLDER", "LANDMARKS", "Pictures"]
+
+FOLDER = Path(__file__).parents[3] / "docs" / "images" / "live_page"
+LANDMARKS = FOLDER / "landmarks.json"
+COLOURS = 96  # a page of text and lines needs no more, and each picture stays near 100 kB
+
+
+class Pictures:
+    """Takes pictures, or compares what is on them."""
+
+    def __init__(self) -> None:
+        """Read what is on the committed pictures."""
+        self.takes = bool(os.environ.get("MUSCLEWIRE_TAKE_PICTURES"))
+        self._shown: dict[str, list[str]] = {} if self.takes else json.loads(LANDMARKS.read_text("utf-8"))
+        self.seen: set[str] = set()
+
+    def see(self, page: Any, name: str) -> None:
+        """Take a picture of what is in sight, or assert that the committed one shows the same."""
+        shown = page.evaluate("looks.landmarks()")
+        self.seen.add(name)
+        if self.takes:
+            self._shown[name] = shown
+            FOLDER.mkdir(exist_ok=True)
+            picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+            picture.quantize(COLOURS, dither=Image.Dither.NONE).save(FOLDER / f"{name}.png", optimize=True)
+            LANDMARKS.write_text(json.dumps(self._shown, indent=1, ensure_ascii=False) + "\n", "utf-8")
+            return
+        new = "take the pictures again: MUSCLEWIRE_TAKE_PICTURES=1 python -m pytest tests/browser/live -k first"
+        assert shown == self._shown[name], f"{name} no longer shows what the page does: {new}"
