@@ -61,7 +61,7 @@ def follow(page: Any) -> None:
     """Have a loop that follows the slider, and rules that have fired: once more if it has ended meanwhile."""
 
     def fired() -> bool:
-        if page.locator('[data-part="steer"]').is_enabled():
+        if page.locator('[data-part="steer"]').is_visible() and page.locator('[data-part="steer"]').is_enabled():
             page.locator('[data-part="steer"]').click(timeout=1000)
         return bool(page.locator("td.fired").count())
 

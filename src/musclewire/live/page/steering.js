@@ -86,6 +86,8 @@ export class Steering {
     parts.steer.disabled = isRunning || state.phase !== "ready";
     setText(parts["slider-hint"], this.hint(state, control, isSteering));
     this.isOthers = isSteering && !this.canSteer;
+    // Where a loop begins that was given no start; a key that is pressed before the first row must not make it jump.
+    if (began && this.canSteer) this.show((scale.lowest + scale.highest) / 2);
     if (began) this.isUnmoved = true;
     if (began && this.canSteer && this.focusWhenSteering) {
       this.focusWhenSteering = false;
