@@ -30,7 +30,9 @@ def main() -> int:
     os.dup2(2, 1)  # whatever prints belongs to the log, not between the messages
     # Ctrl-C on the server's terminal is for the server, which then ends this process in its own time.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    setup: dict[str, Any] = json.loads(sys.stdin.buffer.readline())
+    # Not sys.stdin: Python aborts at its end if another thread still reads from that.
+    source = os.fdopen(os.dup(0), "rb")
+    setup: dict[str, Any] = json.loads(source.readline())
     shown = Shown(setup["bench"], lambda state: outbox.send({"state": state}))
     session = Session(
         setup["rig"], Path(setup["folder"]), shown, Ring(Path(setup["ring"])), setup["seed"], setup["max_silence_s"]
@@ -38,7 +40,7 @@ def main() -> int:
     signal.signal(signal.SIGTERM, lambda _number, _frame: ended_by_signal(session))
     # Before the threads: they inherit core and priority, and a busy loop cannot keep a stop waiting.
     refused = scheduled(setup)
-    orders = Orders(session, sys.stdin.buffer, outbox)
+    orders = Orders(session, source, outbox)
     show_wiring(session)
     finish_journals(session)
     session.note_recordings()
