@@ -191,7 +191,9 @@ def control_wire(session: Session, command: messages.Control) -> None:
         )
     finally:
         session.work.steered = None
-    moved = {"metrics": described_metrics(run.metrics), "health": str(run.metadata.get("health", ""))}
+    # A steered loop begins cold and has no step of its own to judge: an error of the whole run would say nothing.
+    metrics = None if followed.steered else described_metrics(run.metrics)
+    moved = {"metrics": metrics, "health": str(run.metadata.get("health", ""))}
     session.shown.done("moved", **moved)
     session.shown.say("warning", *run_warnings(run))
 
