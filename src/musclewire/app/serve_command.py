@@ -68,11 +68,11 @@ def serve(
     import asyncio
 
     from musclewire.live.server.running import serve as serve_session
-    from musclewire.rigs.configuration import rig_configuration
+    from musclewire.rigs.configuration import require_rig
 
     rigs = rig or ["simulated"]
     for name in rigs:
-        rig_configuration(name, may_import=True)  # a rig that does not exist is an error before anybody connects
+        require_rig(name)  # a rig that does not exist is an error before anybody connects
     if loop.cpu is not None and len(rigs) > 1:
         raise CallerError(f"--cpu keeps one loop on one core: leave it out for {len(rigs)} rigs")
     settings = settings_from(address, loop, output)

@@ -61,7 +61,12 @@ def validated(model: type[Model], data: Any, where: str) -> Model:
 
 
 def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
-    """Return the first problem of a validation as one line."""
+    """Return the first problem of a validation as one line, whatever line breaks its keys and values have."""
+    return " ".join(problem_of(error, model).splitlines())
+
+
+def problem_of(error: ValidationError, model: type[BaseModel]) -> str:
+    """Return the first problem of a validation."""
     problems = error.errors(include_url=False)
     # A misspelt key is both unknown and missing; only the first of the two errors shows the spelling.
     problem = next((found for found in problems if found["type"] == "extra_forbidden"), problems[0])

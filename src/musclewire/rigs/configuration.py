@@ -83,6 +83,13 @@ def rig_configuration(
     return read_rig_file(rig, may_import=may_import), f"rig file {rig}"
 
 
+def require_rig(rig: str) -> None:
+    """Raise CallerError for an unknown name, a missing file and an invalid one; no module is imported for it."""
+    if Path(rig).is_file() and is_outside(str(read_toml(Path(rig), "rig file").get("kind", SIMULATED))):
+        return  # its keys are those of the class, which only the rig's own process imports
+    rig_configuration(rig)
+
+
 def amplitude_is_given(rig: str | Path | DeviceConfiguration) -> bool:
     """Return whether a rig's file states the amplitude of the slow sine; one of hardware or of a replay always does.
 
