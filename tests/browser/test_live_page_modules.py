@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
@@ -18,14 +16,8 @@ TYPES = {".js": "text/javascript", ".html": "text/html"}
 
 
 @pytest.fixture(scope="module")
-def modules() -> Iterator[Any]:
+def modules(browser: Any) -> Iterator[Any]:
     """A page of nothing, from whose address the modules can be imported."""
-    playwright = pytest.importorskip("playwright.sync_api")
-    chromium = shutil.which("chromium")
-    if chromium is None:
-        if os.environ.get("MUSCLEWIRE_REQUIRE_BROWSER"):
-            pytest.fail("no Chromium: apt-get install --no-install-recommends chromium")
-        pytest.skip("not run: needs Chromium (apt-get install --no-install-recommends chromium)")
 
     def answer(route: Any) -> None:
         path = FOLDER / route.request.url.removeprefix("http://page.test/")
@@ -34,13 +26,11 @@ def modules() -> Iterator[Any]:
         else:
             route.fulfill(body="<!doctype html>", content_type="text/html")
 
-    with playwright.sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        page = browser.new_page()
-        page.route("**/*", answer)
-        page.goto("http://page.test/")
-        yield page
-        browser.close()
+    page = browser.new_page()
+    page.route("**/*", answer)
+    page.goto("http://page.test/")
+    yield page
+    page.close()
 
 
 def run(modules: Any, name: str, body: str) -> Any:

@@ -1,4 +1,4 @@
-"""One server, one browser and one model for all tests of the live page that do not need their own."""
+"""One server and one model for all tests of the live page that do not need their own."""
 
 from __future__ import annotations
 
@@ -7,25 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.browser.live.opened import chromium_path, opened, require_playwright, started, switch_on
+from tests.browser.live.opened import opened, switch_on
 from tests.browser.live.served import Served, serving
 
 import musclewire as mw
-
-
-@pytest.fixture(scope="session")
-def playwright() -> Iterator[Any]:
-    """Playwright, with a Chromium to start."""
-    chromium_path()
-    with require_playwright().sync_playwright() as playwright:
-        yield playwright
-
-
-@pytest.fixture(scope="session")
-def browser(playwright: Any) -> Iterator[Any]:
-    """A Chromium."""
-    with started(playwright) as browser:
-        yield browser
 
 
 @pytest.fixture(scope="session")
