@@ -12,7 +12,8 @@ import musclewire as mw
 
 with tempfile.TemporaryDirectory() as folder:
     command = [sys.executable, "-m", "musclewire", "serve", "simulated", "--output", folder]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+    pipe = subprocess.PIPE  # stderr says for people what the link is, and how the server has ended
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as server:
         link = server.stdout.readline().strip()
         print("watch it at", link)
         with mw.LiveClient(link) as client, client.control("the example"):

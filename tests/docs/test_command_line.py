@@ -126,8 +126,13 @@ CALLS = {
 MAY_NOT_HOLD = ("catalogue", "robustness")
 
 
+def test_every_command_but_serve_answers_with_json() -> None:
+    """``serve`` answers on its page, until it is ended; ``tests/live`` starts it."""
+    assert [name for name, section in SECTIONS.items() if "`--json`" not in section] == ["serve"]
+
+
 @pytest.mark.documented
-@pytest.mark.parametrize("name", SECTIONS)
+@pytest.mark.parametrize("name", [name for name in SECTIONS if name != "serve"])
 def test_the_json_has_the_keys_as_said(name: str, folder: Path) -> None:
     document = json.loads(run(folder, *name.split(), *CALLS[name], "--json", may_not_hold=name in MAY_NOT_HOLD))
     assert set(document) == json_keys(SECTIONS[name])
