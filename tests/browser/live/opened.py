@@ -109,6 +109,10 @@ def wait_for_phase(page: Page, phase: str) -> None:
 
 def switch_on(page: Page, served: Served) -> None:
     """Bring the bench to rest with a model, by the page's own connection: what is tested comes after."""
+    ask = page.locator('[data-part="ask"]')
+    if ask.inner_text() == "Give it up":
+        ask.click()
+    until(lambda: served.holder is None, "nobody in control")
     if served.phase in ("off", "stopped", "failed"):
         command(served, {"do": "switch_on"})
     if served.state["model"] is None:
