@@ -42,4 +42,7 @@ class Pictures:
             LANDMARKS.write_text(json.dumps(self._shown, indent=1, ensure_ascii=False) + "\n", "utf-8")
             return
         new = "take the pictures again: MUSCLEWIRE_TAKE_PICTURES=1 python -m pytest tests/browser/live -k first"
-        assert shown == self._shown[name], f"{name} no longer shows what the page does: {new}"
+        gone = [one for one in self._shown[name] if one not in shown]
+        added = [one for one in shown if one not in self._shown[name]]
+        assert not gone, f"{name}: no longer on the page: {gone}; {new}"
+        assert not added, f"{name}: new on the page: {added}; {new}"

@@ -18,6 +18,8 @@ from tests.browser.live.served import Served, serving, until
 
 MAX_S, MAX_CLICKS = 90.0, 6
 GRAIN_PCT = 0.011  # a step of the slider
+# The pictures that are taken before a button of the guide is pressed.
+SEEN_BEFORE = {"Switch on and check the wiring": "1_wire_it_up", "Warm the wire for 1 s": "2_safe_limits"}
 # How near the wire must come to where the slider was moved, as the mean over half a second of the true strain.
 MAX_ERROR_PCT, MEAN_ROWS, KEYS = 0.15, 10, 60
 TUTORIAL = Path(__file__).parents[3] / "docs" / "tutorials" / "the_live_page.md"
@@ -45,8 +47,8 @@ def walk(page: Any, served: Served, pictures: Pictures) -> list[str]:
     while not is_steering(served):
         if page.locator(BUTTON).count():
             clicked.append(str(page.locator(BUTTON).inner_text()))
-            if len(clicked) in (1, 2):
-                pictures.see(page, ("1_wire_it_up", "2_safe_limits")[len(clicked) - 1])
+            if clicked[-1] in SEEN_BEFORE:
+                pictures.see(page, SEEN_BEFORE[clicked[-1]])
             page.locator(BUTTON).click()
         elif "slow loop" in "".join(clicked[-1:]) and "3_slow_loop" not in pictures.seen and served.phase == "busy":
             page.wait_for_timeout(1500.0)
