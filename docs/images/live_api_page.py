@@ -36,7 +36,8 @@ anything from the internet.
 - **Anybody who may see the page may stop.** `POST .../stop` and the command `stop` need no control; a stop is
   answered once the drive is off, and is never turned away for coming too fast.
 - **Everything else needs control**, which one person or program has at a time. `POST .../control` takes it if it is
-  free, and otherwise asks the holder, who answers. A lease ends 0.6 s after the last sign of life: over HTTP a `PUT
+  free, and otherwise asks the holder, who answers. A lease ends 0.6 s after the last sign of life, at rest
+  5 s after it: over HTTP a `PUT
   .../control`, over the WebSocket a `pong` to the server's `ping`. Then a heated run ends and the rig goes to its
   sense voltage.
 - **No route takes a rig file, a kind of rig or a path.** Rigs come from the command line of `serve`; recordings and

@@ -108,7 +108,7 @@ async def stop(bench: BenchOf) -> Response:
     "/{bench}/control", response_model=ControlState, openapi_extra=json_body(ControlRequest.model_json_schema())
 )
 async def take_control(bench: BenchOf, session: SessionOf, body: BodyOf) -> Response:
-    """Take control of a bench, or ask its holder for it; the lease in the answer ends without PUT for 0.6 s."""
+    """Take control of a bench, or ask its holder for it; its lease ends without PUT for 0.6 s (at rest 5 s)."""
     request = read_as(CONTROL_REQUEST, body)
     lease = secrets.token_urlsafe(24)
     if session.ask(bench, lease, request.name) is Outcome.BUSY:
