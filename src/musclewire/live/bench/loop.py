@@ -94,13 +94,16 @@ def busy(session: Session, order: Order, doing: dict[str, Any], *, heats: bool) 
     """Mark the session as busy inside; a stop meanwhile stays what it is."""
     session.ending, session.on_first_row = "", lambda: order.answer(True)
     session.shown.change(phase="busy", doing=doing)
-    session.heating = heats
+    session.heating, failing = heats, False
     try:
         yield
+    except (RigError, NumericsError) as problem:
+        failing = not isinstance(problem, RecordingNotWrittenError)  # then the rig is off: it was never ready again
+        raise
     finally:
         session.heating, session.on_first_row = False, None
         session.note_recordings()
-        if session.shown.state.phase == "busy":
+        if session.shown.state.phase == "busy" and not failing:
             make_room(session, order)
             session.shown.change(phase="ready", doing=None)
 

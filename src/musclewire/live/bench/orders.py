@@ -14,7 +14,7 @@ from typing import IO, Any
 from musclewire.errors import CallerError
 from musclewire.live.bench.lines import Outbox, lines_of
 from musclewire.live.bench.session import AS_ASKED, Session
-from musclewire.live.messages import ClockSpeed, Command, End, SetTarget, read_command
+from musclewire.live.messages import ClockSpeed, Command, End, SetTarget, SwitchOn, read_command
 
 __all__ = ["Order", "Orders"]
 
@@ -94,7 +94,10 @@ class Orders:
             self._command(int(message["number"]), message["command"])
 
     def _command(self, number: int, data: object) -> None:
-        """Answer what needs no loop, refuse what has to wait for another run's end, queue the rest."""
+        """Answer what needs no loop, refuse what has to wait for another run's end, queue the rest.
+
+        Switching on after a stop is queued in any case: what was stopped ends by itself.
+        """
         try:
             order = Order(number, read_command(data), self._outbox)
         except CallerError as problem:
@@ -108,7 +111,7 @@ class Orders:
                 session.set_clock_speed(order.command.factor)
             elif isinstance(order.command, End):
                 self._end(AS_ASKED)
-            elif session.queued:
+            elif session.queued and not (session.stopped.by and isinstance(order.command, SwitchOn)):
                 raise CallerError(f"'{session.queued}' is running: end it first")
             else:
                 session.queued = order.command.do
