@@ -45,7 +45,8 @@ class MissingExtraError(CallerError):
 
     def __init__(self, what: str, extra: str) -> None:
         """Say that ``what`` needs the optional extra ``extra``."""
-        super().__init__(f"{what} needs the extra '{extra}': pip install 'musclewire[{extra}]'")
+        install = f'pip install "musclewire[{extra}]"'  # quoted as every shell takes it, Windows' too
+        super().__init__(f"{what} needs the extra '{extra}': {install}")
 
 
 class RecordingError(MusclewireError, ValueError):

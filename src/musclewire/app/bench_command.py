@@ -60,7 +60,7 @@ def bench_text(found: Benchmark) -> str:
         span = f"{ratio_text(row.ratio_low)} to {ratio_text(row.ratio_high)}"
         lines.append(f"{row.name:26}{times}  {span:18}{row.theirs}")
     lines += ["", "What the time is for:", *(f"  {row.name}: {row.work}" for row in found.rows)]
-    lines += [f"not measured: {name}: pip install 'musclewire[{extra}]'" for name, extra in found.left_out]
+    lines += [f'not measured: {name}: pip install "musclewire[{extra}]"' for name, extra in found.left_out]
     turns = found.rows[0].turns if found.rows else 0
     return "\n".join([*lines, "", machine_text(found.machine), f"medians of {turns} turns, ours and theirs in turn"])
 

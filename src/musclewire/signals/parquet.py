@@ -42,5 +42,5 @@ def _pyarrow() -> tuple[Any, Any]:
         import pyarrow as pa
         from pyarrow import parquet
     except ImportError:
-        raise MissingExtraError("Parquet files", "parquet") from None
+        raise MissingExtraError("a Parquet file", "parquet") from None
     return pa, parquet

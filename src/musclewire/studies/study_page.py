@@ -36,7 +36,7 @@ HEAD = "<thead><tr>{}</tr></thead>"
 
 def require_packages() -> None:
     """Raise MissingExtraError, before anything is computed, if a package is missing that writing a study needs."""
-    require_extra("the data set and the sensitivity table of a study", "pyarrow", "xarray", "SALib")
+    require_extra("a study with data set and sensitivity table", "pyarrow", "xarray", "SALib")
 
 
 def write_study(result: StudyResult, folder: str | Path) -> list[Path]:

@@ -41,7 +41,7 @@ def read_excel_table(path: Path, group: str | None = None) -> TableInMemory:
     try:
         import openpyxl
     except ImportError:
-        raise MissingExtraError("Excel workbooks", "labfiles") from None
+        raise MissingExtraError("an Excel workbook", "labfiles") from None
     with damage_reported(path, "an Excel workbook"), warnings.catch_warnings():
         # openpyxl warns of styles and extensions that it leaves out.
         warnings.simplefilter("ignore")

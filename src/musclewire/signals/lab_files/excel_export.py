@@ -23,7 +23,7 @@ def fill_excel(columns: Mapping[str, FloatArray], metadata: Mapping[str, Metadat
         from openpyxl import Workbook
         from openpyxl.cell import WriteOnlyCell
     except ImportError:
-        raise MissingExtraError("Excel workbooks", "labfiles") from None
+        raise MissingExtraError("an Excel workbook", "labfiles") from None
     rows = len(next(iter(columns.values())))
     if rows > MAX_ROWS:
         raise CallerError(f"{path}: {rows} rows are more than the {MAX_ROWS} of an Excel sheet; save as .csv or .h5")

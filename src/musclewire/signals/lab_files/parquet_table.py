@@ -96,7 +96,7 @@ def _parquet_file(path: Path) -> Any:
     try:
         from pyarrow import parquet
     except ImportError:
-        raise MissingExtraError("Parquet files", "parquet") from None
+        raise MissingExtraError("a Parquet file", "parquet") from None
     # One file, not a folder of them, and without reading ahead.
     return closing(parquet.ParquetFile(path, pre_buffer=False))
 

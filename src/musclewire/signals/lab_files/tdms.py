@@ -77,7 +77,7 @@ def _opened(path: Path) -> Any:
     try:
         from nptdms import TdmsFile
     except ImportError:
-        raise MissingExtraError("TDMS files", "labfiles") from None
+        raise MissingExtraError("a TDMS file", "labfiles") from None
     # It warns on standard error of what becomes our own line or the layout in words.
     logging.getLogger("nptdms").setLevel(logging.ERROR)
     for module in ("reader", "tdms_segment", "tdms", "types", "base_segment", "scaling"):
