@@ -21,6 +21,7 @@ def without_design_packages(folder: Path, *arguments: str) -> subprocess.Complet
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 def test_a_wire_is_characterised_fitted_controlled_and_simulated(tmp_path: Path) -> None:
     for command in (
         "characterize simulated --cycles 1 --period 12s -o loop.h5",
@@ -38,6 +39,7 @@ def test_the_demo_runs(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_the_packages_are_blocked_indeed(tmp_path: Path) -> None:
     sized = ("design", "pretensioner", "--stiffness", "386.2 N/m")
     assert "ModuleNotFoundError" in without_design_packages(tmp_path, *sized).stderr

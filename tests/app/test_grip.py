@@ -17,6 +17,7 @@ def learned(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("gripper") / "learned.json"
 
 
+@pytest.mark.slow
 def test_a_grip_is_found_printed_recorded_and_drawn(
     musclewire: Callable[..., Any], learned: Path, tmp_path: Path
 ) -> None:

@@ -48,6 +48,7 @@ def wait_for_rows(process: subprocess.Popen[str], path: Path, rows: int) -> None
         pytest.fail(f"the run ended by itself: {process.communicate()}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "code"), SIGNALS)
 def test_a_paced_run_stopped_by_a_signal_ends_safe_and_readable(
     number: signal.Signals, code: int, tmp_path: Path

@@ -12,6 +12,8 @@ from musclewire.experiment.open_loop import characterize
 from musclewire.identify.sensing_model import fit
 from musclewire.rigs.configuration import open_rig
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -27,6 +27,7 @@ def test_a_core_that_is_not_there_is_wrong_input(musclewire: Callable[..., Any],
     assert "core 4096" in answer.err
 
 
+@pytest.mark.slow
 def test_what_the_system_refuses_is_a_warning_and_the_run_goes_on(
     musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

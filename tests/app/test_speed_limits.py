@@ -37,6 +37,7 @@ def sine(frequency_hz: float) -> SampledReference:
     return mw.sampled_reference(time_s, MIDDLE + AMPLITUDE * np.sin(2.0 * math.pi * frequency_hz * time_s))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frequency_hz", [0.05, 0.5, 1.0])
 @pytest.mark.parametrize("by_gains", [False, True])
 def test_a_run_reaches_the_amplitude_that_was_said_before(wire: Wire, frequency_hz: float, by_gains: bool) -> None:

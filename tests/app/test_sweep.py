@@ -41,6 +41,7 @@ def study(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_it_writes_a_data_set_a_table_and_a_page_that_needs_no_other_file(
     study: Path, musclewire: Callable[..., Any]
 ) -> None:
@@ -127,6 +128,7 @@ def test_without_the_extra_the_command_says_so_before_it_computes_anything(study
     assert [path.name for path in study.parent.iterdir()] == ["study.toml"]
 
 
+@pytest.mark.slow
 def test_without_the_extra_python_runs_studies_all_the_same(study: Path) -> None:
     code = "import musclewire as mw; result = mw.sweep('study.toml', 'out'); print(len(result), result.failed)"
     done = without_extra(study.parent, code)

@@ -33,6 +33,7 @@ def model_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_control_takes_the_particle_filter_and_records_what_it_finds(
     wire_file: Path, model_file: Path, tmp_path: Path
 ) -> None:

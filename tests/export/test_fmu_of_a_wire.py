@@ -169,6 +169,7 @@ def drive_staircase(device: SimulatedDevice) -> FloatArray:
 COURSES = {"loop of 90 s": slow_loop, "staircase": drive_staircase}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RIGS)
 def test_fmpy_finds_nothing_to_complain_of(wires: Callable[[str], Wire], name: str) -> None:
     assert validate_fmu(str(wires(name).fmu.path)) == []
@@ -523,6 +524,7 @@ def test_nothing_undefined_happens_in_its_c(wires: Callable[[str], Wire], name: 
     assert run_of(folder, wire, drive) == rows_of_fmu(wire.fmu.path, drive, 0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["wire", "controller"])
 def test_memory_is_kept_in_order_over_a_whole_life(wires: Callable[[str], Wire], tmp_path: Path, kind: str) -> None:
     gcc = require_tool("gcc", "gcc libc6-dev")

@@ -72,6 +72,7 @@ def test_golden_vectors_and_a_long_run_under_sanitizers(exported: Libraries, tmp
         run(program, argument)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("double", [False, True], ids=["single", "double"])
 @pytest.mark.parametrize(
     "flags",

@@ -184,6 +184,7 @@ def test_in_lockstep_a_run_is_the_same_again_for_the_same_seed(elf: Path) -> Non
     assert [sample.wire_voltage_v for sample in first[0]] != [sample.wire_voltage_v for sample in other[0]]
 
 
+@pytest.mark.slow
 def test_samples_are_what_truly_was_at_the_wire(elf: Path) -> None:
     samples, log = lockstep_run(elf, 3)
     # Columns without the clock: tick, code, powered, output, current, wire voltage, shunt voltage, ...

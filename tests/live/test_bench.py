@@ -7,9 +7,12 @@ import os
 import signal
 from pathlib import Path
 
+import pytest
 from tests.live.bench import ask, bench, in_control, until_phase
 
 from musclewire.signals import read_recording
+
+pytestmark = pytest.mark.slow
 
 
 def drive_v(handle: object, rows: list) -> float:  # type: ignore[type-arg]

@@ -14,6 +14,8 @@ from websockets.sync.client import ClientConnection, connect
 from musclewire.errors import RigError
 from musclewire.live.client import LiveClient
 
+pytestmark = pytest.mark.slow
+
 BENCH = "/api/v1/benches/simulated"
 PATIENCE_S = 20.0
 

@@ -19,6 +19,8 @@ from musclewire.live.server.application import Limits
 from musclewire.live.server.json_texts import MAX_BYTES
 from musclewire.live.server.running import Address, ServerSettings
 
+pytestmark = pytest.mark.slow
+
 TOKEN = "a-token-of-the-tests-0123456789"
 BENCH = "/api/v1/benches/simulated"
 

@@ -19,6 +19,8 @@ from musclewire.parameters.wire_file import wire_file_text
 from musclewire.studies import Workers, read_study, sweep
 from musclewire.studies.folder import StudyFolder, unfinished
 
+pytestmark = pytest.mark.slow
+
 HERE, TWO = Workers(processes=1), Workers(processes=2)
 
 
@@ -26,7 +28,6 @@ class Stop(Exception):  # noqa: N818  it is none of ours
     """What a caller raises to stop."""
 
 
-@pytest.mark.slow
 def test_the_numbers_are_the_same_whatever_the_processes_and_the_chunks(counted: Counted) -> None:
     whole = sweep(counted.study(), workers=HERE)
     for workers in (TWO, Workers(processes=3, runs_per_chunk=1), Workers(processes=2, runs_per_chunk=7)):
@@ -125,7 +126,6 @@ def test_what_is_unfinished_is_the_rest_whatever_is_finished(counted: Counted) -
     assert len(unfinished(plan, [(0, 24)], 6)) == 0
 
 
-@pytest.mark.slow
 def test_a_killed_client_loses_nothing_that_was_finished(counted: Counted, tmp_path: Path) -> None:
     """The command dies by SIGKILL as soon as three chunks are finished; the same command does the rest only."""
     file = counted.written(tmp_path / "counted.toml", takes_s=0.2)

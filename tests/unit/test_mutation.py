@@ -68,6 +68,7 @@ def every_mutant() -> list[Mutant]:
     return mutants_of_rooms(ROOT)
 
 
+@pytest.mark.slow
 def test_every_mutant_of_the_rooms_is_a_program_of_as_many_lines_and_another_one() -> None:
     every = every_mutant()
     assert {one.operator for one in every} == set(OPERATORS)

@@ -54,6 +54,7 @@ def rig(load: str) -> GuardedRig:
     return open_rig(RigConfiguration(wire="finger-100um", bench="finger", load=LOADS[load]))  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "job",
     [pytest.param(job, marks=pytest.mark.slow) if job.load.startswith("antagonist") else job for job in JOBS],
@@ -73,6 +74,7 @@ def test_characterize_fit_and_control_run_on_any_load(job: Job) -> None:
     assert run.metrics.mae_mean_approached_pct < job.max_mae_pct
 
 
+@pytest.mark.slow
 def test_the_displacement_of_a_finger_is_its_endpoints_and_both_are_recorded() -> None:
     with open_rig("finger") as opened:
         loop = characterize(opened, cycles=1, period_s=20.0)

@@ -56,6 +56,7 @@ def test_the_limit_of_the_load_cell_is_that_of_the_weakest_wire_of_the_rig() -> 
     assert found["next to a thicker one"] == pytest.approx(min(5 * 4.601, 18.247 * 5 / 4), rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", ["blocked", "antagonist"])
 def test_a_hot_wire_on_a_stiff_load_is_warned_of(part: str) -> None:
     with opened({"part": part}) as rig:

@@ -55,6 +55,7 @@ def test_twenty_free_closings_in_draughts_raise_no_alarm(knowledge: GripperKnowl
     assert all(run["drive_voltage_v"][-1] == pytest.approx(0.3, abs=1e-3) for run in runs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [50.0, 200.0, 1000.0])
 @pytest.mark.parametrize("clearance_m", [4e-3, 7e-3, 9e-3])
 def test_contact_is_found_before_the_true_force_exceeds_0_15_n(

@@ -39,6 +39,8 @@ from musclewire.signals.compiled_tick import CompiledTick, declared_tick
 from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate
 from slow_estimators import drifting
 
+pytestmark = pytest.mark.slow
+
 SHORT = staircase(start=0.015, stop=0.018, hold_s=1.5)
 
 

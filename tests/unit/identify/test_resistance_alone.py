@@ -21,6 +21,8 @@ from musclewire.rigs.simulated_building import Spool
 from musclewire.sensing.model import load_model
 from musclewire.signals import Recording
 
+pytestmark = pytest.mark.slow
+
 NAME = "paper-100um"
 # The strain of this spool is a tenth above that of its name: one and a half standard deviations of the prior.
 FACTOR = 1.1

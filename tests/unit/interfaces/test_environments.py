@@ -23,6 +23,8 @@ from musclewire.interfaces.simulated_wire import simulated_wire
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.sensing import SensingModel
 
+pytestmark = pytest.mark.slow
+
 # No noise, a fine converter, and steps of one length: then both environments read the same numbers.
 QUIET = {
     "acquisition_noise_v": 0.0,

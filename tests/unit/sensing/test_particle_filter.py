@@ -85,6 +85,7 @@ def error_pct(found: dict[str, Any], from_s: float) -> float:
     return 100.0 * float(np.sqrt(np.mean((found["value"] - found["true"])[usable] ** 2))) / STROKE
 
 
+@pytest.mark.slow
 def test_nothing_changed_and_nothing_is_said_to_have_changed() -> None:
     found = followed()
     assert error_pct(found, 8.0) < 0.6

@@ -38,6 +38,7 @@ def write_and_kill(path, enough_rows):
     return max([acknowledged, *rest])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("enough_rows", [0, 7, 150, 333, 1500, 2800])
 def test_after_a_kill_every_flushed_row_reads_back(tmp_path, enough_rows):
     acknowledged = write_and_kill(tmp_path / "run.h5", enough_rows)

@@ -117,6 +117,7 @@ def test_at_rest_it_stays_at_rest(friction_n: float, step_s: float) -> None:
     assert later.connector_contraction == pytest.approx(hot.connector_contraction, abs=1e-9)
 
 
+@pytest.mark.slow
 @given(
     friction_n=st.floats(0.0, 5.0),
     presliding_m=st.floats(1e-6, 1e-4),

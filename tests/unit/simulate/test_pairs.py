@@ -33,6 +33,8 @@ from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import ConnectorLoad, spring_load, with_table
 from musclewire.wire.state import WireState
 
+pytestmark = pytest.mark.slow
+
 SMOOTH = {"guide_friction_n": 0.0}
 ALONE = spring_load(0.0)
 MS = fixed_steps(1e-3)

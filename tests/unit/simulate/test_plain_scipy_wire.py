@@ -86,6 +86,7 @@ def test_the_slow_loop_is_that_of_scipy_even_in_one_step_a_sample(step_s: float)
     assert found["force_n"].max() < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", FAST_CASES)
 def test_a_fast_step_in_steps_of_10_ms_is_that_of_scipy_at_every_time(case: str) -> None:
     """No exception where a transformation starts; only strain is worse, within a step of where the drive jumps."""

@@ -84,6 +84,7 @@ def currents_a(name: str, states: tuple[WireState, WireState], drive_v: float) -
     return np.array([own, pair.partner_voltage_v / (ohm[1] + pair.partner_series_ohm)]), own * ohm[0], own
 
 
+@pytest.mark.slow
 @names
 @ways
 def test_one_step_of_a_pair_keeps_energy_and_its_means_are_those_of_both_ends(name: str, heated: bool) -> None:

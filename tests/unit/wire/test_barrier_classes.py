@@ -33,6 +33,7 @@ def wire_of(*classes: tuple[float, float], table: tuple[Array, Array] | None = N
     )
 
 
+@pytest.mark.slow
 def test_two_classes_of_one_barrier_are_one_class() -> None:
     one, _ = drive_path(wire_of((1.0, 0.0)), DRIVE_V, sample_s=0.05)
     two, _ = drive_path(wire_of((0.3, 0.0), (0.7, 0.0)), DRIVE_V, sample_s=0.05)
@@ -59,6 +60,7 @@ def test_an_inner_loop_has_a_memory_that_one_barrier_has_not() -> None:
     assert np.ptp(mixed[300:]) > 1e-3
 
 
+@pytest.mark.slow
 def test_energy_is_kept_and_a_batch_has_the_bits_of_one_with_classes_too() -> None:
     wires = [wire_of((0.3, -2.0), (0.7, shift)) for shift in np.linspace(0.0, 3.0, 20)]
     many = drive_many(wires, DRIVE_V[:400], sample_s=0.05, stepping=fixed_steps(0.01), keep=("resistance_ohm",))

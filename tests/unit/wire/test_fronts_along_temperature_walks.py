@@ -29,6 +29,7 @@ EIGHTHS_OF_A_KELVIN = st.integers(295 * 8, 410 * 8)
 HOT_K, COLD_K = 430.0, 290.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "stress_pa"), [("round", 50e6), ("round", 120e6), ("early", 50e6), ("narrow", 120e6), ("broad", 50e6)]
 )

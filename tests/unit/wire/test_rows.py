@@ -51,6 +51,7 @@ def test_a_resting_state_has_every_field_of_the_list() -> None:
     assert all(np.isfinite(value).all() for value in state.values().values())
 
 
+@pytest.mark.slow
 def test_one_line_more_in_the_list_is_all_that_a_new_field_takes() -> None:
     """The compiled step takes the longer row as it is: the same numbers to the bit, and the new field along."""
     plain = resting_state(WIRE)
@@ -127,6 +128,7 @@ print(sum(__import__("musclewire.simulate.wires").simulate.wires.advance_rows.st
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no interval timers on Windows")
 def test_signals_during_a_call_harm_neither_process_nor_state_and_another_process_starts_warm() -> None:
     stepped(resting_state(WIRE), WIRE, 0.0, 1e-3, 1)  # compiled or read from disk by now
@@ -147,6 +149,7 @@ print(state.temperature_k, state.martensite_fraction, means.displacement_m)
 """
 
 
+@pytest.mark.slow
 def test_the_same_functions_step_a_row_without_compilation() -> None:
     """A debugger sees them as they are written; records must then have their fields as attributes, too."""
     shown = [

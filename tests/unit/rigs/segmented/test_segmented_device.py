@@ -18,6 +18,8 @@ from musclewire.rigs.segmented.device import SegmentedDevice, SegmentedSpool
 from musclewire.rigs.segmented.instruments import InstrumentSettings
 from musclewire.signals.exchange import RawSample
 
+pytestmark = pytest.mark.slow
+
 BENCH = load_bench("paper")
 SETTINGS = InstrumentSettings.of_bench(BENCH.values())
 SPOOL = SegmentedSpool(load_wire("paper-100um"), load_alloy("flexinol"), BENCH)

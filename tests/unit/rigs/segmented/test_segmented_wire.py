@@ -28,6 +28,8 @@ from musclewire.simulate.wires import OneWire
 from musclewire.wire.building import constants_from
 from musclewire.wire.distribution import BarrierClass
 
+pytestmark = pytest.mark.slow
+
 SAMPLE_S = 0.05
 STROKE = 0.038
 CLASSES = (BarrierClass(0.3, -2.0), BarrierClass(0.4, 0.0), BarrierClass(0.3, 2.5))

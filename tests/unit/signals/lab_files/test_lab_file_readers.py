@@ -119,6 +119,7 @@ def test_matlab_variables_are_those_that_scipy_reads(lab_files, name):
         assert np.array_equal(values, np.ravel(theirs[header]))
 
 
+@pytest.mark.slow
 def test_matlab_7_3_has_the_numbers_and_units_of_version_5(lab_files):
     for name in ("mat73_columns", "mat73_rows_compressed", "mat73_struct"):
         path = lab_files / "read" / f"{name}.mat"
@@ -182,6 +183,7 @@ def test_sheets_are_chosen_by_name(lab_files):
     assert columns_of(path, "force")["Force [N]"] == pytest.approx(FORCE_N)
 
 
+@pytest.mark.slow
 def test_hdf5_of_any_layout_has_the_numbers_that_h5py_reads(lab_files):
     path = lab_files / "read" / "hdf5_group_compressed.hdf5"
     with h5py.File(path) as file:
@@ -214,6 +216,7 @@ def test_files_larger_than_a_block_come_in_blocks(tmp_path):
     assert blocks[1].place(0) == "row 65537"
 
 
+@pytest.mark.slow
 def test_every_damaged_or_hostile_file_is_refused_in_one_line(lab_files):
     damaged = sorted((lab_files / "damaged").iterdir())
     assert len(damaged) >= 40
@@ -221,6 +224,7 @@ def test_every_damaged_or_hostile_file_is_refused_in_one_line(lab_files):
         assert refusal(path).startswith(str(path))
 
 
+@pytest.mark.slow
 def test_nothing_outside_a_hostile_file_is_opened(lab_files):
     """Python reports each file that it opens; what HDF5's own code would open is refused before (see above)."""
     code = """
@@ -262,6 +266,7 @@ def said_about(path):
     return ""
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_a_file_with_changed_bytes_is_read_or_refused_in_one_line(lab_files, tmp_path, data):
@@ -291,6 +296,7 @@ def test_hdf5_with_changed_bytes_is_read_or_refused_in_one_line(lab_files, tmp_p
     assert "\n" not in said_about(path)
 
 
+@pytest.mark.slow
 def test_a_file_from_which_hdf5_does_not_come_back_is_refused(lab_files, monkeypatch):
     monkeypatch.setattr(hdf5_trial, "MAX_TRIAL_S", 2.0)
     monkeypatch.setattr(hdf5_trial, "_CHILD", "import time; time.sleep(60)")
