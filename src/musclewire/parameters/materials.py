@@ -32,6 +32,8 @@ from musclewire.parameters.validation import validated
 __all__ = ["Material", "load_material", "material_names"]
 
 SUFFIX = ".toml"
+# What printers' owners call the processes.
+SYNONYMS = {"fdm": "print", "fff": "print", "sls": "sinter"}
 
 
 class Material(ParameterGroup):
@@ -64,15 +66,24 @@ class Material(ParameterGroup):
         """The processes known for this material, the usual one first."""
         return list(self.minimum_thickness_m)
 
+    def process_called(self, name: str | None) -> str:
+        """Return a process by its name or a common synonym (fdm, fff, sls), the usual one for None.
+
+        Raises CallerError for a process that is not known for this material.
+        """
+        if name is None:
+            return self.processes[0]
+        chosen = name if name in self.minimum_thickness_m else SYNONYMS.get(name.lower(), name)
+        if chosen not in self.minimum_thickness_m:
+            raise CallerError(f"{self.name} is not made by '{name}'{nearest_hint(name, self.processes)}")
+        return chosen
+
     def minimum_thickness_by(self, process: str | None) -> float:
         """Return the thinnest flexure [m] that a process makes; that of the usual process for None.
 
         Raises CallerError for a process that is not known for this material.
         """
-        chosen = self.processes[0] if process is None else process
-        if chosen not in self.minimum_thickness_m:
-            raise CallerError(f"{self.name} is not made by '{chosen}'{nearest_hint(chosen, self.processes)}")
-        return self.minimum_thickness_m[chosen].value
+        return self.minimum_thickness_m[self.process_called(process)].value
 
 
 def folder_of_materials() -> Path:

@@ -31,6 +31,7 @@ from musclewire.app.options import (
     PROCESS,
     REFINED,
     STIFFNESS,
+    TENDON_HOLE,
     THICKNESS,
     TRAVEL,
     WIRE,
@@ -103,6 +104,7 @@ class TaskOptions:
     material: Annotated[str, MATERIAL] = "pom"
     process: Annotated[str | None, PROCESS] = None
     friction: Annotated[float, FRICTION] = 0.15
+    tendon_hole: Annotated[str, TENDON_HOLE] = "0.3 mm"
 
 
 @dataclass(frozen=True)
@@ -164,7 +166,7 @@ def finger(
 
     del options_file  # its values have become those of the options
     section.require_one_way()
-    require_effect(context, section, obstacle, wire)
+    require_effect(context, section, obstacle, wire, files)
     files.require("finger")
     material = load_material(task.material)
     request = requested(section, beam, task, material) if section.stiffness is not None else None
@@ -183,9 +185,9 @@ def finger(
             refined=refined,
         )
     )
-    write_files(answer, files)
+    write_files(answer, files, in_si("--tendon-hole", task.tendon_hole) or 0.0)
     if json:
-        emit_json(answer_json(answer, files.output, files.drawings))
+        emit_json(answer_json(answer, files.output, files.drawings, files.solids))
     else:
         show(answer_text(answer))
         warn([*answer.warnings, *(f"it does not hold: {one.name}" for one in answer.checks if not one.ok)])
@@ -205,18 +207,24 @@ NEEDS = {
     "pretension": "--wire",
     "pretensioner": "--wire",
     "max_depth": "--stiffness",
+    "tendon_hole": "--solid",
 }
 OF_A_FILE = ("depth", "overall_length", "plate", "columns", "column_width", "inward_angle", "process")
 
 
 def require_effect(
-    context: typer.Context, section: SectionOptions, obstacle: ObstacleOptions, wire: WireOptions
+    context: typer.Context,
+    section: SectionOptions,
+    obstacle: ObstacleOptions,
+    wire: WireOptions,
+    files: PartFiles,
 ) -> None:
     """Raise CallerError for an option that was given and would change nothing with the others as they are."""
     others = {
         "--stiffness": section.stiffness,
         "--wire": wire.wire,
         "--object-stiffness": obstacle.object_stiffness,
+        "--solid": files.solid or None,
     }
     for name in given_options(context):
         option = f"--{name.replace('_', '-')}"
@@ -292,7 +300,7 @@ def geometry_from_file(name: str) -> FingerGeometry:
     return finger_geometry(load_finger(name))
 
 
-def write_files(answer: FingerStudyResult, files: PartFiles) -> None:
+def write_files(answer: FingerStudyResult, files: PartFiles, tendon_hole_m: float) -> None:
     """Write what was requested, each file whole or not at all."""
     from musclewire.signals.whole_files import write_text_whole, write_whole
 
@@ -304,6 +312,10 @@ def write_files(answer: FingerStudyResult, files: PartFiles) -> None:
         from musclewire.design.finger.drawing import write_finger_drawing
 
         write_finger_drawing(answer.geometry, drawing)
+    for solid in files.solids:
+        from musclewire.design.finger.solid import write_finger_solid
+
+        write_finger_solid(answer.geometry, solid, tendon_hole_m)
     if files.plot is not None:
         from musclewire.design.finger.figures import plot_finger
 

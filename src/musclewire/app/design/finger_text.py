@@ -16,7 +16,9 @@ __all__ = ["answer_json", "answer_text"]
 MM, MPA = 1e3, 1e-6
 
 
-def answer_json(answer: FingerStudyResult, output: Path | None, drawings: list[Path]) -> dict[str, Any]:
+def answer_json(
+    answer: FingerStudyResult, output: Path | None, drawings: list[Path], solids: list[Path]
+) -> dict[str, Any]:
     """Return an answer under the keys of the interface."""
     geometry, at, curve = answer.geometry, answer.at, answer.curve
     return {
@@ -43,6 +45,7 @@ def answer_json(answer: FingerStudyResult, output: Path | None, drawings: list[P
         "warnings": answer.warnings,
         "finger": None if output is None else str(output),
         "drawings": [str(drawing) for drawing in drawings],
+        "solids": [str(solid) for solid in solids],
     }
 
 

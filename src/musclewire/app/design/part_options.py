@@ -14,14 +14,14 @@ from typing import Annotated, Any
 import typer
 
 from musclewire.app.files import require_figure_file, require_folder
-from musclewire.app.options import DRAWING, OUTPUT, PLOT
+from musclewire.app.options import DRAWING, OUTPUT, PLOT, SOLID
 from musclewire.errors import CallerError, nearest_hint
 
 __all__ = ["OPTIONS_FILE", "PartFiles", "given_options"]
 
-DRAWINGS = (".svg", ".dxf")
+DRAWINGS, SOLIDS = (".svg", ".dxf"), (".stl", ".step")
 # Where results go is said on the command line: the same options may be computed twice.
-NOT_IN_A_FILE = {"options_file", "output", "drawing", "plot", "list_materials", "json"}
+NOT_IN_A_FILE = {"options_file", "output", "drawing", "solid", "plot", "list_materials", "json"}
 
 
 def read_options(context: typer.Context, path: Path | None) -> Path | None:
@@ -72,6 +72,7 @@ class PartFiles:
 
     output: Annotated[Path | None, OUTPUT] = None
     drawing: Annotated[list[Path] | None, DRAWING] = None
+    solid: Annotated[list[Path] | None, SOLID] = None
     plot: Annotated[Path | None, PLOT] = None
 
     @property
@@ -79,8 +80,13 @@ class PartFiles:
         """The drawings, none of them if none was requested."""
         return self.drawing or []
 
+    @property
+    def solids(self) -> list[Path]:
+        """The solids, none of them if none was requested."""
+        return self.solid or []
+
     def require(self, part: str) -> None:
-        """Raise CallerError for files of a kind that is not written here, before any work is done."""
+        """Raise CallerError for files of a kind that is not written here or not without an extra, before any work."""
         if self.output is not None:
             if self.output.suffix != ".toml":
                 raise CallerError(f"{self.output}: a {part} is a .toml file")
@@ -89,4 +95,12 @@ class PartFiles:
             if drawing.suffix not in DRAWINGS:
                 raise CallerError(f"{drawing}: a drawing is one of {', '.join(DRAWINGS)}")
             require_folder(drawing)
+        for solid in self.solids:
+            if solid.suffix not in SOLIDS:
+                raise CallerError(f"{solid}: a solid is one of {', '.join(SOLIDS)}")
+            require_folder(solid)
+        if self.solids:
+            from musclewire.design.solid import require_cad
+
+            require_cad()
         require_figure_file(self.plot)

@@ -240,5 +240,10 @@ def write_files(made: PretensionerDesign, material: str, files: PartFiles) -> No
         )
         for path in files.drawings:
             write_drawing(serpentine_drawing(made.geometry, "serpentine pretensioner", note), path)
+    for path in files.solids:
+        from musclewire.design.solid import Solid, write_solid
+
+        drawing = serpentine_drawing(made.geometry, "serpentine pretensioner")
+        write_solid(Solid(drawing, made.geometry.depth_m), path)
     if files.plot is not None:
         save_figure(draw_pretensioner(made), files.plot)

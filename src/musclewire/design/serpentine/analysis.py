@@ -150,7 +150,7 @@ def analyse(
     the strip finds no balance.
     """
     asked = duty or Duty()
-    process = material.processes[0] if process is None else process
+    process = material.process_called(process)
     least = material.minimum_thickness_by(process)
     linear = tuple(linear_answer(geometry, material, across) for across in MESHES)
     guided = linear_answer(geometry, material, FINEST, guided=True)

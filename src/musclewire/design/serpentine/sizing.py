@@ -199,7 +199,7 @@ def tried(request: PretensionerRequest, form: Form) -> list[Candidate]:
 def judged(request: PretensionerRequest, geometry: SerpentineGeometry) -> Candidate:
     """Return a serpentine with the limit it exceeds most."""
     min_thickness_m, allowed = request.min_m, request.material.allowable_stress_pa.value
-    process = request.process or request.material.processes[0]
+    process = request.material.process_called(request.process)
     stress = closed_form.nominal_stress_pa(geometry, request.stiffness_n_per_m * request.travel_m)
     stress *= closed_form.corner_stress_factor(geometry)
     where = f"{request.stiffness_n_per_m:g} N/m of {request.material.name} with {geometry.beams} beams in this envelope"

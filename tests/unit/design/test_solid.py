@@ -1,0 +1,165 @@
+"""Solids judged by other programs: trimesh for STL, gmsh for STEP; the design says what they must find."""
+
+from __future__ import annotations
+
+import builtins
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from musclewire.design.drawing import polyline_m
+from musclewire.design.finger.finger_file_text import finger_geometry
+from musclewire.design.finger.geometry import FingerGeometry
+from musclewire.design.finger.solid import finger_solid
+from musclewire.design.serpentine.geometry import SerpentineGeometry
+from musclewire.design.serpentine.outline import serpentine_drawing
+from musclewire.design.solid import Solid, require_cad, write_solid
+from musclewire.errors import CallerError, MissingExtraError
+from musclewire.parameters.finger_file import load_finger
+
+# Loading two CAD kernels takes seconds.
+pytestmark = pytest.mark.slow
+# What the issue asks for: every dimension within 0.05 mm of the design.
+TOLERANCE_MM = 0.05
+SERPENTINE = SerpentineGeometry(4, 11.72e-3, 3.26e-3, 1.01e-3, 10e-3, 0.25e-3)
+
+
+def papers_finger() -> FingerGeometry:
+    return finger_geometry(load_finger("lan-fan-2010"))
+
+
+PARTS = {
+    "pretensioner": Solid(serpentine_drawing(SERPENTINE, "serpentine pretensioner"), SERPENTINE.depth_m),
+    "finger": finger_solid(papers_finger()),
+}
+
+
+@pytest.fixture(params=PARTS)
+def solid(request: pytest.FixtureRequest) -> Solid:
+    return PARTS[request.param]
+
+
+@pytest.fixture
+def gmsh() -> Iterator[Any]:
+    import gmsh
+
+    gmsh.initialize(interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+    yield gmsh
+    gmsh.finalize()
+
+
+def box_mm(solid: Solid) -> np.ndarray:
+    outline = 1e3 * polyline_m(solid.drawing.outline, 1e-3)
+    return np.array([[*outline.min(axis=0), 0.0], [*outline.max(axis=0), 1e3 * solid.depth_m]])
+
+
+def test_the_stl_is_a_watertight_oriented_solid_of_the_designs_volume_and_size(solid: Solid, tmp_path: Path) -> None:
+    write_solid(solid, tmp_path / "part.stl")
+    mesh = trimesh.load_mesh(tmp_path / "part.stl")
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.is_volume  # watertight, outward normals, volume above 0
+    assert len(mesh.split()) == 1
+    assert mesh.volume == pytest.approx(1e9 * solid.volume_m3, rel=1e-3)
+    assert mesh.bounds == pytest.approx(box_mm(solid), abs=TOLERANCE_MM)
+
+
+def test_the_stl_has_a_hole_for_each_of_the_drawing_and_each_bore(solid: Solid, tmp_path: Path) -> None:
+    write_solid(solid, tmp_path / "part.stl")
+    mesh = trimesh.load_mesh(tmp_path / "part.stl")
+    # Genus: the number of holes through a body follows from Euler's characteristic.
+    assert 1 - mesh.euler_number // 2 == len(solid.drawing.holes) + len(solid.bores)
+
+
+def test_another_program_reads_the_step_as_the_designed_solid(solid: Solid, tmp_path: Path, gmsh: Any) -> None:
+    write_solid(solid, tmp_path / "part.step")
+    (found,) = gmsh.model.occ.importShapes(str(tmp_path / "part.step"))
+    gmsh.model.occ.synchronize()
+    assert found[0] == 3
+    assert gmsh.model.occ.getMass(*found) == pytest.approx(1e9 * solid.volume_m3, rel=1e-6)
+    box = np.reshape(gmsh.model.occ.getBoundingBox(*found), (2, 3))
+    assert box == pytest.approx(box_mm(solid), abs=TOLERANCE_MM)
+
+
+def test_the_steps_holes_have_the_designs_diameters(solid: Solid, tmp_path: Path, gmsh: Any) -> None:
+    write_solid(solid, tmp_path / "part.step")
+    gmsh.model.occ.importShapes(str(tmp_path / "part.step"))
+    gmsh.model.occ.synchronize()
+    # A whole hole's wall has an area of pi d times its length; corners are quarters of cylinders.
+    walls = sorted(
+        gmsh.model.occ.getMass(2, tag)
+        for _, tag in gmsh.model.getEntities(2)
+        if gmsh.model.getType(2, tag) == "Cylinder"
+    )
+    depth = 1e3 * solid.depth_m
+    designed = [math.pi * 1e3 * hole.diameter_m * depth for hole in solid.drawing.holes]
+    designed += [math.pi * 1e6 * bore.diameter_m * bore.length_m for bore in solid.bores]
+    for area in designed:
+        nearest = min(walls, key=lambda wall: abs(wall - area))
+        assert nearest == pytest.approx(area, rel=1e-4)
+        walls.remove(nearest)
+
+
+@pytest.mark.parametrize("height_m", [1e-3, 5e-3, 9e-3])
+def test_a_cut_through_the_pretensioners_stl_is_as_wide_as_the_beams(height_m: float, tmp_path: Path) -> None:
+    write_solid(PARTS["pretensioner"], tmp_path / "part.stl")
+    mesh = trimesh.load_mesh(tmp_path / "part.stl")
+    cut = trimesh.intersections.mesh_plane(mesh, [0, 0, 1.0], [0, 0, 1e3 * height_m])
+    # Along a line beside the axis the beams' edges are met pairwise, each beam's thickness apart.
+    x = 1e3 * 0.4 * SERPENTINE.half_length_m
+    met = sorted(
+        a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])
+        for a, b in cut
+        if (a[0] - x) * (b[0] - x) < 0.0 and abs(b[0] - a[0]) > 1e-6
+    )
+    beams = np.array(met[2:]).reshape(-1, 2)  # the first two are the pad's edges
+    assert beams[:, 1] - beams[:, 0] == pytest.approx(1e3 * SERPENTINE.thickness_m, abs=TOLERANCE_MM)
+    whole = beams[1:] - beams[:-1]
+    assert whole == pytest.approx(1e3 * SERPENTINE.pitch_m, abs=TOLERANCE_MM)
+
+
+def test_nothing_is_printed_on_standard_output(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    for name in ("part.stl", "part.step"):
+        write_solid(PARTS["finger"], tmp_path / name)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_larger_tendon_hole_grows_towards_the_beam() -> None:
+    geometry = papers_finger().with_(beam_thickness_m=0.1e-3)
+    small, large = (finger_solid(geometry, size).bores[0] for size in (0.3e-3, 0.6e-3))
+    assert small.start_m[1] + 0.15e-3 == pytest.approx(large.start_m[1] + 0.3e-3)
+
+
+@pytest.mark.parametrize(
+    ("hole_m", "words"), [(2e-3, "between tendon and beam there is room for 0.98 mm"), (0.0, "does not fit")]
+)
+def test_a_tendon_hole_that_would_cut_the_beam_is_refused(hole_m: float, words: str) -> None:
+    with pytest.raises(CallerError, match=words):
+        finger_solid(papers_finger(), hole_m)
+
+
+def test_another_ending_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(CallerError, match=r"a solid is one of \.stl, \.step"):
+        write_solid(PARTS["finger"], tmp_path / "part.obj")
+
+
+def test_without_open_cascade_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    really = builtins.__import__
+
+    def without(called: str, *rest: Any, **more: Any) -> Any:
+        if called.partition(".")[0] == "OCP":
+            raise ImportError(called)
+        return really(called, *rest, **more)
+
+    require_cad.cache_clear()
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(MissingExtraError, match=r"needs the extra 'cad': pip install"):
+        write_solid(PARTS["finger"], tmp_path / "part.stl")
+    assert not list(tmp_path.iterdir())
