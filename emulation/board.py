@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -35,6 +36,7 @@ __all__ = ["EmulatedBoard", "firmware_for"]
 
 ROOT = Path(__file__).resolve().parents[1]
 FIRMWARE = ROOT / "firmware"
+RIG_FILES = ROOT / "src/musclewire/parameters/data/rigs"
 
 
 def firmware_for(board: str, folder: Path, options: Sequence[str] = ()) -> Path:
@@ -263,9 +265,12 @@ def main() -> int:
     parser.add_argument("--pace", choices=("clock", "lockstep"), default="clock")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=None, help="end by itself and print the rate of ticks")
+    parser.add_argument("--rig-file", type=Path, default=None, help="write a rig file with this board's port here")
     given = parser.parse_args()
     try:
         with EmulatedBoard(given.wire, pace=given.pace, seed=given.seed, board=given.board) as board:
+            if given.rig_file is not None:
+                given.rig_file.write_text(rig_file_text(given.board, given.wire, board.port_url), encoding="utf-8")
             print(f'port = "{board.port_url}"', flush=True)
             before = board.figures()
             wait(given.seconds)
@@ -275,6 +280,17 @@ def main() -> int:
         print(f"error: {error}", file=sys.stderr)
         return error.exit_code
     return 0
+
+
+def rig_file_text(board: str, wire: str, port_url: str) -> str:
+    """Return the rig file that is included for a board, with this port and this wire."""
+    text = (RIG_FILES / f"{'arduino-uno' if board == 'arduino-uno' else 'serial-board'}.toml").read_text(
+        encoding="utf-8"
+    )
+    for key, value in {"port": port_url, "wire": wire}.items():
+        text, found = re.subn(rf'^{key} = "[^"]*".*$', f'{key} = "{value}"', text, flags=re.M)
+        assert found == 1, f"{key} stands {found} times in the rig file of {board}"
+    return text
 
 
 def rate_of(before: Mapping[str, Any], after: Mapping[str, Any]) -> str:

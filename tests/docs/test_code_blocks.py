@@ -1,7 +1,8 @@
 """Every ``python`` and ``sh`` block of the pages runs, page by page, in one empty folder in the order it is read.
 
 Blocks marked ``console`` are for reading: setting up a checkout, and what needs a board, a card or a second terminal.
-They stand on the pages of ``FOR_READING`` only. ``mermaid`` is a drawing.
+They stand on the pages of ``FOR_READING`` only. ``mermaid`` is a drawing. The pages in ``docs/start`` begin in a
+checkout and need a second terminal: ``test_front_doors.py`` follows them.
 """
 
 from __future__ import annotations
@@ -41,7 +42,11 @@ def name_of(page: Path) -> str:
 
 # A quick page, whose blocks every run of the tests runs.
 ALWAYS = "rules.md"
-WITH_CODE = [page for page in PAGES if any(language in {"python", "sh"} for language, _ in blocks(page))]
+WITH_CODE = [
+    page
+    for page in PAGES
+    if page.parent.name != "start" and any(language in {"python", "sh"} for language, _ in blocks(page))
+]
 
 
 @pytest.mark.parametrize(

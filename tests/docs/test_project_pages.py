@@ -69,6 +69,6 @@ def test_the_changelog_has_this_version_and_every_command(commands: dict[str, An
 
 def test_every_page_of_the_documentation_is_linked_from_its_first_once_and_each_link_leads_to_one() -> None:
     first = (ROOT / "docs/README.md").read_text("utf-8")
-    linked = re.findall(r"\]\(((?:tutorials|how-to|reference|explanation)/[\w/.-]+\.md)\)", first)
+    linked = re.findall(r"\]\(((?:start|tutorials|how-to|reference|explanation)/[\w/.-]+\.md)\)", first)
     pages = {page.relative_to(ROOT / "docs").as_posix() for page in (ROOT / "docs").rglob("*.md")} - {"README.md"}
     assert sorted(linked) == sorted(pages)

