@@ -135,7 +135,11 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> Any:
-    """Load a public name from its home on first use."""
+    """Load a public name from its home on first use; ``__version__`` is that of the installed package."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("musclewire")
     if name not in _HOMES:
         raise AttributeError(f"module 'musclewire' has no attribute '{name}'")
     value = getattr(import_module(_HOMES[name]), name)

@@ -7,6 +7,7 @@ made safe; 130 and 143 interrupted by Ctrl-C and SIGTERM, rig made safe.
 from __future__ import annotations
 
 import sys
+from dataclasses import asdict
 from typing import Annotated, Any
 
 import typer
@@ -22,7 +23,7 @@ from musclewire.app.home_command import add_home_command
 from musclewire.app.import_command import add_import_command
 from musclewire.app.linearise_command import add_linearise_command
 from musclewire.app.model_commands import add_model_commands
-from musclewire.app.output import say
+from musclewire.app.output import emit_json, say, show
 from musclewire.app.paper_commands import add_paper_commands
 from musclewire.app.protection_command import add_protection_command
 from musclewire.app.recover_command import add_recover_command
@@ -33,7 +34,7 @@ from musclewire.app.stopping import STOPPED, Stopped, ignore_signals, listen_for
 from musclewire.app.sweep_command import add_sweep_command
 from musclewire.app.tune_command import add_tune_command
 from musclewire.app.wire_commands import add_wire_commands
-from musclewire.errors import MusclewireError
+from musclewire.errors import CallerError, MusclewireError
 
 __all__ = ["app", "main"]
 
@@ -41,31 +42,35 @@ __all__ = ["app", "main"]
 UsageProblem: Any = typer.BadParameter.__mro__[2]
 
 
-def show_version(asked: bool) -> None:
-    """Print the version and end."""
-    if asked:
-        from importlib.metadata import version
-
-        typer.echo(f"musclewire {version('musclewire')}")
-        raise typer.Exit
-
-
 app = typer.Typer(
     name="musclewire",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
 
-@app.callback()
+@app.callback(invoke_without_command=True)
 def options(
+    context: typer.Context,
     version: Annotated[
-        bool, typer.Option("--version", help="Print the version.", callback=show_version, is_eager=True)
+        bool, typer.Option("--version", help="Print the version, and what a report of a bug needs.")
     ] = False,
+    json: Annotated[bool, typer.Option("--json", help="With --version: print it as one JSON document.")] = False,
 ) -> None:
     """Position a shape-memory-alloy wire by its own electrical resistance, without a sensor."""
+    if version:
+        from musclewire.app.installation import installation, installation_text
+
+        found = installation()
+        emit_json(asdict(found)) if json else show(installation_text(found))
+        raise typer.Exit
+    if json:
+        raise CallerError(
+            "--json before a command needs --version; for a command's document, write 'musclewire COMMAND ... --json'"
+        )
+    if context.invoked_subcommand is None:
+        raise CallerError("no command was given: 'musclewire --help' lists them")
 
 
 add_rig_commands(app)

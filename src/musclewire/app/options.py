@@ -12,6 +12,7 @@ from typing import Annotated, Any, NamedTuple, overload
 
 import typer
 
+from musclewire.app import completion
 from musclewire.errors import CallerError
 
 __all__ = ["OLD_NAMES", "OPTIONS", "Json", "RigName", "in_si", "mapping", "renamed"]
@@ -86,7 +87,9 @@ METER_WIRE = quantity("--meter-wire", "V", "Reading of a meter across the wire a
 METER_SHUNT = quantity("--meter-shunt", "V", "Reading of a meter across the shunt at the sense voltage.")
 WRITE = option("--write", help="Write offsets, and gains by the meter, into the rig file.")
 RIG = option(
-    "--rig", help="Rig whose circuit and limits are taken: 'simulated', or a rig file of kind simulated or serial."
+    "--rig",
+    help="Rig whose circuit and limits are taken: 'simulated', or a rig file of kind simulated or serial.",
+    autocompletion=completion.rigs,
 )
 
 # The live page.
@@ -121,12 +124,18 @@ ESTIMATOR = option(
     "--estimator",
     help="Estimator by name: computes strain, displacement or force from voltages. Default: particle-filter with a "
     "wire file; without one gated in a closed loop, polynomial (the paper's) for a recording.",
+    autocompletion=completion.estimators,
 )
 CONTROLLER = option(
     "--controller",
     help="Controller by name: computes the drive voltage. Default: that of --gains, else fuzzy-pid.",
+    autocompletion=completion.controllers,
 )
-RULES = option("--rules", help="Rule base of the fuzzy tuning; see 'musclewire rules'. Default: zhao-1993.")
+RULES = option(
+    "--rules",
+    help="Rule base of the fuzzy tuning; see 'musclewire rules'. Default: zhao-1993.",
+    autocompletion=completion.rule_bases,
+)
 GAINS = option("--gains", help="Gains file from 'musclewire tune': controller and settings.")
 CLOSED_LOOP_TIME = quantity("--closed-loop-time", "s", "tau_c of the tuning rule; by default the dead time.")
 WIRE_FILE = option(
@@ -213,7 +222,11 @@ MARK_ERROR = quantity("--mark-error", "m", "Standard deviation of one mark, as '
 LENGTH_ERROR = quantity("--length-error", "m", "Standard deviation of the leg's stated length, as '0.5 mm'.", 1e-9, 1.0)
 
 # Wires, simulated and calibrated.
-WIRE = option("--wire", help="Wire by name ('musclewire simulate --list' shows all), or wire file (.toml).")
+WIRE = option(
+    "--wire",
+    help="Wire by name ('musclewire simulate --list' shows all), or wire file (.toml).",
+    autocompletion=completion.wires,
+)
 WIRE_LENGTH = quantity("--wire-length", "m", "Length of the wire between its terminals, both legs of a V together.")
 PRETENSION = quantity("--pretension", "N", "Pretension of the wire, both legs of a V together, as '0.71 N'.")
 SUPPLY = quantity("--supply", "V", "Supply voltage, as '5 V'.")
@@ -261,7 +274,11 @@ TRAVEL = quantity("--travel", "m", "Largest travel of the connector, where wire,
 FINGER_STIFFNESS = quantity(
     "--finger-stiffness", "N/m", "Stiffness of the finger on the same connector, which must be the greater one."
 )
-MATERIAL = option("--material", help="Material by name ('design pretensioner --list' shows all), or its .toml file.")
+MATERIAL = option(
+    "--material",
+    help="Material by name ('design pretensioner --list' shows all), or its .toml file.",
+    autocompletion=completion.materials,
+)
 PROCESS = option("--process", help="Manufacturing process, which limits how thin a beam can be; 'fdm' is 'print'.")
 ENVELOPE = option("--envelope", help="Room across the wire, along it, out of plane, as '24.6x27.6x10 mm'.")
 FILE = option("--file", help="Take all dimensions from a pretensioner's file.")
@@ -273,7 +290,11 @@ DEPTH = quantity("--depth", "m", "Depth of the part out of the plane of bending,
 MAX_DEPTH = quantity("--max-depth", "m", "Largest depth there is room for.")
 TENDON_HOLE = quantity("--tendon-hole", "m", "With --solid: diameter of the holes for the tendon's two legs.")
 CORNER_RADIUS = quantity("--corner-radius", "m", "Inner radius of corners; by default a quarter of the thickness.")
-FINGER = option("--finger", help="Take all dimensions from a finger, by name or .toml file.")
+FINGER = option(
+    "--finger",
+    help="Take all dimensions from a finger, by name or .toml file.",
+    autocompletion=completion.fingers,
+)
 OFFSET = quantity("--offset", "m", "With --thickness: distance of the tendon from the beam's centre line.")
 OVERALL_LENGTH = quantity("--overall-length", "m", "Length along the beam, extension plate included.")
 PLATE = quantity("--plate", "m", "Length of the extension plate.")
@@ -305,6 +326,7 @@ RigName = Annotated[
         metavar="RIG",
         help="'simulated', 'finger', 'gripper', or the path of a TOML rig file. Templates to copy: 'arduino-uno', "
         "'serial-board', 'ni-pci-6229', 'ni-usb-6001'.",
+        autocompletion=completion.rigs,
     ),
 ]
 

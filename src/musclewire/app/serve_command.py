@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from musclewire.app import completion
 from musclewire.app.commands import add_command
 from musclewire.app.options import CPU, HOST, OPEN, OUTPUT, PORT, REAL_TIME_PRIORITY, SEED, TOKEN_FILE
 from musclewire.app.output import say, show
@@ -30,6 +31,7 @@ Rigs = Annotated[
         metavar="RIG",
         help="Rigs to show next to each other: names or rig files, as for other commands.",
         show_default="simulated",
+        autocompletion=completion.rigs,
     ),
 ]
 

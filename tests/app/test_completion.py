@@ -1,0 +1,121 @@
+"""Names are completed as a shell asks for them; bash does so for real, with the Tab key."""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from musclewire.app import completion
+from musclewire.controllers import CONTROLLERS
+from musclewire.controllers.rules import rule_base_names
+from musclewire.parameters.library import names
+from musclewire.rigs.configuration import rig_names
+from musclewire.sensing import ESTIMATORS
+
+# Long enough for a machine that is busy with something else; a test ends as soon as the answer is there.
+PATIENCE_S = 60.0
+
+
+def test_all_names_are_offered_and_no_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert completion.rigs("") == rig_names()
+    assert completion.wires("") == names("wire")
+    assert completion.rule_bases("") == list(rule_base_names())
+    assert completion.estimators("") == list(ESTIMATORS.names())
+    assert completion.controllers("") == list(CONTROLLERS.names())
+
+
+def test_own_files_are_offered_next_to_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("finger_of_mine.toml", "finger_of_mine.h5", "bench.toml"):
+        (tmp_path / name).touch()
+    monkeypatch.chdir(tmp_path)
+    assert completion.rigs("fin") == ["finger", "finger_of_mine.toml"]
+    assert completion.rigs("./fin") == []  # a path is the shell's own business
+
+
+@pytest.fixture
+def environment(tmp_path: Path) -> dict[str, str]:
+    """Variables of a shell that finds this musclewire by its name."""
+    program = tmp_path / "bin" / "musclewire"
+    program.parent.mkdir()
+    program.write_text(f"#!{sys.executable}\nfrom musclewire.app.main import main\nmain()\n", "utf-8")
+    program.chmod(0o755)
+    home = {"HOME": str(tmp_path), "PATH": f"{program.parent}:{os.environ['PATH']}", "TERM": "dumb", "PS1": "$ "}
+    return {**os.environ, **home}
+
+
+def script_of(shell: str, environment: dict[str, str]) -> str:
+    asked = {**environment, "_MUSCLEWIRE_COMPLETE": f"source_{shell}"}
+    return subprocess.run(["musclewire"], env=asked, capture_output=True, text=True, check=True).stdout
+
+
+QUESTIONS = [
+    ("contr", "control"),
+    ("design fin", "finger"),
+    ("control ser", "serial-board"),
+    ("simulate --wire flexinol-0.10-l", "flexinol-0.10-lt"),
+    ("control simulated model.json --estim", "--estimator"),
+    ("control simulated model.json --rules zh", "zhao-1993"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("typed", "answer"), QUESTIONS)
+def test_bash_completes(typed: str, answer: str, environment: dict[str, str]) -> None:
+    words = ["musclewire", *typed.split(" ")]
+    lines = [
+        script_of("bash", environment),
+        f"COMP_WORDS=({' '.join(words)}); COMP_CWORD={len(words) - 1}",
+        "_musclewire_completion musclewire; printf '%s\\n' \"${COMPREPLY[@]}\"",
+    ]
+    done = subprocess.run(["bash", "-c", "\n".join(lines)], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == [answer]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shell", ["zsh", "fish"])
+@pytest.mark.parametrize(("typed", "answer"), QUESTIONS[1:4])
+def test_zsh_and_fish_are_answered_what_their_lines_ask(
+    shell: str, typed: str, answer: str, environment: dict[str, str]
+) -> None:
+    asked = {"_MUSCLEWIRE_COMPLETE": f"complete_{shell}", "_TYPER_COMPLETE_ARGS": f"musclewire {typed}"}
+    assert all(name in script_of(shell, environment) for name in asked)
+    asked["_TYPER_COMPLETE_FISH_ACTION"] = "get-args"
+    done = subprocess.run(["musclewire"], env={**environment, **asked}, capture_output=True, text=True, check=False)
+    assert answer in done.stdout
+
+
+@pytest.mark.slow
+def test_the_tab_key_completes_a_command_in_bash(tmp_path: Path, environment: dict[str, str]) -> None:
+    lines = tmp_path / "completion.sh"
+    lines.write_text(script_of("bash", environment), "utf-8")
+    ours, theirs = pty.openpty()
+    shell = subprocess.Popen(
+        ["bash", "--norc", "-i"], stdin=theirs, stdout=theirs, stderr=theirs, env=environment, cwd=tmp_path
+    )
+    try:
+        os.write(ours, f"source {lines}; echo ready-$((40 + 2))\n".encode())
+        read_until(ours, b"ready-42")
+        os.write(ours, b"musclewire charac\t")
+        read_until(ours, b"musclewire characterize ")
+    finally:
+        shell.kill()
+        shell.wait()
+        os.close(ours)
+        os.close(theirs)
+
+
+def read_until(terminal: int, text: bytes) -> None:
+    """Read what a terminal shows until a text is there."""
+    shown = b""
+    until = time.monotonic() + PATIENCE_S
+    while text not in shown:
+        assert select.select([terminal], [], [], max(until - time.monotonic(), 0.0))[0], shown
+        shown += os.read(terminal, 4096)

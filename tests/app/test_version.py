@@ -1,0 +1,80 @@
+"""What --version says is what is installed."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import musclewire as mw
+from musclewire.app.installation import REQUIREMENT, commit_of
+from musclewire.rigs.serial.message_types import PROTOCOL_VERSION
+
+
+def test_the_first_line_is_the_version_alone(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("--version")
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.splitlines()[0] == f"musclewire {importlib.metadata.version('musclewire')}"
+
+
+def test_the_document_says_what_is_there(musclewire: Callable[..., Any]) -> None:
+    found = musclewire("--version", "--json").json
+    assert found["packages"]["numpy"] == np.__version__
+    assert found["packages"]["llvmlite"] == importlib.metadata.version("llvmlite")
+    assert found["extras"]["pandas"] is True
+    assert not {"test", "dev"} & set(found["extras"])
+    assert found["firmware_protocol"] == PROTOCOL_VERSION
+
+
+def test_the_version_is_an_attribute_as_everywhere() -> None:
+    assert mw.__version__ == importlib.metadata.version("musclewire")
+
+
+@pytest.mark.parametrize("arguments", [["--json"], ["--json", "rules"]])
+def test_json_before_a_command_is_one_line_and_exit_code_2(
+    musclewire: Callable[..., Any], arguments: list[str]
+) -> None:
+    answer = musclewire(*arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert "musclewire COMMAND ... --json" in answer.err
+
+
+@pytest.mark.parametrize(
+    ("requirement", "name", "extra"),
+    [
+        ("numpy>=1.26", "numpy", None),
+        ("pyarrow>=15; extra == 'parquet'", "pyarrow", "parquet"),
+        ('nidaqmx[grpc]<2,>=1.7; python_version < "4" and extra == "nidaq"', "nidaqmx", "nidaq"),
+        ("scikit-fem", "scikit-fem", None),
+    ],
+)
+def test_a_requirement_is_a_name_and_an_extra(requirement: str, name: str, extra: str | None) -> None:
+    match = REQUIREMENT.match(requirement)
+    assert match is not None
+    assert match.groups() == (name, extra)
+
+
+def test_a_folder_that_is_no_checkout_has_no_commit(tmp_path: Path) -> None:
+    assert commit_of(tmp_path) is None
+
+
+@pytest.mark.slow
+def test_the_commit_of_a_checkout_and_whether_it_was_changed(tmp_path: Path) -> None:
+    def git(*arguments: str) -> str:
+        who = ("-c", "user.name=a", "-c", "user.email=a@b")
+        done = subprocess.run(["git", *who, *arguments], cwd=tmp_path, capture_output=True, text=True, check=True)
+        return done.stdout.strip()
+
+    (tmp_path / "pyproject.toml").touch()
+    git("init", "-q")
+    git("add", "-A")
+    git("commit", "-q", "-m", "first")
+    name = git("rev-parse", "--short=12", "HEAD")
+    assert commit_of(tmp_path) == name
+    (tmp_path / "another").touch()
+    assert commit_of(tmp_path) == f"{name}, with changes"
