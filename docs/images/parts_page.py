@@ -1,4 +1,4 @@
-"""The generated parts of docs/how-to/wire_the_circuit.md: parts lists from the data files, the table of wires."""
+"""The generated parts of the wiring guides: parts lists, wiring tables, reasons, and the table of wires."""
 
 from __future__ import annotations
 
@@ -9,9 +9,17 @@ from musclewire.parameters.parts import load_parts
 
 __all__ = ["WIRES", "block"]
 
-# The block that is no parts list: what ``musclewire simulate --table`` prints.
+# The block that is about no circuit: what ``musclewire simulate --table`` prints.
 WIRES = "wires"
 LENGTH_M, AMBIENT_K = 0.14, 295.15
+
+
+def block(name: str) -> str:
+    """Return a block by its name: ``wires``, or ``list``, ``wiring`` or ``reasons`` and a circuit's name."""
+    if name == WIRES:
+        return wires_block()
+    kind, _, circuit = name.partition(" ")
+    return {"list": list_block, "wiring": wiring_block, "reasons": reasons_block}[kind](circuit)
 
 
 def wires_block() -> str:
@@ -20,20 +28,30 @@ def wires_block() -> str:
     return "\n".join(f"    {line}".rstrip() for line in table.splitlines())
 
 
-def block(name: str) -> str:
-    """Return a list as a table with its total, or the table of wires."""
-    if name == WIRES:
-        return wires_block()
-    parts = load_parts(name)
+def list_block(circuit: str) -> str:
+    """Return what to buy, with the sum of the estimates."""
+    parts = load_parts(circuit)
     lines = [
-        f"For {parts.wire}. Prices are estimates as of {parts.prices_of} for one piece, not looked up in a shop.",
+        f"For {parts.wire}. Prices are estimates of {parts.prices_of} for one piece; none was looked up in a shop.",
         "",
-        "| Part | Value | What | Why | About EUR |",
-        "|---|---|---|---|---|",
-        *(f"| {one.label} | {one.value} | {one.what} | {one.why} | {one.price_eur:.2f} |" for one in parts.part),
-        f"| together | | | | {parts.total_eur:.2f} |",
+        "| Part | Value | What | EUR |",
+        "|---|---|---|---|",
+        *(f"| {one.label} | {one.value} | {one.what} | {one.price_eur:.2f} |" for one in parts.part),
+        f"| together | | | {parts.total_eur:.2f} |",
     ]
-    boards = [one for one in parts.part if one.board]
-    if boards:
-        lines += ["", f"The board alone: about {sum(one.price_eur for one in boards):.2f} EUR."]
     return "\n".join(lines)
+
+
+def wiring_block(circuit: str) -> str:
+    """Return what each net joins: parts, their pin numbers, and the pins' names where they have one."""
+    lines = ["| Net | Joins |", "|---|---|"]
+    for net, pins in load_parts(circuit).nets().items():
+        joined = ", ".join(f"{label}.{pin.pin}" + (f" ({pin.name})" if pin.name else "") for label, pin in pins)
+        lines.append(f"| {net} | {joined} |")
+    return "\n".join(lines)
+
+
+def reasons_block(circuit: str) -> str:
+    """Return why each part is there, and where its numbers come from."""
+    rows = [f"| {one.label} | {one.value} | {one.why} | {one.source} |" for one in load_parts(circuit).part]
+    return "\n".join(["| Part | Value | Why | Source |", "|---|---|---|---|", *rows])

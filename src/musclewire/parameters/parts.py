@@ -1,6 +1,7 @@
-"""Parts lists of the circuits in the wiring guide: each part with value, reason, source, and an estimated price.
+"""Parts lists of the circuits in the wiring guide: each part with value, reason, source, price and connections.
 
-Prices are estimates in euros for one piece, as of the month that the list states; none was looked up in a shop.
+Prices are estimates in euros for one piece, as of the month that the list states; none was looked up in a shop. The
+pins of the parts are the netlist: drawing, wiring table, schematic and layout of a circuit come from it.
 """
 
 from __future__ import annotations
@@ -16,13 +17,26 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 
-__all__ = ["CircuitPart", "PartsList", "load_parts", "parts_names"]
+__all__ = ["CircuitPart", "CircuitPin", "PartsList", "load_parts", "parts_names"]
 
 Checked = ConfigDict(extra="forbid", frozen=True)
 
 
+class CircuitPin(BaseModel):
+    """One pin of a part: its number, its name where it has one, and the net that it is on."""
+
+    model_config = Checked
+
+    pin: str = Field(min_length=1)
+    name: str = ""
+    net: str = Field(min_length=1)
+
+
 class CircuitPart(BaseModel):
-    """One part: its label in the drawing, its value, kind and purpose, and the source of its numbers."""
+    """One part: its label in the drawing, its value, kind and purpose, the source of its numbers, and its pins.
+
+    ``symbol`` and ``footprint`` are names in KiCad's libraries; a part that is not on the circuit board has none.
+    """
 
     model_config = Checked
 
@@ -33,6 +47,9 @@ class CircuitPart(BaseModel):
     price_eur: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
     source: str = Field(min_length=3)
     board: bool = False
+    symbol: str = ""
+    footprint: str = ""
+    pins: tuple[CircuitPin, ...] = ()
 
 
 class PartsList(BaseModel):
@@ -54,6 +71,22 @@ class PartsList(BaseModel):
     def values(self) -> dict[str, str]:
         """Return the values by the parts' labels."""
         return {part.label: part.value for part in self.part}
+
+    def nets(self) -> dict[str, list[tuple[str, CircuitPin]]]:
+        """Return what each net joins: the parts' labels, each with its pin."""
+        joined: dict[str, list[tuple[str, CircuitPin]]] = {}
+        for part in self.part:
+            for pin in part.pins:
+                joined.setdefault(pin.net, []).append((part.label, pin))
+        return joined
+
+    def pin(self, label: str, number: str) -> CircuitPin:
+        """Return a part's pin by its number. Raises CallerError for an unknown one."""
+        for part in self.part:
+            for pin in part.pins:
+                if (part.label, pin.pin) == (label, number):
+                    return pin
+        raise CallerError(f"the circuit '{self.name}' has no pin {number} at a part '{label}'")
 
 
 def folder_of_parts() -> Path:

@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 from musclewire.errors import CallerError
+from musclewire.identify.catalogue_check import PULL_STRESS_PA
+from musclewire.identify.wire_table import wire_row
 from musclewire.parameters.parts import load_parts, parts_names
 
-DRAWN = (Path(__file__).resolve().parents[3] / "docs/images/draw_circuits.py").read_text("utf-8")
 SYMBOL = re.compile(r"^(?:[A-Z]\d|RCL|RS)$")
 
 
@@ -26,10 +27,30 @@ def test_every_part_has_one_label_a_source_and_a_price(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", parts_names())
-def test_every_symbol_of_a_list_is_drawn(name: str) -> None:
-    symbols = [part.label for part in load_parts(name).part if SYMBOL.match(part.label)]
-    assert len(symbols) >= 9
-    assert [label for label in symbols if f'"{label}"' not in DRAWN] == []
+def test_every_part_of_the_circuit_has_its_pins_and_no_net_has_one_end_only_but_the_supplies(name: str) -> None:
+    parts = load_parts(name)
+    assert [one.label for one in parts.part if SYMBOL.match(one.label) and len(one.pins) < 2] == []
+    numbers = [(one.label, pin.pin) for one in parts.part for pin in one.pins]
+    assert len(numbers) == len(set(numbers))
+    lonely = {net for net, joined in parts.nets().items() if len(joined) == 1}
+    assert lonely <= {"SUPPLY", "PLUS", "MINUS"}
+
+
+@pytest.mark.parametrize("name", parts_names())
+def test_every_rail_has_a_fuse(name: str) -> None:
+    nets = load_parts(name).nets()
+    fused = {"board": {"SUPPLY", "+5V"}, "button": {"SUPPLY"}, "ni-card": {"PLUS", "MINUS"}}[name]
+    assert all(any(label.startswith("F") for label, _ in nets[net]) for net in fused)
+
+
+@pytest.mark.parametrize("name", ["board", "button"])
+def test_no_failed_transistor_drives_more_than_the_wire_may_carry_for_long(name: str) -> None:
+    parts = load_parts(name)
+    label = {"board": "R8", "button": "R1"}[name]
+    limit_a = 1.25 / float(parts.values()[label].split()[0])
+    row = wire_row("flexinol-0.10-lt", 0.14, PULL_STRESS_PA, 295.15)
+    assert row.one_second_current_a < limit_a < row.lasting_current_a
+    assert float(parts.values()["F1"].split()[0]) > limit_a
 
 
 def test_the_board_costs_less_than_thirty_euros() -> None:
@@ -59,6 +80,11 @@ def test_the_board_is_wired_as_its_firmware_reads_it() -> None:
     assert values["U2"] == "INA180A1"
     assert (board["shunt_gain"], board["divider_share"]) == (20.0, 1.0)
     assert 1e3 * board["converter_range_v"] / board["shunt_gain"] == 250.0
+
+
+def test_a_pin_that_is_not_there_is_named() -> None:
+    with pytest.raises(CallerError, match="has no pin 9 at a part 'U1'"):
+        load_parts("board").pin("U1", "9")
 
 
 def test_a_list_that_is_not_there_suggests_the_nearest() -> None:
