@@ -227,9 +227,11 @@ class Installed(Place):
         return Terminal((), self.home, str(self.home), {**os.environ, "COLUMNS": "120"})
 
 
-# What a machine needs to reach its registries; copied where it is there.
-ADDRESSES = ("/etc/resolv.conf", "/etc/hosts", "/etc/pip.conf", "/root/.config/pip", "/etc/ssl/certs", "/opt/wheels")
-PASSED_ON = re.compile(r"(PIP|SSL|CURL|REQUESTS)_.*|https?_proxy|no_proxy", re.I)
+# How this machine reaches Debian and PyPI: copied where it is there, and no part of what a reader does. Debian writes its
+# own list of certificates when a package brings them, so this machine's has a name of its own.
+ADDRESSES = ("/etc/resolv.conf", "/etc/hosts", "/etc/pip.conf", "/root/.config/pip")
+CERTIFICATES, THEIR_COPY = Path("/etc/ssl/certs/ca-certificates.crt"), "/opt/certificates.crt"
+PASSED_ON = re.compile(r"PIP_(?!FIND_LINKS).*|https?_proxy|no_proxy", re.I)
 MOUNTS = "mount -t proc proc {0}/proc && mount -t tmpfs tmpfs {0}/dev/shm && exec chroot {0} env -i "
 
 
@@ -246,6 +248,8 @@ class Bare(Place):
                 shutil.copytree(name, root / name[1:], dirs_exist_ok=True)
             elif Path(name).exists():
                 shutil.copy(name, root / name[1:])
+        if CERTIFICATES.exists():
+            shutil.copy(CERTIFICATES, root / THEIR_COPY[1:])
         super().__init__(root / "root")
         self.root = root
         readme = (ROOT / "README.md").read_text("utf-8")
@@ -262,6 +266,8 @@ class Bare(Place):
             "PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin",
             "COLUMNS": "120",
         }
+        if CERTIFICATES.exists():
+            bare["PIP_CERT"] = THEIR_COPY
         given = " ".join(f"{name}='{value}'" for name, value in (passed | bare).items())
         command = MOUNTS.format(self.root) + given + " DEBIAN_FRONTEND=noninteractive LANG=C.UTF-8 bash"
         return Terminal(("unshare", "--mount", "sh", "-c", command), self.root / "root", "/root", dict(os.environ))

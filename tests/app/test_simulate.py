@@ -182,6 +182,9 @@ def test_a_duty_heats_in_pulses_and_shows_largest_and_final_contraction(musclewi
     assert pulsed["energy_j"] == pytest.approx(0.5 * steady["energy_j"], rel=0.15)  # a cooler wire has more resistance
     assert pulsed["current_mean_a"] == pytest.approx(0.5 * 0.2, rel=0.03)
     assert pulsed["largest_contraction_pct"] >= pulsed["contraction_pct"] > pulsed["final_contraction_pct"]
+    assert steady["last_period_pct"] is None
+    lowest, highest = pulsed["last_period_pct"]
+    assert 0.0 < lowest < highest <= pulsed["largest_contraction_pct"]
     assert "on for 50 % of every 1 s" in musclewire("simulate", "--duty", "0.5").out
 
 

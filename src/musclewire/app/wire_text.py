@@ -38,6 +38,9 @@ def answer_json(answer: SupplySizing, recording: Path | None) -> dict[str, Any]:
         "contraction_pct": 100 * numbers.contraction,
         "largest_contraction_pct": 100 * numbers.max_contraction,
         "final_contraction_pct": 100 * numbers.final_contraction,
+        "last_period_pct": None
+        if plan.request.duty is None
+        else [100 * numbers.last_period_lowest, 100 * numbers.last_period_highest],
         "contraction_m": numbers.contraction * plan.request.length_m,
         "stroke_pct": 100 * best.stroke,
         "contraction_share_pct": 100 * numbers.contraction / best.stroke,
@@ -76,6 +79,7 @@ def answer_text(answer: SupplySizing) -> str:
         f"{100 * numbers.contraction / best.stroke:.0f} % of a full stroke of {100 * best.stroke:.2f} %; "
         + ("90 % not reached" if numbers.contracted_s is None else f"90 % after {numbers.contracted_s:.2f} s"),
         f"{'':16}{100 * numbers.max_contraction:.2f} % at most, {100 * numbers.final_contraction:.2f} % when it ends",
+        *period_lines(answer),
         f"  temperature   {numbers.temperature_peak_k - ZERO_DEGC_K:.0f} C at most (the simulation's truth; no "
         f"instrument shows it); {left_on}",
         f"  electrical    {amperes(numbers.current_mean_a)} on average, {numbers.voltage_peak_v:.2f} V and "
@@ -109,6 +113,19 @@ def duty_words(plan: SupplyPlan) -> str:
     if plan.request.duty is None:
         return ""
     return f", on for {100 * plan.pulses.on / plan.pulses.period:.0f} % of every {plan.request.duty_period_s:g} s"
+
+
+def period_lines(answer: SupplySizing) -> list[str]:
+    """Return how far a pulsed wire moves to and fro, and how often; nothing for one without pauses."""
+    request, numbers = answer.plan.request, answer.numbers
+    if request.duty is None:
+        return []
+    moved = numbers.last_period_highest - numbers.last_period_lowest
+    return [
+        f"  to and fro    {100 * moved:.2f} % = {1e3 * request.length_m * moved:.2f} mm in the last period, from "
+        f"{100 * numbers.last_period_lowest:.2f} to {100 * numbers.last_period_highest:.2f} %; "
+        f"{1.0 / request.duty_period_s:.3g} times a second"
+    ]
 
 
 def cooling_words(answer: SupplySizing) -> str:

@@ -112,6 +112,8 @@ class DriveNumbers:
     contraction: float
     max_contraction: float
     final_contraction: float
+    last_period_lowest: float
+    last_period_highest: float
     contracted_s: float | None
     cooling_s: float | None
     current_mean_a: float
@@ -307,7 +309,8 @@ def usable_one_second_current(wire: Wire, bench: Bench, ambient_k: float) -> One
 def drive_numbers(recording: Recording, on_s: float, stroke: float, period_samples: int = 1) -> DriveNumbers:
     """Return the numbers of a recorded drive whose first sample was cold and which was then on for ``on_s``.
 
-    With pulses, ``power_end_w`` is the mean over the last of their periods.
+    With pulses, ``power_end_w`` is the mean over the last of their periods, and the wire moves between
+    ``last_period_lowest`` and ``last_period_highest`` in it; without pulses both are the contraction at the end.
     """
     period = recording.facts.sample_period_s
     time_s, moved_m = recording["time_s"] - period, recording["displacement_m"]
@@ -321,6 +324,8 @@ def drive_numbers(recording: Recording, on_s: float, stroke: float, period_sampl
         contraction=float(contraction[end]),
         max_contraction=float(contraction.max()),
         final_contraction=float(contraction[-1]),
+        last_period_lowest=float(contraction[last_period].min()),
+        last_period_highest=float(contraction[last_period].max()),
         contracted_s=first_time(time_s, contraction >= 0.9 * stroke),
         cooling_s=cooling_time(time_s[end:] - time_s[end], contraction[end:]),
         current_mean_a=float(current[on].mean()),
