@@ -227,8 +227,8 @@ class Installed(Place):
         return Terminal((), self.home, str(self.home), {**os.environ, "COLUMNS": "120"})
 
 
-# How this machine reaches Debian and PyPI: copied where it is there, and no part of what a reader does. Debian writes its
-# own list of certificates when a package brings them, so this machine's has a name of its own.
+# How this machine reaches Debian and PyPI: copied where it is there, and no part of what a reader does. Debian writes
+# its own list of certificates when a package brings them, so this machine's has a name of its own.
 ADDRESSES = ("/etc/resolv.conf", "/etc/hosts", "/etc/pip.conf", "/root/.config/pip")
 CERTIFICATES, THEIR_COPY = Path("/etc/ssl/certs/ca-certificates.crt"), "/opt/certificates.crt"
 PASSED_ON = re.compile(r"PIP_(?!FIND_LINKS).*|https?_proxy|no_proxy", re.I)
