@@ -109,9 +109,11 @@ def test_given_dimensions_are_answered_in_words(musclewire: Callable[..., Any]) 
 def test_a_beam_that_some_process_makes_is_no_warning_without_a_process(musclewire: Callable[..., Any]) -> None:
     # POM is laser-cut from 1 mm and milled from 0.8 mm.
     dimensions = ("--thickness", "0.85 mm", "--offset", "3 mm", "--depth", "4 mm", "--endpoint", "0.5 mm")
-    answer = musclewire(*COMMAND, *dimensions)
+    answer = musclewire(*COMMAND, *dimensions, "--columns", "2", "--column-width", "0.9 mm")
     assert answer.code in {0, 1}, answer.err
     assert "process" not in answer.err
+    columns = musclewire(*COMMAND, *dimensions)
+    assert "no process listed for pom makes columns of 0.3 mm: the finest, mill, makes 0.8 mm" in columns.err
     thinner = musclewire(*COMMAND, *dimensions, "--process", "laser-cut")
     assert (thinner.code, "1 mm" in thinner.err) == (2, True)
 

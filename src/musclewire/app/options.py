@@ -288,7 +288,7 @@ PITCH = quantity("--pitch", "m", "Distance between the centre lines of beams, p.
 THICKNESS = quantity("--thickness", "m", "Compute given dimensions: thickness of a beam in the plane of bending, t.")
 DEPTH = quantity("--depth", "m", "Depth of the part out of the plane of bending, b.")
 MAX_DEPTH = quantity("--max-depth", "m", "Largest depth there is room for.")
-TENDON_HOLE = quantity("--tendon-hole", "m", "With --solid: diameter of the holes for the tendon's two legs.")
+TENDON_HOLE = quantity("--tendon-hole", "m", "Diameter of the solid's holes for the tendon's two legs.")
 CORNER_RADIUS = quantity("--corner-radius", "m", "Inner radius of corners; by default a quarter of the thickness.")
 FINGER = option(
     "--finger",

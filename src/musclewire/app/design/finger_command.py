@@ -166,7 +166,7 @@ def finger(
 
     del options_file  # its values have become those of the options
     section.require_one_way()
-    require_effect(context, section, obstacle, wire, files)
+    require_effect(context, section, obstacle, wire)
     files.require("finger")
     material = load_material(task.material)
     request = requested(section, beam, task, material) if section.stiffness is not None else None
@@ -185,7 +185,10 @@ def finger(
             refined=refined,
         )
     )
-    write_files(answer, files, in_si("--tendon-hole", task.tendon_hole) or 0.0)
+    hole_m = in_si("--tendon-hole", task.tendon_hole) or 0.0
+    if "tendon_hole" in given_options(context):
+        require_tendon_holes(answer.geometry, hole_m)
+    write_files(answer, files, hole_m)
     if json:
         emit_json(answer_json(answer, files.output, files.drawings, files.solids))
     else:
@@ -207,24 +210,18 @@ NEEDS = {
     "pretension": "--wire",
     "pretensioner": "--wire",
     "max_depth": "--stiffness",
-    "tendon_hole": "--solid",
 }
 OF_A_FILE = ("depth", "overall_length", "plate", "columns", "column_width", "inward_angle", "process")
 
 
 def require_effect(
-    context: typer.Context,
-    section: SectionOptions,
-    obstacle: ObstacleOptions,
-    wire: WireOptions,
-    files: PartFiles,
+    context: typer.Context, section: SectionOptions, obstacle: ObstacleOptions, wire: WireOptions
 ) -> None:
     """Raise CallerError for an option that was given and would change nothing with the others as they are."""
     others = {
         "--stiffness": section.stiffness,
         "--wire": wire.wire,
         "--object-stiffness": obstacle.object_stiffness,
-        "--solid": files.solid or None,
     }
     for name in given_options(context):
         option = f"--{name.replace('_', '-')}"
@@ -298,6 +295,13 @@ def geometry_from_file(name: str) -> FingerGeometry:
     from musclewire.parameters.finger_file import load_finger
 
     return finger_geometry(load_finger(name))
+
+
+def require_tendon_holes(geometry: FingerGeometry, diameter_m: float) -> None:
+    """Raise CallerError for tendon holes that do not fit, whether or not a solid is written."""
+    from musclewire.design.finger.solid import require_room
+
+    require_room(geometry, diameter_m)
 
 
 def write_files(answer: FingerStudyResult, files: PartFiles, tendon_hole_m: float) -> None:

@@ -81,7 +81,8 @@ def answer_text(answer: FingerStudyResult) -> str:
         f"{friction.easing_n:.3f} N easing (friction {answer.study.friction:g})",
         f"  endpoint load 1 N back costs {answer.slope.tendon_force_per_endpoint_force:.2f} N at the tendon and "
         f"{MM * answer.slope.endpoint_compliance_m_per_n:.2f} mm",
-        f"  stress        {MPA * answer.stress_pa:.1f} MPa; {answer.study.material.name} yields at "
+        f"  stress        {MPA * answer.stress_pa:.1f} MPa, a strain of "
+        f"{100 * answer.stress_pa / geometry.youngs_modulus_pa:.2g} %; {answer.study.material.name} yields at "
         f"{MPA * answer.study.material.yield_stress_pa.value:g} MPa",
     ]
     return "\n".join([*lines, *load_lines(answer), *scheme_lines(answer), "", *check_lines(answer.checks)])

@@ -97,8 +97,10 @@ def duty_lines(made: PretensionerDesign) -> list[str]:
         )
     return [
         f"  travel      {MM * made.travel_m:.2f} mm{parts}",
-        f"  stress      {MPA * made.stress_pa:.1f} MPa there; {MPA * material.allowable_stress_pa.value:g} MPa are "
-        f"allowed for long, {MPA * material.yield_stress_pa.value:g} MPa are the yield stress",
+        f"  stress      {MPA * made.stress_pa:.1f} MPa there, a strain of "
+        f"{100 * made.stress_pa / material.youngs_modulus_pa.value:.2g} %; "
+        f"{MPA * material.allowable_stress_pa.value:g} MPa are allowed for long, "
+        f"{MPA * material.yield_stress_pa.value:g} MPa are the yield stress",
     ]
 
 

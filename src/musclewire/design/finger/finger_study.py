@@ -317,6 +317,11 @@ def warnings_of(study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibr
             f"no process listed for {material.name} makes a beam of {1e3 * geometry.beam_thickness_m:.2f} mm: the "
             f"finest, {finest}, makes {1e3 * min_thickness_m:g} mm; a strip of film, or micro-moulding"
         )
+    elif geometry.column_width_m < min_thickness_m:
+        found.append(
+            f"no process listed for {material.name} makes columns of {1e3 * geometry.column_width_m:g} mm: the finest, "
+            f"{finest}, makes {1e3 * min_thickness_m:g} mm"
+        )
     return found
 
 

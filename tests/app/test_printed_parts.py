@@ -1,0 +1,83 @@
+"""The parts of examples/printed: all checks hold, no warning, thick enough for the printer, as on the page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from musclewire.design.finger.chain import finger_chain
+from musclewire.design.finger.curve import beam_stress_pa
+from musclewire.design.finger.geometry import FingerGeometry
+from musclewire.design.finger.statics import equilibria
+from musclewire.parameters.materials import load_material
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "examples" / "printed"
+PAGE = (ROOT / "docs/how-to/print_a_finger.md").read_text("utf-8")
+FINGERS = {"petg_finger": "petg", "tpu_finger": "tpu-95a"}
+
+
+@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.toml")), ids=lambda path: path.stem)
+def test_the_page_has_the_file(path: Path) -> None:
+    lines = [line for line in path.read_text("utf-8").splitlines() if not line.startswith("#")]
+    assert f"cat > {path.name} <<'END'\n" + "\n".join(lines) + "\nEND\n" in PAGE
+
+
+def stress_at(dimensions: dict[str, float], travel_m: float) -> float:
+    """The beam's largest stress where the fully heated wire pulls it to, further than was asked for."""
+    geometry = FingerGeometry(**{key: value for key, value in dimensions.items() if key != "segment_length_m"})
+    steps = np.linspace(0.0, travel_m, 9)
+    there = equilibria(finger_chain(geometry), geometry.stiffness_n_m2, steps)[-1]
+    return float(beam_stress_pa(geometry, there).max())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "material"), FINGERS.items())
+def test_the_finger_keeps_every_limit_of_printer_material_and_wire(
+    name: str, material: str, musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
+    answer = musclewire("design", "finger", FOLDER / f"{name}.toml", "--solid", tmp_path / "finger.stl", "--json")
+    assert answer.code == 0, answer.err
+    found, made_of = answer.json, load_material(material)
+    assert found["holds"]
+    assert found["warnings"] == []
+    thinnest_m = made_of.minimum_thickness_by("fdm")
+    assert found["geometry"]["beam_thickness_m"] >= thinnest_m
+    assert found["geometry"]["column_width_m"] >= thinnest_m
+    assert stress_at(found["geometry"], found["wire"]["travel_m"]) < made_of.allowable_stress_pa.value
+    assert found["wire"]["wire_stress_pa"] < 172e6  # what the vendor allows
+    mesh = trimesh.load_mesh(tmp_path / "finger.stl")
+    assert mesh.is_volume
+    assert mesh.extents[2] == pytest.approx(1e3 * found["geometry"]["beam_depth_m"], abs=0.05)
+
+
+@pytest.mark.slow
+def test_the_pretensioner_keeps_every_limit_of_printer_and_material(
+    musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
+    file = FOLDER / "petg_pretensioner.toml"
+    answer = musclewire("design", "pretensioner", file, "--solid", tmp_path / "part.stl", "--json")
+    assert answer.code == 0, answer.err
+    found = answer.json
+    assert found["holds"]
+    assert found["process"] == "print"
+    assert found["geometry"]["thickness_m"] >= load_material("petg").minimum_thickness_by("print")
+    assert found["stress_max_pa"] < found["stress_allowable_pa"]
+    mesh = trimesh.load_mesh(tmp_path / "part.stl")
+    geometry = found["geometry"]
+    size = [geometry[key] for key in ("across_m", "along_m", "depth_m")]
+    assert mesh.is_volume
+    assert np.asarray(mesh.extents) == pytest.approx(1e3 * np.array(size), abs=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("material", "words"), [("petg", "42.7 times that"), ("tpu-95a", "1.349 mm deep")])
+def test_the_papers_finger_cannot_be_printed(material: str, words: str, musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("design", "finger", "--material", material, "--process", "fdm", "--stiffness", "1084.4 N/m")
+    assert answer.code == 2
+    assert words in answer.err
