@@ -67,8 +67,21 @@ def test_the_changelog_has_this_version_and_every_command(commands: dict[str, An
     assert set(commands) <= set(code_words(text))
 
 
+def linked_from(page: str, folders: str) -> list[str]:
+    """Return the pages in some folders beside a page that its links lead to."""
+    text = (ROOT / page).read_text("utf-8")
+    return re.findall(rf"\]\(((?:{folders})[\w/.-]+\.(?:md|ipynb))\)", text)
+
+
 def test_every_page_of_the_documentation_is_linked_from_its_first_once_and_each_link_leads_to_one() -> None:
-    first = (ROOT / "docs/README.md").read_text("utf-8")
-    linked = re.findall(r"\]\(((?:start|tutorials|how-to|reference|explanation)/[\w/.-]+\.md)\)", first)
-    pages = {page.relative_to(ROOT / "docs").as_posix() for page in (ROOT / "docs").rglob("*.md")} - {"README.md"}
-    assert sorted(linked) == sorted(pages)
+    docs = ROOT / "docs"
+    pages = {page.relative_to(docs).as_posix() for page in [*docs.rglob("*.md"), *docs.rglob("*.ipynb")]} - {
+        "README.md"
+    }
+    decisions = {page for page in pages if page.startswith("explanation/decisions/0")}
+    folders = sorted({page.partition("/")[0] for page in pages})
+    assert sorted(linked_from("docs/README.md", "|".join(f"{folder}/" for folder in folders))) == sorted(
+        pages - decisions
+    )
+    in_order = linked_from("docs/explanation/decisions/README.md", "0")
+    assert [f"explanation/decisions/{name}" for name in in_order] == sorted(decisions)

@@ -8,7 +8,7 @@ each with its source:
   directions.
 - ``liu-7x7``: the widespread self-tuning tables; nearly antisymmetric, so the two directions are tuned
   oppositely.
-- ``liu-7x7-mirrored``: the same, read at (-|e|, -sign(e) de), so that both directions are tuned alike.
+- ``liu-7x7-mirrored``: the same, read at ``(-|e|, -sign(e) de)``, so that both directions are tuned alike.
 - ``fixed``: all ratios 0.5, no fuzzy tuning.
 
 A user's own file has the same form; pass its path to ``load_rule_base``.
@@ -147,8 +147,8 @@ class RuleBase(StrictModel):
     notes
         Remarks for the reader.
     mirrored
-        Makes both directions alike by reading one half of the tables only: "positive-error" at (|e|, sign(e) de),
-        "negative-error" at (-|e|, -sign(e) de), with sign(0) = 0. "no" reads the tables as printed.
+        Makes both directions alike by reading one half of the tables only: "positive-error" at
+        ``(|e|, sign(e) de)``, "negative-error" at ``(-|e|, -sign(e) de)``, with sign(0) = 0. "no" reads the tables as printed.
     input_sets
         The seven membership functions of both inputs by name; none for constant rules.
     rules

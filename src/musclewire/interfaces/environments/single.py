@@ -36,7 +36,7 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
     temperature and phases are not among them. An action is the next drive, -1 for the sense voltage and 1 for the
     maximum voltage of the rig.
 
-    The reward of a sample is -100 |target - strain|, the error in percent strain, with the strain that the rig's
+    The reward of a sample is ``-100 |target - strain|``, the error in percent strain, with the strain that the rig's
     displacement sensor measured; ``info["measured_strain"]`` is that strain, for evaluation. If the protection switches
     off, the episode is terminated, the event is ``info["event"]``, and the reward is that of a wire that stays at zero
     strain, below the highest target, until the end of the episode.

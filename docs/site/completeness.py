@@ -1,0 +1,126 @@
+"""What the built site must have: every public name, command, option, key and column, and no link that leads nowhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+import typer
+from api_pages import public_names
+from pydantic import BaseModel
+
+from musclewire.app.main import app
+from musclewire.rigs.air import Surroundings
+from musclewire.rigs.configuration import RigConfiguration
+from musclewire.rigs.kinds import DEVICES
+from musclewire.rigs.load_kinds import LOAD_PARTS
+from musclewire.sensing.model_file import ModelFile
+from musclewire.signals import COLUMNS
+
+# Attributes by which a page asks for something.
+ASKS = {"a": "href", "link": "href", "img": "src", "script": "src", "source": "src", "object": "data", "iframe": "src"}
+# Of these a page of the site may name what is elsewhere: nothing is fetched until the reader follows it.
+LINKS_ONLY = ("a",)
+
+
+class Page(HTMLParser):
+    """A page of the site: its anchors, what it asks for, and its texts in code."""
+
+    def __init__(self, text: str) -> None:
+        """Read the page."""
+        super().__init__()
+        self.anchors: set[str] = set()
+        self.asked: list[tuple[str, str]] = []
+        self.code: set[str] = set()
+        self._open: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Note an anchor and what an element asks for."""
+        found = dict(attrs)
+        if found.get("id"):
+            self.anchors.add(str(found["id"]))
+        if found.get(ASKS.get(tag, "")):
+            self.asked.append((tag, str(found[ASKS[tag]])))
+        if tag == "code":
+            self._open.append("")
+
+    def handle_data(self, data: str) -> None:
+        """Note a text in code."""
+        self._open = [text + data for text in self._open]
+
+    def handle_endtag(self, tag: str) -> None:
+        """Note the end of code."""
+        if tag == "code" and self._open:
+            self.code.add(" ".join(self._open.pop().split()))
+
+
+def missing(site: Path) -> Iterator[str]:
+    """Yield a line for everything that the site must have and does not."""
+    pages = {path: Page(path.read_text("utf-8")) for path in sorted(site.rglob("*.html"))}
+    yield from names_without_page(pages, site)
+    reference = {path.name: page.code for path, page in pages.items() if path.parent == site / "reference"}
+    lines = reference["command_line.html"]
+    yield from (f"command or option not in reference/command_line: {word}" for word in command_words() - lines)
+    files = reference["files.html"]
+    yield from (f"column not in reference/files: {name}" for name in set(COLUMNS) - files)
+    keys = files | reference["hardware_rig_files.html"]
+    yield from (f"key not in reference/files or hardware_rig_files: {key}" for key in toml_keys() - keys)
+    yield from broken_links(pages, site)
+
+
+def names_without_page(pages: dict[Path, Page], site: Path) -> Iterator[str]:
+    """Yield every public name that is not documented on a page of its own."""
+    for module, items in public_names().items():
+        for name in items:
+            path = site / "reference" / "api" / f"{module}.{name}.html"
+            if path not in pages or f"{module}.{name}" not in pages[path].anchors:
+                yield f"public name without its page: {module}.{name}"
+
+
+def command_words() -> set[str]:
+    """Return every command, as it is typed, and every option."""
+    words: set[str] = set()
+
+    def add(command: Any, name: str) -> None:
+        below = getattr(command, "commands", None)
+        for short, one in (below or {}).items():
+            add(one, f"{name} {short}")
+        if below is None:
+            options = [item for item in command.params if item.param_type_name == "option"]
+            words.update({name}, *(set(item.opts) - {"-h", "--help"} for item in options))
+
+    add(typer.main.get_command(app), "musclewire")
+    return words
+
+
+def toml_keys() -> set[str]:
+    """Return every key of rig files, of the parts of a load, of every kind of device, and of model files.
+
+    ``part`` names the kind of a part, of which each has its rows.
+    """
+    schemas: list[type[BaseModel]] = [RigConfiguration, ModelFile, Surroundings]
+    schemas += [LOAD_PARTS.find(name) for name in LOAD_PARTS.own_names()]
+    schemas += [DEVICES.find(name).configuration for name in DEVICES.own_names()]
+    return {key for schema in schemas for key in schema.model_fields} - {"part"}
+
+
+def broken_links(pages: dict[Path, Page], site: Path) -> Iterator[str]:
+    """Yield every local link, anchor, picture or script that leads nowhere, and what a network would be needed for."""
+    for path, page in pages.items():
+        for tag, target in dict.fromkeys(page.asked):
+            where = f"{path.relative_to(site)}: {target}"
+            parts = urlsplit(target)
+            if parts.scheme or parts.netloc:
+                if tag not in LINKS_ONLY and parts.scheme != "data":
+                    yield f"fetched from a network by {where}"
+                continue
+            file = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            file = file / "index.html" if file.is_dir() else file
+            if not file.exists():
+                yield f"leads nowhere: {where}"
+            elif parts.fragment and file in pages and unquote(parts.fragment) not in pages[file].anchors:
+                yield f"anchor that is not there: {where}"
