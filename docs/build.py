@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import shutil
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -20,6 +21,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--output", type=Path, default=ROOT / "build" / "docs", help="folder of the site")
     output = parser.parse_args().output.resolve()
+    if find_spec("sphinx") is None or find_spec("myst_nb") is None:
+        print('The site is built by Sphinx: pip install "musclewire[docs]"; in a checkout pip install ".[docs]".')
+        return 2
     from api_pages import write_api_pages
     from completeness import missing
     from layout import lay_out
