@@ -148,7 +148,8 @@ class RuleBase(StrictModel):
         Remarks for the reader.
     mirrored
         Makes both directions alike by reading one half of the tables only: "positive-error" at
-        ``(|e|, sign(e) de)``, "negative-error" at ``(-|e|, -sign(e) de)``, with sign(0) = 0. "no" reads the tables as printed.
+        ``(|e|, sign(e) de)``, "negative-error" at ``(-|e|, -sign(e) de)``, with sign(0) = 0. "no" reads
+        the tables as printed.
     input_sets
         The seven membership functions of both inputs by name; none for constant rules.
     rules
