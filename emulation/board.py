@@ -36,6 +36,7 @@ __all__ = ["EmulatedBoard", "firmware_for"]
 
 ROOT = Path(__file__).resolve().parents[1]
 FIRMWARE = ROOT / "firmware"
+PATIENCE = "10 s"  # on a machine that is busy with other programs an emulator answers late
 RIG_FILES = ROOT / "src/musclewire/parameters/data/rigs"
 
 
@@ -283,14 +284,14 @@ def main() -> int:
 
 
 def rig_file_text(board: str, wire: str, port_url: str) -> str:
-    """Return the rig file that is included for a board, with this port and this wire."""
+    """Return the rig file that is included for a board, with this port and wire, and patience with a slow emulator."""
     text = (RIG_FILES / f"{'arduino-uno' if board == 'arduino-uno' else 'serial-board'}.toml").read_text(
         encoding="utf-8"
     )
     for key, value in {"port": port_url, "wire": wire}.items():
         text, found = re.subn(rf'^{key} = "[^"]*".*$', f'{key} = "{value}"', text, flags=re.M)
         assert found == 1, f"{key} stands {found} times in the rig file of {board}"
-    return text
+    return text.replace("\nbaud", f'\npatience = "{PATIENCE}"\nbaud', 1)
 
 
 def rate_of(before: Mapping[str, Any], after: Mapping[str, Any]) -> str:

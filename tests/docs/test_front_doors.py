@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tomllib
 
 import pytest
 from doc_pages import ROOT
+from emulation.board import rig_file_text
+from tests.tools import require_tool
 
 sys.path.insert(0, str(ROOT / "checks"))
 import follow_doors
@@ -14,15 +17,24 @@ import word_budgets
 
 # The maker's board is an Arduino in an emulator.
 GROUPS = {"maker": pytest.mark.emulated}
+TOOLS = {"maker": ("simavr", "avr-gcc")}
 
 
 @pytest.mark.parametrize(
     "door", [pytest.param(door, marks=GROUPS.get(door, pytest.mark.documented)) for door in follow_doors.DOORS]
 )
 def test_the_door_leads_to_its_end(door: str) -> None:
+    for tool in TOOLS.get(door, ()):
+        require_tool(tool)
     command = [sys.executable, str(ROOT / "checks/follow_doors.py"), door, "--installed"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr
+
+
+@pytest.mark.parametrize("board", ["arduino-uno", "mps2-an386"])
+def test_the_rig_file_of_an_emulated_board_is_the_included_one_with_its_port(board: str) -> None:
+    said = tomllib.loads(rig_file_text(board, "paper-100um", "socket://127.0.0.1:35017"))
+    assert (said["port"], said["wire"], said["kind"]) == ("socket://127.0.0.1:35017", "paper-100um", "serial")
 
 
 def test_every_page_of_the_start_is_a_door() -> None:
