@@ -17,15 +17,15 @@ import word_budgets
 
 # The maker's board is an Arduino in an emulator.
 GROUPS = {"maker": pytest.mark.emulated}
-TOOLS = {"maker": ("simavr", "avr-gcc")}
+TOOLS = {"maker": {"simavr": "simavr libsimavr-dev libelf-dev gcc libc6-dev", "avr-gcc": "gcc-avr avr-libc"}}
 
 
 @pytest.mark.parametrize(
     "door", [pytest.param(door, marks=GROUPS.get(door, pytest.mark.documented)) for door in follow_doors.DOORS]
 )
 def test_the_door_leads_to_its_end(door: str) -> None:
-    for tool in TOOLS.get(door, ()):
-        require_tool(tool)
+    for tool, packages in TOOLS.get(door, {}).items():
+        require_tool(tool, packages)
     command = [sys.executable, str(ROOT / "checks/follow_doors.py"), door, "--installed"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr
