@@ -23,9 +23,10 @@ from musclewire.controllers import DriveLimits
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
 from musclewire.export.c import write_library
-from musclewire.identify.use_of_model import settings_for
+from musclewire.identify.use_of_model import check_made_for, settings_for
 from musclewire.parameters.validation import validated
 from musclewire.rigs.mounted_wire import MountedWire
+from musclewire.rigs.serial.boards import BOARD_NAMES
 from musclewire.sensing.estimator import PAPER_ESTIMATOR
 from musclewire.sensing.model import SensingModel, load_model
 
@@ -67,6 +68,11 @@ TOOLCHAINS = {
 def boards() -> list[str]:
     """Return the names of the boards with a hardware layer."""
     return sorted(file.parent.name for file in (FIRMWARE / "boards").glob("*/board.toml"))
+
+
+def board_name(given: str) -> str:
+    """Return a board's own name for one that people use (``nano``), and any other name as it is."""
+    return BOARD_NAMES.get(given, given)
 
 
 def board_description(board: str) -> dict[str, Any]:
@@ -155,6 +161,10 @@ def write_sources(
     """Write the exported controller and the board's constants into a folder. Raises CallerError."""
     description = board_description(board)
     model, wire = load_model(model_file), read_wire(wire_file)
+    # The limits are the wire file's: with another wire's they would let too much current through.
+    check_made_for(
+        model, wire.facts(), f"wire file {wire_file}", "give the file of your wire by --wire, or fit a model"
+    )
     node_v, shunt_v = ranges_v(description)
     limits = wire.protection_limits(
         wire_range_v=node_v, shunt_range_v=shunt_v, readings_noisy=description.get("readings_noisy", True)
@@ -235,6 +245,7 @@ def main() -> int:
         "--fault-injection", action="store_true", help="for tests: include the command that injects faults"
     )
     given = parser.parse_args()
+    given.board = board_name(given.board)
     folder = given.out or FIRMWARE / "build" / given.board
     flags = {
         "-DMW_STANDALONE": given.standalone,

@@ -69,7 +69,7 @@ def export_c(
 
     loaded = load_model(model)
     limits, known = limits_of_rig(rig)
-    check_made_for(loaded, known)
+    check_made_for(loaded, known, f"rig {rig}", "name the rig with your wire by --rig, or fit one")
     chosen = settings_for(loaded, read_settings(controller.settings, controller.rules))
     library = write_library(
         loaded,

@@ -50,18 +50,23 @@ def settings_for(
     return with_error_unit(settings or FuzzyPidSettings(), error_unit_for(model, load))
 
 
-def check_made_for(model: SensingModel, known: Mapping[str, MetadataValue]) -> None:
-    """Raise CallerError if a model is not for the wire, length or finger that a rig's metadata name."""
+def check_made_for(
+    model: SensingModel, known: Mapping[str, MetadataValue], place: str = "the rig", cure: str = "fit one"
+) -> None:
+    """Raise CallerError if a model is not for the wire, length or finger that a rig's metadata name.
+
+    ``place`` is who names another one, and ``cure`` what the caller does about it, both for the message.
+    """
     fitted, mounted = model.wire.get("wire"), known.get("wire")
     if fitted and mounted and fitted != mounted:
-        raise CallerError(f"this model was fitted to wire {fitted}, the rig has {mounted}: fit one for this wire")
+        raise CallerError(f"this model was fitted to wire {fitted}, {place} has {mounted}: {cure} for this wire")
     was = RunFacts(model.wire, "this model").number_or_none("wire_length_m")
     now = RunFacts(known, "this rig").number_or_none("wire_length_m")
     if was is not None and now is not None and abs(was - now) > SAME_LENGTH_FRACTION * now:
         raise CallerError(
-            f"this model was fitted to a wire of {1e3 * was:g} mm, the rig has one of {1e3 * now:g} mm: fit one "
+            f"this model was fitted to a wire of {1e3 * was:g} mm, {place} has one of {1e3 * now:g} mm: {cure} "
             "for this length"
         )
     moved, moves = model.wire.get("finger"), known.get("finger")
     if model.quantity == "displacement" and moved and moves and moved != moves:
-        raise CallerError(f"this model was fitted to finger {moved}, the rig has {moves}: fit one for this finger")
+        raise CallerError(f"this model was fitted to finger {moved}, {place} has {moves}: {cure} for this finger")

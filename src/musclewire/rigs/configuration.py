@@ -12,6 +12,7 @@ from musclewire.parameters.validation import validated
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.kinds import DEVICES, DeviceConfiguration
 from musclewire.rigs.outside import imported_kind, is_outside, known_kind
+from musclewire.rigs.serial.boards import BOARD_NAMES
 from musclewire.rigs.simulated_configuration import RigConfiguration
 
 __all__ = [
@@ -74,8 +75,9 @@ def rig_configuration(
         return rig, "rig"
     if str(rig) == SIMULATED:
         return RigConfiguration(), SIMULATED
-    if str(rig) in rig_names():
-        return read_rig_file(FOLDER / f"{rig}.toml"), f"rig {rig}"
+    named = BOARD_NAMES.get(str(rig), str(rig))
+    if named in rig_names() and (named == str(rig) or not Path(rig).exists()):
+        return read_rig_file(FOLDER / f"{named}.toml"), f"rig {named}"
     if Path(rig).suffix != ".toml" and not Path(rig).exists():
         hint = nearest_hint(str(rig), rig_names())
         or_file = " Otherwise give" if hint.endswith("?") else ", or give"

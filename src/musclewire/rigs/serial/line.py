@@ -8,6 +8,7 @@ import time
 from typing import Any, Protocol
 
 from musclewire.errors import MissingExtraError, RigError
+from musclewire.rigs.serial.ports import ports_text, serial_ports
 
 __all__ = ["Line", "LineLostError", "open_line"]
 
@@ -137,9 +138,14 @@ def open_line(port: str, baud: int, patience_s: float = PATIENCE_S) -> SerialLin
         reason = " ".join(str(error).split())
         raise RigError(
             f"cannot open the serial port {port}: {reason}; check that the board is plugged in, that no other program "
-            "holds the port, and that you may use it (on Linux: group dialout)"
+            f"holds the port, and that you may use it (on Linux: group dialout){ports_here(port)}"
         ) from None
     return SerialLine(opened, port)
+
+
+def ports_here(port: str) -> str:
+    """Return which ports exist, for a port of this computer that could not be opened."""
+    return "" if "://" in port else f"; {ports_text(serial_ports())}"
 
 
 def settle(line: Line, quiet_s: float, max_wait_s: float) -> None:
