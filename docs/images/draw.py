@@ -12,7 +12,7 @@ After a change of the shipped parameters or of the physics, run it once and comm
 - point B on docs/explanation/why_resistance_tells_strain.md (``python docs/images/draw.py point_b`` draws it alone),
 - the table of docs/explanation/estimators.md from studies/robustness_rows.json
   (``python docs/images/draw.py robustness`` writes it alone, ``pages`` too),
-- docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, wire_row.md, python.md and
+- docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, toml_files.md, wire_row.md, python.md and
   live_api.md, and the column "Compared" of paper_map.md
   (``python docs/images/draw.py pages`` writes these alone, in seconds).
 """
@@ -40,6 +40,7 @@ import protection_page
 import python_page
 import rig_keys_page
 import robustness_page
+import toml_keys_page
 import turns_numbers
 import turns_pictures
 import wire_row_page
@@ -57,6 +58,7 @@ PARAMETER_PAGE = HERE.parent / "reference" / "parameters.md"
 PROTECTION_PAGE = HERE.parent / "reference" / "protection.md"
 FAULTS_PAGE = HERE.parent / "reference" / "faults.md"
 RIG_KEYS_PAGE = HERE.parent / "reference" / "hardware_rig_files.md"
+TOML_KEYS_PAGE = HERE.parent / "reference" / "toml_files.md"
 WIRE_ROW_PAGE = HERE.parent / "reference" / "wire_row.md"
 PYTHON_PAGE = HERE.parent / "reference" / "python.md"
 LIVE_API_PAGE = HERE.parent / "reference" / "live_api.md"
@@ -164,6 +166,7 @@ def write_pages() -> None:
     PROTECTION_PAGE.write_text(protection_page.page(), encoding="utf-8")
     FAULTS_PAGE.write_text(faults_page.page(), encoding="utf-8")
     RIG_KEYS_PAGE.write_text(rig_keys_page.page(), encoding="utf-8")
+    TOML_KEYS_PAGE.write_text(toml_keys_page.page(), encoding="utf-8")
     WIRE_ROW_PAGE.write_text(wire_row_page.page(), encoding="utf-8")
     PYTHON_PAGE.write_text(python_page.page(), encoding="utf-8")
     LIVE_API_PAGE.write_text(live_api_page.page(), encoding="utf-8")

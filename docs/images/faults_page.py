@@ -11,8 +11,11 @@ WHERE = ("wire", "circuit", "converter", "board", "line", "host")
 
 HEAD = """# Faults that were injected
 
-Written by `python docs/images/draw.py physics` from `tests/faults/matrix.toml`, the table that the tests run; a test
-holds this page to it. Do not edit it by hand. `pytest tests/faults` injects every row.
+<!-- Written by `python docs/images/draw.py physics` from `tests/faults/matrix.toml`, the table that the tests run; a
+test holds this page to it. Do not edit it by hand. -->
+
+For everybody who asks what happens when something breaks: what was broken on purpose, and what followed.
+`pytest tests/faults` injects every row.
 
 {count} faults are injected into wire, circuit, converter, board, line and host. {ended} end in the safe state: 0 V at
 the wire within the stated time, the cause in the recording's `ended`, exit code 3 if the host survives. {survived}

@@ -11,9 +11,10 @@ from musclewire.live.server.session import Session
 
 HEAD = """# The live API
 
-Written by `python docs/images/draw.py pages` from the records and routes that the server runs by; a test holds this
-page to it. Do not edit it by hand.
+<!-- Written by `python docs/images/draw.py pages` from the records and routes that the server runs by; a test holds
+this page to it. Do not edit it by hand. -->
 
+For programmers whose program watches or moves a wire through a running `musclewire serve`.
 `musclewire serve` shows a wire on a page; the page uses nothing but what is here, so a program can do all that it
 does. From Python, `mw.LiveClient` does it (extra `live`;
 [example](../../examples/operate_a_wire_over_the_live_api.py)):

@@ -37,8 +37,11 @@ SHOWN = {
 }
 HEAD = """# Parameters of the simulated wire, one by one
 
-Written by `python docs/images/draw.py` from the TOML files under `src/musclewire/parameters/data`; a test holds this
-page to them. Do not edit it by hand. See also [how the values were found](../explanation/parameters.md), [their
+<!-- Written by `python docs/images/draw.py` from the TOML files under `src/musclewire/parameters/data`; a test holds
+this page to them. Do not edit it by hand. -->
+
+For researchers who look up a number of the simulated wire, and what is published about it.
+See also [how the values were found](../explanation/parameters.md), [their
 equations](../explanation/physics.md) and [symbols](symbols.md).
 
 The files hold SI; here prefixes, percent and degrees Celsius are used. "Published" reaches from the lowest to the

@@ -8,8 +8,11 @@ from musclewire.rigs.configuration import open_rig
 
 HEAD = """# What keeps the wire safe
 
-Written by `python docs/images/draw.py physics` from the table the code runs by; a test holds this page to it. Do not
-edit it by hand. `musclewire protection` prints the same table, `musclewire protection RIG` also the limits of a rig.
+<!-- Written by `python docs/images/draw.py physics` from the table the code runs by; a test holds this page to it. Do
+not edit it by hand. -->
+
+For everybody who heats a real wire: what is watched, and what happens then.
+`musclewire protection` prints the same table, `musclewire protection RIG` also the limits of a rig.
 
 One table of states, signals and events protects every rig: simulated, replayed, on a card, on a board. A script
 reaches the wire only through `rig.exchange(...)`, and `exchange` asks the table before a voltage goes out and after a

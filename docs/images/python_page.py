@@ -13,8 +13,11 @@ from musclewire.registry import Registry
 
 HEAD = """# Python
 
-Written by `python docs/images/draw.py pages` from the docstrings; a test holds this page to them. Do not edit it by
-hand. `help(mw.control)` shows all of a name: each argument with its unit, what is returned, each error, an example.
+<!-- Written by `python docs/images/draw.py pages` from the docstrings; a test holds this page to them. Do not edit it
+by hand. -->
+
+For everybody who writes scripts.
+`help(mw.control)` shows all of a name: each argument with its unit, what is returned, each error, an example.
 
 Numbers are SI everywhere in Python, and the unit ends the name: `drive_voltage_v`, `period_s`. Strain is a fraction.
 

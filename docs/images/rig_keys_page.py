@@ -27,8 +27,10 @@ from musclewire.rigs.simulated_faults import SimulatedFault
 
 HEAD = """# Rig files of real hardware
 
-Written by `python docs/images/draw.py physics` from the schemas that check the files; a test holds this page to them.
-Do not edit it by hand. Rig files of the simulated rig are on the page on [files](files.md).
+<!-- Written by `python docs/images/draw.py pages` from the schemas that check the files; a test holds this page to them.
+Do not edit it by hand. -->
+
+For those who connect a card or a board. Rig files of the simulated rig are on the page on [files](files.md).
 
 With a wire on a bench one word changes: a command takes the rig file's name instead of `simulated`. Numbers
 are SI, or text with a unit (`"14 cm"`). An unknown key is an error that names the nearest. Four files are included as
@@ -164,7 +166,10 @@ def numpydoc_parameters(kind: type) -> list[tuple[str, str]]:
     text = (kind.__doc__ or "").partition("    Parameters\n    ----------\n")[2].partition("\n\n")[0]
     text = re.sub(r" \[[^\]]+\]", "", text)  # the page has a column of units
     found = re.findall(r"^ {4}(\w+)\n\s*(.*?)(?=^ {4}\w|\Z)", text, re.M | re.S)
-    return [(name, said if said[1:2] == " " and said[0] != "A" else said[0].lower() + said[1:]) for name, said in found]
+    return [
+        (name, said if (said[1:2] == " " and said[0] != "A") or said[1:2].isupper() else said[0].lower() + said[1:])
+        for name, said in found
+    ]
 
 
 def first_line(model: type[BaseModel]) -> str:

@@ -8,9 +8,10 @@ from musclewire.wire.state import WireState
 
 HEAD = """# The row of a wire
 
-Written by `python docs/images/draw.py physics` from the lists of fields in `wire/state.py` and `wire/constants.py`; a
-test holds this page to them. Do not edit it by hand.
+<!-- Written by `python docs/images/draw.py physics` from the lists of fields in `wire/state.py` and
+`wire/constants.py`; a test holds this page to them. Do not edit it by hand. -->
 
+For those who write their own programs around the simulated wire.
 A simulated wire is two rows: its state, which changes from step to step, and its constants. A row is a
 NumPy record: compiled code reads and writes `state.temperature_k` in place, Python reads the same name
 (`true_state_of(rig).wire_state.temperature_k`), and many wires are an array of rows. A state that was handed out never

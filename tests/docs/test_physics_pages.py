@@ -60,6 +60,13 @@ def test_the_page_on_rig_files_of_hardware_is_what_the_schemas_say(draw: ModuleT
     assert [line for line in unexplained if line.split("|")[-2].strip() == ""] == []
 
 
+def test_the_page_on_toml_files_is_what_the_schemas_say_and_explains_every_key(draw: ModuleType) -> None:
+    page = draw.toml_keys_page.page()
+    assert draw.TOML_KEYS_PAGE.read_text("utf-8") == page, AGAIN
+    rows = [line for line in page.splitlines() if line.startswith("| `")]
+    assert [line for line in rows if line.split(" | ")[-1].strip(" |") == ""] == []
+
+
 def test_the_page_on_python_has_every_public_name_with_its_docstrings_first_line(draw: ModuleType) -> None:
     page = draw.python_page.page()
     assert draw.PYTHON_PAGE.read_text("utf-8") == page, AGAIN

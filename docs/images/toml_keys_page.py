@@ -1,0 +1,107 @@
+"""docs/reference/toml_files.md from the schemas that check every TOML file but those of rigs."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel
+from rig_keys_page import default_of, meanings, type_in_words
+
+from musclewire.controllers.feedforward import FeedforwardSettings
+from musclewire.controllers.fuzzy_pid import FuzzyPidSettings
+from musclewire.controllers.rules import ConstantRules, MamdaniRules, MembershipSet, RuleBase, ZhaoRules
+from musclewire.parameters.finger_file import FingerCurve, FingerFile
+from musclewire.parameters.materials import Material
+from musclewire.parameters.parameter_groups import Parameter
+from musclewire.parameters.pretensioner_file import FileGeometry, PretensionerFile
+from musclewire.parameters.priors import Prior, PriorSet
+from musclewire.parameters.wire_file import WireFile
+from musclewire.studies.study_file import Sampling, StudyFile
+from musclewire.studies.varied_parameters import ParameterTable
+
+HEAD = """# TOML files, key by key
+
+<!-- Written by `python docs/images/draw.py pages` from the schemas that check the files; a test holds this page to them.
+Do not edit it by hand. -->
+
+For those who write such a file or look up a key of one. Rig files have pages of their own: [files](files.md) for
+simulated rigs, [rig files of real hardware](hardware_rig_files.md) for the others. Numbers are in SI unless a column
+says otherwise, and an unknown key is an error that names the nearest.
+"""
+# What is said of keys that their schemas' docstrings leave to their names.
+SAID = {
+    "format": "what the file is; what writes one writes it",
+    "version": "version of the format, 1",
+    "name": "a name for reports",
+    "description": "a sentence for reports",
+    "wire": "a number with its source for each of the wire's own parameters",
+    "alloy": "the same for those of its alloy",
+    "bench": "the same for those of the bench that it was calibrated on",
+    "material": "name or file of the material",
+    "process": "how it is made: a key of the material's `minimum_thickness_m`",
+    "geometry": "its dimensions",
+    "computed": "what follows from them, each number with its source; not read by the rig",
+    "beams": "how many beams fold to and fro",
+    "half_length_m": "half the length of a beam",
+    "pitch_m": "distance between the centre lines of two beams",
+    "thickness_m": "thickness of a beam, in the plane",
+    "depth_m": "thickness of the sheet",
+    "corner_radius_m": "radius of the turns between beams",
+    "density_kg_per_m3": "density",
+    "shape": "triangle, z (falls from 1 to 0) or s (rises from 0 to 1)",
+    "points": "where it begins, peaks and ends, on the universe -3..3; two points for z and s",
+    "inference": "how rules are combined, as here",
+    "kp": "of K_p: a label for each pair of error and its rate; with constant rules a ratio between 0 and 1",
+    "ki": "of K_I, the same",
+    "kd": "of K_D, the same",
+    "alpha": "of the ratio of integral to derivative time, between 2 and 5",
+    "output_sets": "the seven membership functions of the outputs by name",
+}
+SECTIONS: dict[str, tuple[type[BaseModel], str]] = {
+    "A number with its source": (
+        Parameter,
+        "What is at most keys of wires, alloys, benches, fingers and materials; their names, units and values are in "
+        "[parameters, one by one](parameters.md).",
+    ),
+    "Wire file": (WireFile, "Written by `musclewire calibrate`: [how to](../how-to/calibrate_my_wire.md)."),
+    "Study": (StudyFile, "Read by `musclewire sweep`: [how to](../how-to/run_a_study_of_many_wires.md)."),
+    "`[sampling]` of a study": (Sampling, ""),
+    "`[parameters.NAME]` of a study": (ParameterTable, ""),
+    "Priors": (PriorSet, "What is known of a wire before it is calibrated: `musclewire calibrate --priors`."),
+    "`[parameters.NAME]` of priors": (Prior, ""),
+    "Finger": (FingerFile, "Written by `musclewire design finger`: [how to](../how-to/design_a_finger.md)."),
+    "`[curve]` of a finger": (FingerCurve, ""),
+    "Pretensioner": (
+        PretensionerFile,
+        "Written by `musclewire design pretensioner`: [how to](../how-to/design_a_pretensioner.md).",
+    ),
+    "`[geometry]` of a pretensioner": (FileGeometry, ""),
+    "Material": (Material, "What flexures are made of: `--material` of both `design` commands takes its file."),
+    "`[settings]` of gains for `fuzzy-pid`": (
+        FuzzyPidSettings,
+        "A gains file has `format`, `controller` and `[settings]`; written by `musclewire tune`: "
+        "[how to](../how-to/tune_a_controller.md).",
+    ),
+    "`[settings]` of gains for `feedforward`": (FeedforwardSettings, ""),
+    "Rule base": (RuleBase, "How to write one: [rule bases and gains](rules.md)."),
+    "`[input_sets]` and `[output_sets]` of a rule base": (MembershipSet, ""),
+    '`[rules]` with `inference = "product-weighted-sum"`': (ZhaoRules, ""),
+    '`[rules]` with `inference = "min-max-centroid"`': (MamdaniRules, ""),
+    '`[rules]` with `inference = "constant"`': (ConstantRules, ""),
+}
+
+
+def page() -> str:
+    """Return the whole page."""
+    return "\n".join([HEAD, *(section(title, model, text) for title, (model, text) in SECTIONS.items())])
+
+
+def section(title: str, model: type[BaseModel], text: str) -> str:
+    """Return the table of a file's keys, or of a table in it."""
+    said = {**SAID, **meanings(model)}
+    rows = []
+    for name, field in model.model_fields.items():
+        meaning = said.get(name) or field.description or type_in_words(field)
+        choices = type_in_words(field) if name in ("kind", "shape", "inference") else ""
+        shown = choices or meaning
+        rows.append(f"| `{name}` | {default_of(field) or 'empty'} | {shown.replace('|', chr(92) + '|')} |")
+    table = "\n".join(["| File key | Default | Meaning |", "|---|---|---|", *rows])
+    return f"## {title}\n\n{text}{chr(10) * 2 if text else ''}{table}\n"
