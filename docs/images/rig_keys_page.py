@@ -27,8 +27,8 @@ from musclewire.rigs.simulated_faults import SimulatedFault
 
 HEAD = """# Rig files of real hardware
 
-<!-- Written by `python docs/images/draw.py pages` from the schemas that check the files; a test holds this page to them.
-Do not edit it by hand. -->
+<!-- Written by `python docs/images/draw.py pages` from the schemas that check the files; a test holds this page to
+them. Do not edit it by hand. -->
 
 For those who connect a card or a board. Rig files of the simulated rig are on the page on [files](files.md).
 

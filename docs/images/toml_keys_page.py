@@ -19,8 +19,8 @@ from musclewire.studies.varied_parameters import ParameterTable
 
 HEAD = """# TOML files, key by key
 
-<!-- Written by `python docs/images/draw.py pages` from the schemas that check the files; a test holds this page to them.
-Do not edit it by hand. -->
+<!-- Written by `python docs/images/draw.py pages` from the schemas that check the files; a test holds this page to
+them. Do not edit it by hand. -->
 
 For those who write such a file or look up a key of one. Rig files have pages of their own: [files](files.md) for
 simulated rigs, [rig files of real hardware](hardware_rig_files.md) for the others. Numbers are in SI unless a column
