@@ -24,7 +24,7 @@ suppress_warnings = [
 # Notebooks run in every build, and an error in one fails it.
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
-nb_execution_timeout = 120
+nb_execution_timeout = 600  # seconds a cell; generous, for a busy machine
 nb_merge_streams = True
 
 # The API: types are in the signatures, meanings and units in numpydoc's sections.
