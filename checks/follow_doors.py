@@ -223,8 +223,9 @@ class Installed(Place):
         (home / "musclewire/.venv").symlink_to(sys.prefix)
 
     def terminal(self) -> Terminal:
-        """Return a shell that finds the package where this Python finds it."""
-        return Terminal((), self.home, str(self.home), {**os.environ, "COLUMNS": "120"})
+        """Return a shell that finds the package where this Python finds it, once the page has activated it."""
+        path = [folder for folder in os.environ["PATH"].split(os.pathsep) if folder != f"{sys.prefix}/bin"]
+        return Terminal((), self.home, str(self.home), {**os.environ, "PATH": os.pathsep.join(path), "COLUMNS": "120"})
 
 
 # How this machine reaches Debian and PyPI: copied where it is there, and no part of what a reader does. Debian writes

@@ -1,8 +1,8 @@
 """Every ``python`` and ``sh`` block of the pages runs, page by page, in one empty folder in the order it is read.
 
 Blocks marked ``console`` are for reading: setting up a checkout, and what needs a board, a card or a second terminal.
-They stand on the pages of ``FOR_READING`` only. ``mermaid`` is a drawing. The pages in ``docs/start`` begin in a
-checkout and need a second terminal: ``test_front_doors.py`` follows them.
+They stand on the pages of ``FOR_READING`` only. ``mermaid`` is a drawing. The front doors' pages begin in a checkout:
+``test_front_doors.py`` follows them.
 """
 
 from __future__ import annotations
@@ -16,6 +16,10 @@ from pathlib import Path
 import pytest
 from doc_pages import ROOT
 
+sys.path.insert(0, str(ROOT / "checks"))
+from follow_doors import DOORS
+
+FOLLOWED = {page for door in DOORS.values() for page in door.pages}
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 FOR_READING = {
     "CONTRIBUTING.md",
@@ -45,7 +49,7 @@ ALWAYS = "rules.md"
 WITH_CODE = [
     page
     for page in PAGES
-    if page.parent.name != "start" and any(language in {"python", "sh"} for language, _ in blocks(page))
+    if name_of(page) not in FOLLOWED and any(language in {"python", "sh"} for language, _ in blocks(page))
 ]
 
 
