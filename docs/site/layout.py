@@ -27,7 +27,7 @@ LISTED = re.compile(r"\]\(([\w./-]+\.(?:md|ipynb))\)")
 def lay_out(root: Path, sources: Path) -> None:
     """Write the sources of the site into a folder."""
     docs = root / "docs"
-    shutil.copytree(docs, sources, ignore=shutil.ignore_patterns("*.py", "__pycache__", *NO_PAGES))
+    shutil.copytree(docs, sources, ignore=shutil.ignore_patterns("__pycache__", ".ipynb_checkpoints", *NO_PAGES))
     (sources / "README.md").rename(sources / "index.md")
     (sources / "project").mkdir()
     for name in PROJECT_PAGES:
