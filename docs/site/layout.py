@@ -135,7 +135,7 @@ def group_page(text: str, sources: Path) -> str:
         lambda found: f"{found[1]}({os.path.relpath(found[2], folder)}{found[3] or ''})", text[heading.end() :]
     )
     tree = toctree([os.path.relpath(entry, folder) for entry in entries], "")
-    (sources / path).write_text(f"# {heading[2]}\n{body}\n{tree}", encoding="utf-8")
+    (sources / path).write_text(f"# {heading[2]}\n\n{body}\n\n{tree}", encoding="utf-8")
     return path.as_posix()
 
 
