@@ -132,7 +132,8 @@ def group_page(text: str, sources: Path) -> str:
     folder = Path(entries[0]).parent
     path = folder / f"{re.sub(r'[^a-z]+', '_', heading[2].lower()).strip('_')}.md"
     body = LINK.sub(
-        lambda found: f"{found[1]}({os.path.relpath(found[2], folder)}{found[3] or ''})", text[heading.end() :]
+        lambda found: f"{found[1]}({os.path.relpath(found[2], folder)}{found[3] or ''})",
+        text[heading.end() :].strip("\n"),
     )
     tree = toctree([os.path.relpath(entry, folder) for entry in entries], "")
     (sources / path).write_text(f"# {heading[2]}\n\n{body}\n\n{tree}", encoding="utf-8")
