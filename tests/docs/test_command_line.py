@@ -13,6 +13,9 @@ from typing import Any
 
 import pytest
 from doc_pages import ROOT, code_words, tables_of
+from jsonschema import Draft202012Validator
+
+from musclewire.app.json_schemas import json_schema
 
 PAGE = (ROOT / "docs/reference/command_line.md").read_text("utf-8")
 SECTIONS = dict(re.findall(r"^## `musclewire (\w+(?: \w+)?)`\n(.*?)(?=^## |\Z)", PAGE, re.M | re.S))
@@ -57,7 +60,10 @@ def test_every_default_is_as_said(name: str, commands: dict[str, Any]) -> None:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a loop and its model, as the commands make them."""
-    path = tmp_path_factory.mktemp("commands")
+    return prepared(tmp_path_factory.mktemp("commands"))
+
+
+def prepared(path: Path) -> Path:
     run(path, "characterize", "simulated", "-o", "loop.h5")
     run(path, "fit", "loop.h5", "-o", "model.json")
     run(path, "characterize", "simulated", "-o", "short.h5", "--cycles", "1", "--period", "12")
@@ -118,6 +124,7 @@ CALLS = {
     "rules": [],
     "export c": ["model.json", "-o", "library"],
     "export fmu": ["model.json", "-o", "fmus"],
+    "schema": ["model"],
     "cite": [],
 }
 
@@ -131,11 +138,18 @@ def test_every_command_but_serve_answers_with_json() -> None:
     assert [name for name, section in SECTIONS.items() if "`--json`" not in section] == ["serve"]
 
 
+@pytest.mark.parametrize("name", [name for name in SECTIONS if name != "serve"])
+def test_the_schema_of_the_json_has_its_keys(name: str) -> None:
+    known = set(json_schema(f"output-{name.replace(' ', '-')}")["properties"])
+    assert json_keys(SECTIONS[name]) <= known, f"run: python -m checks.output_schemas --only '{name}'"
+
+
 @pytest.mark.documented
 @pytest.mark.parametrize("name", [name for name in SECTIONS if name != "serve"])
 def test_the_json_has_the_keys_as_said(name: str, folder: Path) -> None:
     document = json.loads(run(folder, *name.split(), *CALLS[name], "--json", may_not_hold=name in MAY_NOT_HOLD))
     assert set(document) == json_keys(SECTIONS[name])
+    Draft202012Validator(json_schema(f"output-{name.replace(' ', '-')}")).validate(document)
 
 
 @pytest.mark.documented

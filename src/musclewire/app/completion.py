@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-__all__ = ["controllers", "estimators", "fingers", "materials", "rigs", "rule_bases", "wires"]
+__all__ = ["controllers", "estimators", "fingers", "materials", "rigs", "rule_bases", "schemas", "wires"]
 
 
 def rigs(incomplete: str) -> list[str]:
@@ -59,6 +59,13 @@ def controllers(incomplete: str) -> list[str]:
     from musclewire.controllers import CONTROLLERS
 
     return beginning(CONTROLLERS.names(), incomplete)
+
+
+def schemas(incomplete: str) -> list[str]:
+    """Return the names of JSON Schemas that begin so."""
+    from musclewire.app.json_schemas import schema_names
+
+    return beginning(schema_names(), incomplete)
 
 
 def beginning(names: Iterable[str], incomplete: str) -> list[str]:

@@ -29,6 +29,7 @@ from musclewire.app.protection_command import add_protection_command
 from musclewire.app.recover_command import add_recover_command
 from musclewire.app.rig_commands import add_rig_commands
 from musclewire.app.robustness_command import add_robustness_command
+from musclewire.app.schema_command import add_schema_command
 from musclewire.app.serve_command import add_serve_command
 from musclewire.app.stopping import STOPPED, Stopped, ignore_signals, listen_for_signals
 from musclewire.app.sweep_command import add_sweep_command
@@ -93,6 +94,7 @@ add_export_commands(app)
 add_protection_command(app)
 add_bench_command(app)
 add_serve_command(app)
+add_schema_command(app)
 
 
 def main() -> None:
