@@ -1,6 +1,8 @@
 /* An ATmega328P in simavr between two sockets: its UART0 and, for its converter and PWM, the bench.
  *
- *     simavr_board FIRMWARE.elf HOST_PORT WIRE_PORT
+ *     simavr_board FIRMWARE HOST_PORT WIRE_PORT
+ *
+ * FIRMWARE is an ELF file, or the Intel HEX file that is flashed.
  *
  * The bench keeps time: each conversion packet (see firmware/boards/mps2-an386/board.c) carries the voltages at A0 and
  * A1 and lets one tick of processor cycles pass; the answer is what the PWM on D9 puts out. Every 100 ticks a line on
@@ -22,6 +24,7 @@
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
+#include <simavr/sim_hex.h>
 
 #define CLOCK_HZ 16000000u
 #define TICK_CYCLES (CLOCK_HZ / 100u)
@@ -202,15 +205,35 @@ static int next_conversion(void)
     return 1;
 }
 
+/* Fills the flash from an ELF file, or from the very bytes of a HEX file. */
+static int load(const char *file)
+{
+    static elf_firmware_t firmware;
+    const char *end = strrchr(file, '.');
+    if (end != NULL && strcmp(end, ".hex") == 0) {
+        uint32_t size = 0, start = 0;
+        uint8_t *bytes = read_ihex_file(file, &size, &start);
+        if (bytes == NULL)
+            return 0;
+        avr_loadcode(avr, bytes, size, start);
+        avr->codeend = start + size;
+        return 1;
+    }
+    if (elf_read_firmware(file, &firmware) != 0)
+        return 0;
+    avr_load_firmware(avr, &firmware);
+    return 1;
+}
+
 static void build_processor(const char *file)
 {
     static int yes = 1, no = 0;
-    static elf_firmware_t firmware;
     uint32_t flags = 0;
-    if (elf_read_firmware(file, &firmware) != 0 || !(avr = avr_make_mcu_by_name("atmega328p")))
+    if (!(avr = avr_make_mcu_by_name("atmega328p")))
         exit(1);
     avr_init(avr);
-    avr_load_firmware(avr, &firmware);
+    if (!load(file))
+        exit(1);
     avr->frequency = CLOCK_HZ;
     avr->vcc = avr->avcc = avr->aref = SUPPLY_MV;
     avr->sleep = sleep_at_once;
@@ -227,7 +250,7 @@ static void build_processor(const char *file)
 int main(int count, char **arguments)
 {
     if (count != 4) {
-        fprintf(stderr, "simavr_board FIRMWARE.elf HOST_PORT WIRE_PORT\n");
+        fprintf(stderr, "simavr_board FIRMWARE HOST_PORT WIRE_PORT\n");
         return 2;
     }
     build_processor(arguments[1]);

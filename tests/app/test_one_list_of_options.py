@@ -35,7 +35,7 @@ USES = [
     if option.param_type_name == "option" and option.opts[0] != "--help"
 ]
 # What a command writes that is not its main output has a name of its own; these write nothing else.
-WITHOUT_OUTPUT = {"bench", "doctor", "catalogue", "rules", "protection", "cite", "linearise", "schema"}
+WITHOUT_OUTPUT = {"flash", "bench", "doctor", "catalogue", "rules", "protection", "cite", "linearise", "schema"}
 
 
 @pytest.mark.parametrize("use", USES)

@@ -97,6 +97,7 @@ CALLS = {
     "demo": ["--out", "demo"],
     "reproduce": ["--only", "eq5", "--out", "reproduced"],
     "doctor": ["simulated"],
+    "flash": ["nano", "--wire", "paper-100um", "--dry-run"],
     "characterize": ["simulated", "-o", "again.h5", "--cycles", "1"],
     "pretension": ["simulated", "--at", "1.9 N", "--cycles", "1"],
     "control": ["simulated", "model.json"],

@@ -18,6 +18,7 @@ from musclewire.app.control_command import add_control_command
 from musclewire.app.design import add_design_commands
 from musclewire.app.doctor_command import add_doctor_command
 from musclewire.app.export_command import add_export_commands
+from musclewire.app.flash_command import add_flash_command
 from musclewire.app.grip_command import add_grip_command
 from musclewire.app.home_command import add_home_command
 from musclewire.app.import_command import add_import_command
@@ -78,6 +79,7 @@ add_rig_commands(app)
 add_control_command(app)
 add_home_command(app)
 add_doctor_command(app)
+add_flash_command(app)
 add_import_command(app)
 add_model_commands(app)
 add_tune_command(app)

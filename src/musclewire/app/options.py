@@ -92,6 +92,13 @@ RIG = option(
     autocompletion=completion.rigs,
 )
 
+# Flashing a board.
+SERIAL_PORT = option("--serial-port", help="The board's port: /dev/ttyACM0, /dev/ttyUSB0, COM3. Default: found.")
+OLD_BOOTLOADER = option(
+    "--old-bootloader", help="The board is a Nano of before 2018: its boot loader takes 57600 baud."
+)
+DRY_RUN = option("--dry-run", help="Print the loader's command, and write nothing.")
+
 # The live page.
 HOST = option("--host", help="Name or address to listen at; any but loopback needs a token.")
 PORT = option("--port", help="Port to listen at; if it is taken, the next that is free.", min=1, max=65535)
