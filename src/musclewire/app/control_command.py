@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app.commands import add_command
+from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_recording_file
 from musclewire.app.home_command import HomeOptions
 from musclewire.app.many_loops_command import (
@@ -85,6 +86,7 @@ def control(
     timing: TimingOptions,
     many: ManyLoopsOptions,
     homing: HomeOptions,
+    figure: FigureOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
@@ -100,7 +102,8 @@ def control(
     target = read_reference(loop.reference, loop.quantity)
     controller, settings = settings_of(loop)
     homing.check(on_board=loop.on_board)
-    refuse_single_run_options(many, single_run_options(loop, timing, output, overwrite) | homing.given())
+    figure.check()
+    refuse_single_run_options(many, single_run_options(loop, timing, figure, output, overwrite) | homing.given())
     if many.runs is not None:
         chosen = {"estimator": estimator_of(loop), "controller": controller, "settings": settings, "load": load}
         with open_rig(rig, seed=seed) as opened:
@@ -123,6 +126,7 @@ def control(
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":
             loaded, home_answer = homing.homed(opened, loaded, quiet=json)
+    figure.draw(run)
     answer = run_json(run, load, [*refused, *too_fast.pop("warnings")]) | too_fast | {"home": home_answer}
     if json:
         emit_json(answer)
@@ -161,12 +165,13 @@ def end_by(run: ControlRun) -> None:
 
 
 def single_run_options(
-    loop: LoopOptions, timing: TimingOptions, output: Path | None, overwrite: bool
+    loop: LoopOptions, timing: TimingOptions, figure: FigureOptions, output: Path | None, overwrite: bool
 ) -> dict[str, bool]:
     """Return which options that only a single run can have were given, by name."""
     return {
         "--output": output is not None,
         "--overwrite": overwrite,
+        "--plot": figure.plot is not None,
         "--on-board": loop.on_board,
         "--wire-file": loop.wire_file is not None,
         "--real-time": timing.real_time,

@@ -66,7 +66,7 @@ def require_figure_file(path: Path | None) -> None:
 
 
 def save_figure(axes: Any, path: Path) -> None:
-    """Write the figure of some axes, whole or not at all."""
+    """Write a figure, or the figure of some axes, whole or not at all."""
     from musclewire.signals.whole_files import write_whole
 
     def write(part: Path) -> None:

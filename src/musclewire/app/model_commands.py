@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app.commands import add_command
+from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_figure_file, require_free, require_model_file, save_figure
 from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, PLOT, QUANTITY, WIRE_FILE, Json
 from musclewire.app.output import emit_json, show
@@ -79,6 +80,7 @@ def estimate(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
     recording: RecordingPath,
     reading: ReadingOptions,
+    figure: FigureOptions,
     estimator: Annotated[str | None, ESTIMATOR] = None,
     wire_file: Annotated[Path | None, WIRE_FILE] = None,
     output: Annotated[Path | None, OUTPUT] = None,
@@ -89,10 +91,12 @@ def estimate(
     from musclewire.identify import estimate as run_estimate
     from musclewire.sensing import load_model
 
+    figure.check()
     report = run_estimate(load_model(model), reading.read(recording), estimator=estimator, wire_file=wire_file)
     if output is not None:
         require_free(output, overwrite)
         report.recording.save(output)
+    figure.draw(report.recording)
     if json:
         emit_json({"samples": len(report.recording), **error_numbers(report)})
         return

@@ -66,6 +66,7 @@ def quantity(name: str, unit: str, help: str, low: float = -inf, high: float = i
 OUTPUT = option("--output", "-o", help="File or folder to write.")
 OVERWRITE = option("--overwrite", help="Replace what is already there.")
 PLOT = option("--plot", help="Figure to write (.svg, .png, .pdf).")
+PLOT_STYLE = option("--plot-style", help="Size and fonts of the figure: screen, slides, or a journal's column.")
 REPORT = option("--report", help="Page to write (.html); by default next to the output.")
 DRAWING = option("--drawing", help="Drawing to cut, 1:1 (.svg, .dxf). Repeatable.")
 SOLID = option("--solid", help="Solid to print, in millimetres (.stl, .step; extra 'cad'). Repeatable.")

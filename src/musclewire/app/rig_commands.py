@@ -13,6 +13,7 @@ import typer
 
 from musclewire.app.commands import add_command
 from musclewire.app.control_command import metrics_json
+from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_figure_file, require_model_file, require_recording_file, save_figure
 from musclewire.app.options import (
     AMPLITUDE,
@@ -107,6 +108,7 @@ def characterize(
     output: Annotated[Path, OUTPUT],
     sine: SlowSineOptions,
     timing: TimingOptions,
+    figure: FigureOptions,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
@@ -118,6 +120,7 @@ def characterize(
 
     period_s = sine.period_s
     require_recording_file(output, overwrite)
+    figure.check()
     until_level = sine.amplitude is None and not amplitude_is_given(rig)
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         amplitude_v = sine.amplitude_v
@@ -133,6 +136,7 @@ def characterize(
                 overwrite=overwrite,
                 on_sample=on_sample,
             )
+    figure.draw(recording)
     answer: dict[str, Any] = {
         "recording": str(output),
         "samples": len(recording),

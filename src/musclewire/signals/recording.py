@@ -17,12 +17,14 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, MissingExtraError, RecordingError
 from musclewire.signals.columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, known_column, needs_no_clock
 from musclewire.signals.metadata import MetadataValue, checked_metadata
+from musclewire.signals.plots import PLOTS, usual_plot
 from musclewire.signals.run_facts import RunFacts
 from musclewire.signals.writing import write_columns
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 __all__ = ["Recording", "MetadataValue"]
 
@@ -254,6 +256,33 @@ class Recording:
             For .parquet without pyarrow, for .xlsx without openpyxl.
         """
         write_columns(self.columns, self.metadata, Path(path), matlab_version)
+
+    def plot(self, kind: str | None = None, *, style: str = "screen") -> Figure:
+        """Draw the recording.
+
+        Parameters
+        ----------
+        kind
+            "loop" (movement over resistance and over drive voltage, with points A, B and C), "control" (target,
+            estimate, measurement, errors, drive), "time" (every quantity over time) or "table" (a printed loop,
+            isobars). None, the default, is what fits the columns: "control" with a target, "loop" with resistance and
+            movement, "table" without a clock, else "time".
+        style
+            Size and fonts of the figure: "screen", "slides", or a journal's column, as "ieee-single",
+            "elsevier-double", "nature".
+
+        Returns
+        -------
+        A matplotlib figure, which a notebook shows; ``figure.savefig("run.pdf")`` writes it.
+
+        Raises
+        ------
+        CallerError
+            For an unknown kind or style; the message suggests the nearest.
+        RecordingError
+            If the recording lacks the columns for this kind.
+        """
+        return PLOTS.find(usual_plot(self.names) if kind is None else kind)(self, style)
 
     def __repr__(self) -> str:
         """Return one line: number of rows, duration, how the run ended, and the columns."""

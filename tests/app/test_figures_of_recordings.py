@@ -1,0 +1,30 @@
+"""Commands that make a run draw it, and refuse a wrong style before anything is heated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+
+def test_a_wrong_style_is_one_line_before_anything_is_heated(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    loop = tmp_path / "loop.h5"
+    answer = musclewire("characterize", "simulated", "-o", loop, "--plot", tmp_path / "a.svg", "--plot-style", "natur")
+    assert answer.code == 2
+    assert "'nature'" in answer.err
+    assert not loop.exists()
+
+
+@pytest.mark.slow
+def test_loop_run_and_estimate_are_drawn(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    loop, model = tmp_path / "loop.h5", tmp_path / "model.json"
+    assert musclewire("characterize", "simulated", "-o", loop, "--plot", tmp_path / "loop.svg").code == 0
+    assert musclewire("fit", loop, "-o", model).code == 0
+    style = ("--plot-style", "ieee-single")
+    assert musclewire("control", "simulated", model, "--plot", tmp_path / "run.pdf", *style).code == 0
+    assert musclewire("estimate", model, loop, "--plot", tmp_path / "estimate.png").code == 0
+    assert "<svg" in (tmp_path / "loop.svg").read_text("utf-8")
+    assert (tmp_path / "run.pdf").read_bytes().startswith(b"%PDF")
+    assert (tmp_path / "estimate.png").stat().st_size > 10_000
