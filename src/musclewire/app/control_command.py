@@ -102,7 +102,6 @@ def control(
     target = read_reference(loop.reference, loop.quantity)
     controller, settings = settings_of(loop)
     homing.check(on_board=loop.on_board)
-    figure.check()
     refuse_single_run_options(many, single_run_options(loop, timing, figure, output, overwrite) | homing.given())
     if many.runs is not None:
         chosen = {"estimator": estimator_of(loop), "controller": controller, "settings": settings, "load": load}
@@ -111,8 +110,7 @@ def control(
             said_of_speed(opened, loaded, follows, settings, load)
         run_many_loops(rig, seed, many, {"model": loaded, **chosen}, follows, json)
         return
-    if output is not None:
-        require_recording_file(output, overwrite)
+    check_files(figure, output, overwrite)
     follow = loop_of(loaded, controller, settings, load, loop)
     home_answer: dict[str, Any] | None = None
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
@@ -133,6 +131,13 @@ def control(
     else:
         show(str(run.metrics))
     end_by(run)
+
+
+def check_files(figure: FigureOptions, output: Path | None, overwrite: bool) -> None:
+    """Raise CallerError, before anything is heated, for a figure or a recording that cannot be written."""
+    figure.check()
+    if output is not None:
+        require_recording_file(output, overwrite)
 
 
 def said_of_speed(

@@ -8,7 +8,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.figures import StyledFigure, one_panel, panels_side_by_side
+from musclewire.figures.styled_figure import StyledFigure, one_panel, panels_side_by_side
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
 from musclewire.identify.recordings import reference_quantity, required_quantity, resistance_reading
 from musclewire.pages import AVERAGE, COOLING, HEATING, TARGET

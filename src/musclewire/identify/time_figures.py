@@ -9,7 +9,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.figures import StyledFigure, panel_rows
+from musclewire.figures.styled_figure import StyledFigure, panel_rows
 from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity, resistance_reading
 from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, TARGET
 from musclewire.sensing.curve import SHOWN_AS
@@ -33,7 +33,7 @@ class Followed(NamedTuple):
 
 
 class Panel(NamedTuple):
-    """Columns that share one axis: how it is labelled, by what they are multiplied, and what zero is subtracted."""
+    """Columns that share one axis: its label, their factor, and the zero that is subtracted."""
 
     label: str
     columns: tuple[str, ...]
