@@ -22,7 +22,7 @@ FIGURES = (".svg", ".png", ".pdf")
 def require_folder(path: Path) -> None:
     """Raise CallerError if the folder of a file does not exist."""
     if not path.parent.is_dir():
-        raise CallerError(f"{path}: there is no folder {path.parent}")
+        raise CallerError(f"{path}: there is no folder {path.parent}; make it first")
 
 
 def require_free(path: Path, overwrite: bool) -> None:

@@ -25,6 +25,7 @@ from musclewire.app.import_command import add_import_command
 from musclewire.app.linearise_command import add_linearise_command
 from musclewire.app.model_commands import add_model_commands
 from musclewire.app.output import emit_json, say, show
+from musclewire.app.panels import arrange
 from musclewire.app.paper_commands import add_paper_commands
 from musclewire.app.protection_command import add_protection_command
 from musclewire.app.recover_command import add_recover_command
@@ -97,6 +98,7 @@ add_protection_command(app)
 add_bench_command(app)
 add_serve_command(app)
 add_schema_command(app)
+arrange(app)
 
 
 def main() -> None:
@@ -110,7 +112,7 @@ def main() -> None:
 def run(arguments: list[str] | None = None) -> int:
     """Run one command and return its exit code; errors become one line on stderr."""
     try:
-        result = app(arguments, standalone_mode=False)
+        result = app(arguments, standalone_mode=False, prog_name="musclewire")
         return result if isinstance(result, int) else 0
     except MusclewireError as error:
         return report_error(error)
@@ -121,10 +123,19 @@ def run(arguments: list[str] | None = None) -> int:
         return int(done.exit_code)
     except UsageProblem as error:
         if error.format_message():  # without arguments the help has been shown and nothing is left to say
-            say(f"musclewire: {error.format_message()}")
+            say(f"musclewire: {usage_line(error)}")
         return 2
     except BrokenPipeError:
         return 1
+
+
+def usage_line(error: Any) -> str:
+    """Return what is wrong with a command line, and where the right words are listed unless a near one was named."""
+    message, context = str(error.format_message()), error.ctx
+    near = "Did you mean" in message or "Possible" in message
+    if context is None or near or not message.startswith("No such"):
+        return message
+    return f"{message.rstrip('.')}; '{context.command_path} --help' lists what there is"
 
 
 def report_error(error: MusclewireError) -> int:

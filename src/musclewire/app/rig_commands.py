@@ -290,9 +290,10 @@ def sweep_text(sweep: PretensionSweep, quantity: str) -> str:
     lines = []
     for row in sweep.rows:
         gaps = {name: row.gap_pct(name) for name in dict.fromkeys((quantity, "strain", "force"))}
-        shown = (f"{name} gap {'-' if gap is None else format(gap, '6.3f')} %" for name, gap in gaps.items())
+        shown = (f"{name} gap {gap:6.3f} %" for name, gap in gaps.items() if gap is not None)
         lines.append(f"{row.pretension_n:6.2f} N   {'   '.join(shown)}")
-    why = [f"no force gap: {reason}" for reason in dict.fromkeys(row.no_force_gap for row in sweep.rows) if reason]
+    level = {f"{row.pretension_n:.2f}": row.no_force_gap for row in sweep.rows if row.no_force_gap}
+    why = [f"no force gap at {', '.join(level)} N: {next(iter(level.values()))}"] if level else []
     limit = "" if sweep.largest_n is None else f"; at most {sweep.largest_n:.2f} N by the vendor's stress"
     return "\n".join([*lines, *why, f"best: {sweep.best.pretension_n:.2f} N{limit}"])
 

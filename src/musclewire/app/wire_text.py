@@ -261,9 +261,10 @@ def comparison_text(compared: Sequence[CatalogueComparison]) -> str:
             f"{marked(high.cooling.cell.value, high.cooling.cell):>8}".rstrip()
         )
     document = comparison_json(compared)
+    missed = f"{document['failed']} missed, marked FAIL" if document["failed"] else "all within the bars"
     lines += [
         "",
-        f"{document['judged']} judged, {document['failed']} failed (FAIL). {BARS}.",
+        f"{document['judged']} judged, {missed}. {BARS}.",
         "? the catalogue's number is not corroborated. Cooling: from switching off after the second until 0.5 % of",
         "strain is left; - where the wire did not contract by that much.",
         f"Catalogue: {load_catalogue().source}.",

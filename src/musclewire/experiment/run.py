@@ -131,7 +131,7 @@ def refuse_unusable(path: str | Path | None, overwrite: bool) -> None:
     refuse_unfinished(path, overwrite)
     folder = Path(path).parent
     if not folder.is_dir():
-        raise CallerError(f"{path}: there is no folder {folder}")
+        raise CallerError(f"{path}: there is no folder {folder}; make it first")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise CallerError(f"{path}: the folder {folder.absolute()} cannot be written to; give another one")
 
