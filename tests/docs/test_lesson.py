@@ -48,3 +48,9 @@ def test_the_table_to_mark_by_is_what_the_simulator_answers() -> None:
     said = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300).stdout
     shown = [line.strip() for line in page.splitlines() if line.startswith("    ")]
     assert [line.strip() for line in said.splitlines()] == [line for line in shown if ".venv" not in line]
+
+
+def test_the_folder_of_notebooks_holds_no_results() -> None:
+    """A benchmark that was run in it would go into the repository."""
+    kept = [path.name for path in (DOCS / "notebooks").iterdir() if path.suffix != ".ipynb"]
+    assert set(kept) <= {".ipynb_checkpoints"}
