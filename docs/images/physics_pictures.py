@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from physics_runs import (
     Branch,
@@ -22,7 +23,6 @@ from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER, TARG
 from musclewire.identify.isobaric_loops import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.library import read_published
-from musclewire.simulate.paths import isobaric_path
 from musclewire.wire.building import SHAPE, cooled_wire
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.distribution import two_populations
@@ -30,14 +30,15 @@ from musclewire.wire.fronts import thresholds_at
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.contour import ContourSet
 
 AUSTENITE, R_PHASE, MARTENSITE = "#d39a2d", "#3f8f4f", "#5b5ea6"
 ZERO_DEGC_K = 273.15
 MPA = 1e6
 MAIN_WIRE, ISOBAR_WIRE = "paper-100um", "isobar-sample"
 BRANCHES = ("heating", "cooling")
-SHADES_PCT = (5, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100)
+SHADES_PCT = (20, 50, 100)
+SHADE_COLOURS = ("#d5ecd4", "#8cc88a")
+SHADE_WORDS = ("20 to 50 % R-phase, cooled at that stress", "more than 50 % R-phase")
 DIAGRAM_DEGC, DIAGRAM_MPA = (20.0, 150.0), (0.0, 300.0)
 
 
@@ -266,50 +267,49 @@ def diagram_figure(loops: tuple[LoopTruth, ...]) -> Figure:
     main = slow_loop(constants_of_wire(MAIN_WIRE), MAIN_WIRE)
     figure = Figure(figsize=(10.4, 5.3), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
-    shades = None
     for axes, paths, words in (
         (panels[0], (main,), "100 µm, as in Fig. 9 of the paper"),
         (panels[1], loops, "125 µm, as in Fig. 4 of the paper"),
     ):
-        shades = draw_r_phase_map(axes, paths[0].constants)
+        shade_r_phase(axes, paths[0].constants)
         draw_lines(axes, paths[0].constants)
         for loop in paths:
             draw_path(axes, loop)
-        axes.set(xlim=DIAGRAM_DEGC, ylim=DIAGRAM_MPA, xlabel=f"temperature [°C]\n{words}")
+        axes.set(xlim=DIAGRAM_DEGC, ylim=DIAGRAM_MPA, xlabel="temperature [°C]", title=words)
         axes.grid(visible=False)
+    name_branches(panels[0], main)
     panels[0].set_ylabel("stress in one leg [MPa]")
-    panels[0].plot([], [], ":", color=R_PHASE, linewidth=1.0, label="R-phase when heated, every 20 %")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
-    figure.colorbar(
-        shades, ax=panels, label="R-phase, cooled from hot at that stress [%]", shrink=0.8, ticks=SHADES_PCT[1::2]
-    )
+    shades = [Patch(color=colour, label=words) for colour, words in zip(SHADE_COLOURS, SHADE_WORDS, strict=True)]
+    figure.legend(handles=[*panels[0].get_legend_handles_labels()[0], *shades], loc="outside lower center", ncols=3)
     return figure
 
 
-def draw_r_phase_map(axes: Axes, constants: WireConstants) -> ContourSet:
-    """Shade how much R-phase there is at each temperature and stress, cooled there from hot at that stress.
-
-    Lines say the same of a wire heated there from cold.
-    """
+def shade_r_phase(axes: Axes, constants: WireConstants) -> None:
+    """Shade where a fifth and where half of the wire is R-phase, cooled there from hot at that stress."""
     degc, mpa = np.linspace(*DIAGRAM_DEGC, 141), np.linspace(*DIAGRAM_MPA, 76)
     cooled = [[cooled_wire(constants, MPA * s, t + ZERO_DEGC_K).r_phase_fraction for t in degc] for s in mpa]
-    heated = [isobaric_path(constants, MPA * s, degc + ZERO_DEGC_K).r_phase_fraction for s in mpa]
-    axes.contour(
-        degc, mpa, 100.0 * np.array(heated), levels=SHADES_PCT[1::2], colors=[R_PHASE], linewidths=0.8, linestyles=":"
-    )
-    return axes.contourf(degc, mpa, 100.0 * np.array(cooled), levels=SHADES_PCT, cmap="Greens", alpha=0.75, vmax=90)
+    axes.contourf(degc, mpa, 100.0 * np.array(cooled), levels=SHADES_PCT, colors=SHADE_COLOURS)
+
+
+def name_branches(axes: Axes, loop: LoopTruth) -> None:
+    """Write which way is heating and which cooling, next to them."""
+    for name, colour, offset, side in (("heating", HEATING, (8, -4), "left"), ("cooling", COOLING, (-8, 6), "right")):
+        branch: Branch = getattr(loop, name)
+        row = int(np.argmin(np.abs(branch.contraction - 0.6 * loop.shared_contraction[1])))
+        place = (branch.temperature_k[row] - ZERO_DEGC_K, branch.stress_pa[row] / MPA)
+        axes.annotate(name, place, xytext=offset, textcoords="offset points", color=colour, ha=side, weight="bold")
 
 
 def draw_lines(axes: Axes, constants: WireConstants) -> None:
     """Draw where the middle grain's phase changes are due, each in the colour of the phase that forms."""
     mpa = np.linspace(*DIAGRAM_MPA, 80)
-    for name, colour, words in (
-        ("austenite_r_phase", R_PHASE, "R-phase from austenite"),
-        ("austenite_martensite", MARTENSITE, "martensite from austenite"),
-        ("martensite_austenite", AUSTENITE, "austenite from martensite"),
+    for name, colour, dashes, words in (
+        ("austenite_r_phase", R_PHASE, ":", "on cooling, austenite to R-phase"),
+        ("austenite_martensite", MARTENSITE, "--", "on cooling, austenite to martensite"),
+        ("martensite_austenite", AUSTENITE, "-.", "on heating, martensite to austenite"),
     ):
         line = np.array([due_degc(constants, MPA * s, name) for s in mpa])
-        axes.plot(line, mpa, "--", color=colour, linewidth=1.6, label=words)
+        axes.plot(line, mpa, dashes, color=colour, linewidth=1.8, label=words)
 
 
 def due_degc(constants: WireConstants, stress_pa: float, change: str) -> float:
@@ -331,7 +331,7 @@ def draw_path(axes: Axes, loop: LoopTruth) -> None:
     for name, colour in (("heating", HEATING), ("cooling", COOLING)):
         branch: Branch = getattr(loop, name)
         degc, mpa = branch.temperature_k - ZERO_DEGC_K, branch.stress_pa / MPA
-        axes.plot(degc, mpa, color=colour, linewidth=2.0, label=f"a loop, {name}")
+        axes.plot(degc, mpa, color=colour, linewidth=2.0)
         row = int(np.argmin(np.abs(branch.contraction - 0.5 * loop.shared_contraction[1])))
         axes.annotate(
             "", (degc[row + 20], mpa[row + 20]), (degc[row], mpa[row]), zorder=6,

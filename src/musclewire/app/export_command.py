@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app.commands import add_command
+from musclewire.app.files import require_zip_file
 from musclewire.app.options import (
+    ARDUINO_ZIP,
     DOUBLE,
     ESTIMATOR,
     NAME,
@@ -57,16 +59,18 @@ def export_c(
     double: Annotated[bool, DOUBLE] = False,
     estimator: Annotated[str, ESTIMATOR] = "polynomial",
     name: Annotated[str, NAME] = "musclewire_wire",
+    arduino_zip: Annotated[Path | None, ARDUINO_ZIP] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
     """Model, controller, limits and protection as a self-contained C99 library, with its own test vectors."""
     from musclewire.controllers import DriveLimits
-    from musclewire.export.c import write_library
+    from musclewire.export.c import write_arduino_zip, write_library
     from musclewire.export.rig_limits import limits_of_rig
     from musclewire.identify.use_of_model import check_made_for, settings_for
     from musclewire.sensing import load_model
 
+    require_zip_file(arduino_zip)
     loaded = load_model(model)
     limits, known = limits_of_rig(rig)
     check_made_for(loaded, known, f"rig {rig}", "name the rig with your wire by --rig, or fit one")
@@ -82,8 +86,10 @@ def export_c(
         overwrite=overwrite,
         estimator=estimator,
     )
+    zipped = None if arduino_zip is None else str(write_arduino_zip(library, arduino_zip))
     answer = {
         "folder": str(output),
+        "arduino_zip": zipped,
         "name": name,
         "files": list(library.files),
         "quantity": loaded.quantity,
@@ -203,6 +209,8 @@ def export_text(answer: dict[str, Any], rig: str) -> str:
         f"{len(answer['files'])} files, {answer['golden_rows']} golden vectors: "
         f"cmake -S {answer['folder']} -B build && cmake --build build && ctest --test-dir build",
     ]
+    if answer["arduino_zip"] is not None:
+        lines.append(f"{answer['arduino_zip']}: in the Arduino IDE, Sketch, Include Library, Add .ZIP Library")
     return "\n".join(lines)
 
 

@@ -13,6 +13,7 @@ __all__ = [
     "require_free",
     "require_model_file",
     "require_recording_file",
+    "require_zip_file",
     "save_figure",
 ]
 
@@ -62,6 +63,15 @@ def require_figure_file(path: Path | None) -> None:
         return
     if path.suffix not in FIGURES:
         raise CallerError(f"{path}: a figure is one of {', '.join(FIGURES)}")
+    require_folder(path)
+
+
+def require_zip_file(path: Path | None) -> None:
+    """Raise CallerError for an archive whose name does not end in .zip."""
+    if path is None:
+        return
+    if path.suffix != ".zip":
+        raise CallerError(f"{path}: the Arduino IDE takes a .zip: give it that ending")
     require_folder(path)
 
 

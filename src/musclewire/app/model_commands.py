@@ -72,8 +72,7 @@ def fit(
         show(str(alone))
     if on_recording is not None:
         show(f"estimate of this recording: {error_text(on_recording)}")
-    if output is not None:
-        show(f"model written to {output}")
+    show("the model is in no file yet: -o model.json keeps it" if output is None else f"model written to {output}")
 
 
 def estimate(

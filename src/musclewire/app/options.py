@@ -325,6 +325,7 @@ QUICK = option("--quick", help="Fewer repetitions.")
 SETTINGS = option("--settings", help="TOML file with settings of the controller, as kp_range = [0.01, 0.1].")
 DOUBLE = option("--double", help="Double precision instead of single.")
 NAME = option("--name", help="Name of the library or FMU, a C identifier.")
+ARDUINO_ZIP = option("--arduino-zip", help="The library as one .zip, too, for 'Add .ZIP Library' of the Arduino IDE.")
 SOURCES_ONLY = option("--sources-only", help="Write the FMU without a binary, for tools that compile its sources.")
 
 Json = Annotated[bool, JSON]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +32,9 @@ from musclewire.sensing.slow_corrections import estimates
 from musclewire.signals.exchange import WireSample
 from musclewire.signals.recording import Recording
 from musclewire.wire.constants import WireConstants
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["EstimateReport", "estimate", "fit"]
 
@@ -222,6 +227,34 @@ class EstimateReport:
     rms_pct: float | None
     max_pct: float | None
     no_reference: str = ""
+
+    @property
+    def columns(self) -> Mapping[str, FloatArray]:
+        """The columns of the recording, the estimate's among them, as those of any recording."""
+        return self.recording.columns
+
+    def plot(self, kind: str | None = None, *, style: str = "screen") -> Figure:
+        """Draw the recording with its estimate.
+
+        Parameters
+        ----------
+        kind
+            Which plot, as in ``Recording.plot``; None is what fits the columns.
+        style
+            Size and fonts of the figure, as in ``Recording.plot``.
+
+        Returns
+        -------
+        A matplotlib figure.
+
+        Raises
+        ------
+        CallerError
+            For an unknown kind or style.
+        RecordingError
+            If the recording lacks the columns for this kind.
+        """
+        return self.recording.plot(kind, style=style)
 
 
 def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:

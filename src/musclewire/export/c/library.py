@@ -11,6 +11,7 @@ from typing import NamedTuple, TypedDict, Unpack
 from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase, load_rule_base
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
+from musclewire.export.c.arduino import keywords_file
 from musclewire.export.c.constants import Constants, collect, control_numbers
 from musclewire.export.c.golden import golden_vectors
 from musclewire.export.c.header import constants_header, model_checksum
@@ -34,13 +35,14 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 
 class Library(NamedTuple):
-    """A library that was written: its folder, its files (relative, in order) and its numbers.
+    """A library that was written: its folder, its name, its files (relative, in order) and its numbers.
 
     ``single_error_share`` is the largest error of the estimate in single precision, as a fraction of the full scale;
     ``reference`` is the tick in Python that the golden vectors come from.
     """
 
     folder: Path
+    name: str
     files: tuple[str, ...]
     constants: Constants
     single_error_share: float
@@ -139,13 +141,13 @@ def write_library(
     texts = {f"src/{file}": text for file, text in sorted(library_sources().items())}
     texts["src/mw_constants.h"] = header
     texts |= project_files(name, model.quantity)
+    texts["keywords.txt"] = keywords_file(texts["src/musclewire.h"])
     texts["test/golden_vectors.csv"] = vectors = golden_vectors(reference)
     if not overwrite:
         refuse_replacing(Path(folder), texts)
     _write(Path(folder), texts)
-    return Library(
-        Path(folder), tuple(texts), constants, single_error_share(model, constants), vectors.count("\n") - 1, reference
-    )
+    share = single_error_share(model, constants)
+    return Library(Path(folder), name, tuple(texts), constants, share, vectors.count("\n") - 1, reference)
 
 
 def refuse_replacing(folder: Path, texts: Mapping[str, str]) -> None:
