@@ -86,10 +86,9 @@ def export_c(
         overwrite=overwrite,
         estimator=estimator,
     )
-    zipped = None if arduino_zip is None else str(write_arduino_zip(library, arduino_zip))
     answer = {
         "folder": str(output),
-        "arduino_zip": zipped,
+        "arduino_zip": None if arduino_zip is None else str(write_arduino_zip(library, arduino_zip)),
         "name": name,
         "files": list(library.files),
         "quantity": loaded.quantity,

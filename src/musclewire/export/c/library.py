@@ -146,8 +146,8 @@ def write_library(
     if not overwrite:
         refuse_replacing(Path(folder), texts)
     _write(Path(folder), texts)
-    share = single_error_share(model, constants)
-    return Library(Path(folder), name, tuple(texts), constants, share, vectors.count("\n") - 1, reference)
+    error = single_error_share(model, constants)
+    return Library(Path(folder), name, tuple(texts), constants, error, vectors.count("\n") - 1, reference)
 
 
 def refuse_replacing(folder: Path, texts: Mapping[str, str]) -> None:
