@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import builtins
 import math
+import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -49,10 +51,19 @@ def gmsh() -> Iterator[Any]:
     import gmsh
 
     gmsh.initialize(interruptible=False)
+    # gmsh no longer ignores SIGPIPE; a later test in this process that writes to a dead worker would be killed by it.
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
     yield gmsh
     gmsh.finalize()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="asks /proc which signals are ignored")
+def test_gmsh_leaves_this_process_as_it_was(gmsh: Any) -> None:
+    gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)
+    (line,) = (one for one in Path("/proc/self/status").read_text("ascii").splitlines() if one.startswith("SigIgn:"))
+    assert int(line.split()[1], 16) >> (signal.SIGPIPE - 1) & 1
 
 
 def box_mm(solid: Solid) -> np.ndarray:
