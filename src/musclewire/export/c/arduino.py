@@ -1,11 +1,10 @@
-"""An exported library as the Arduino IDE takes it: words to colour, and one .zip for "Add .ZIP Library".
+"""An exported library as the Arduino IDE takes it: one .zip for "Add .ZIP Library".
 
 The form is that of the Arduino library specification, format 1.5: https://arduino.github.io/arduino-cli/latest/library-specification/
 """
 
 from __future__ import annotations
 
-import re
 import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,21 +15,12 @@ from musclewire.signals.whole_files import write_whole
 if TYPE_CHECKING:
     from musclewire.export.c.library import Library
 
-__all__ = ["keywords_file", "write_arduino_zip"]
+__all__ = ["write_arduino_zip"]
 
 # What belongs to an Arduino library; the tests and the CMake project stay in the folder.
 IN_ZIP = ("library.properties", "keywords.txt", "LICENSE", "README.md", "src/", "examples/")
-FUNCTION = re.compile(r"^\w+ \*?(mw_\w+)\(", re.M)
-TYPE = re.compile(r"^\} (mw_\w+);", re.M)
 # The same library gives the same bytes, whenever it is written.
 NO_DATE = (1980, 1, 1, 0, 0, 0)
-
-
-def keywords_file(header: str) -> str:
-    """Return keywords.txt, which colours types and functions of a header in the IDE's editor."""
-    types, functions = sorted(set(TYPE.findall(header))), sorted(set(FUNCTION.findall(header)))
-    lines = [f"{name}\tKEYWORD1" for name in types] + [f"{name}\tKEYWORD2" for name in functions]
-    return "\n".join(lines) + "\n"
 
 
 def write_arduino_zip(library: Library, path: str | Path) -> Path:

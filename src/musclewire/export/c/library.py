@@ -11,10 +11,10 @@ from typing import NamedTuple, TypedDict, Unpack
 from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase, load_rule_base
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
-from musclewire.export.c.arduino import keywords_file
 from musclewire.export.c.constants import Constants, collect, control_numbers
 from musclewire.export.c.golden import golden_vectors
 from musclewire.export.c.header import constants_header, model_checksum
+from musclewire.export.c.keywords import keywords_file
 from musclewire.export.c.precision import check_precision, single_error_share
 from musclewire.export.c.reference import ReferenceTick
 from musclewire.sensing.estimator import PAPER_ESTIMATOR
