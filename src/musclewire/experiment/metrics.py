@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from html import escape
 from typing import NamedTuple
 
 import numpy as np
@@ -146,6 +147,10 @@ class ControlMetrics:
         if self.approach_s == 0.0:
             return f"no approach: the first step began when its target was first asked for{where}"
         return f"the first target was asked for{where}, and the first step began {self.approach_s:g} s later"
+
+    def _repr_html_(self) -> str:
+        """Return the table of errors for a notebook, as ``print`` shows them."""
+        return f"<pre>{escape(str(self))}</pre>"
 
     def __str__(self) -> str:
         """Return a small table; the first step has a row for each reading if they differ."""

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -149,6 +150,10 @@ class Tuning:
             "phase_margin_deg": math.degrees(self.margins.phase_rad),
             "delay_margin_s": self.margins.delay_s,
         }
+
+    def _repr_html_(self) -> str:
+        """Return plant, gains and margins for a notebook, as ``print`` shows them."""
+        return f"<pre>{escape(str(self))}</pre>"
 
     def __str__(self) -> str:
         """Return plant, gains and margins in a few lines."""

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from html import unescape
+
 import numpy as np
 import pytest
 from fake_rig import FakeRig, straight_model
@@ -131,6 +133,11 @@ def test_both_readings_and_the_way_to_the_first_step_are_in_the_table() -> None:
     at_once = control_metrics(run_by_hand(0.0, BY_HAND[6:]), "strain", UP_AND_BACK)
     assert "no approach: the first step began when its target was first asked for" in str(at_once)
     assert str(at_once).splitlines()[-1] == "largest 7.500 %, mean 3.833 %"
+
+
+def test_a_notebook_shows_the_table_that_print_shows() -> None:
+    held = control_metrics(run_by_hand(3.0, BY_HAND), "strain", UP_AND_BACK)
+    assert unescape(held._repr_html_()) == f"<pre>{held}</pre>"
 
 
 def test_a_start_just_below_nothing_is_said_as_nothing() -> None:
