@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -45,3 +47,10 @@ def test_a_wrong_word_names_the_nearest_or_where_all_are_listed(
     assert (answer.code, answer.out) == (2, "")
     assert answer.err.endswith(said + "\n")
     assert len(answer.err.splitlines()) == 1
+
+
+def test_help_loads_no_compiler() -> None:
+    """What is read before a first command, and at every Tab, is to be quick (benchmarks/start_up.py)."""
+    code = "import sys; from musclewire.app.main import run; run(['--help']); print('numba' in sys.modules)"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert said.splitlines()[-1] == "False"

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from musclewire.physics.resistance import series_resistance_ohm
-
 if TYPE_CHECKING:
     from musclewire.rigs.guarded import GuardedRig
 
@@ -68,6 +66,9 @@ def quantity_text(row: Mapping[str, float], word: str) -> str:
 
 def resistance_of(row: Mapping[str, float], shunt_ohm: float) -> float | None:
     """Return the resistance of a row's wire; None without a current."""
+    # Numba comes with this import, and --help and the shell's completion do without.
+    from musclewire.physics.resistance import series_resistance_ohm
+
     wire_v, shunt_v = row.get("wire_voltage_v"), row.get("shunt_voltage_v")
     if wire_v is None or shunt_v is None or not shunt_v > 0.0:
         return None
