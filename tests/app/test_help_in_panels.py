@@ -1,4 +1,4 @@
-"""``--help`` lists every command once, in the order of README and pages; a wrong word leads to the right ones."""
+"""``--help`` lists every command once, as a reader meets them; a wrong word leads to the right ones."""
 
 from __future__ import annotations
 

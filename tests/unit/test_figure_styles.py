@@ -57,3 +57,12 @@ def test_a_wrong_name_suggests_the_nearest() -> None:
 def test_a_run_of_control_needs_a_target() -> None:
     with pytest.raises(RecordingError, match="has a target"):
         Recording({"time_s": TIME_S, "drive_voltage_v": STRAIN}, {}).plot("control")
+
+
+def test_a_font_that_stands_in_for_the_journals_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("musclewire.figures.style.installed", lambda fonts: [fonts[-1]])
+    assert "Arial" in figure_style("ieee-single").substitute
+    assert "DejaVu Sans" in figure_style("ieee-single").substitute
+    assert figure_style("screen").substitute == ""
+    monkeypatch.setattr("musclewire.figures.style.installed", list)
+    assert figure_style("ieee-single").substitute == ""

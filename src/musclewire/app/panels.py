@@ -1,4 +1,4 @@
-"""The order and the groups in which ``musclewire --help`` lists the commands: those of README and the pages."""
+"""The order and the groups in which ``musclewire --help`` lists the commands: as a reader meets them."""
 
 from __future__ import annotations
 

@@ -68,6 +68,14 @@ class FigureStyle:
         return LINES_HIGH * self.font_pt * POINT_MM
 
     @property
+    def substitute(self) -> str:
+        """What stands in for the style's own fonts, in words; "" if one of them is installed."""
+        *own, last = self.fonts
+        if not own or installed(self.fonts)[0] != last:
+            return ""
+        return f"none of the fonts {', '.join(own)} is installed: the figure's letters are {last}"
+
+    @property
     def settings(self) -> Mapping[str, Any]:
         """What matplotlib calls these numbers: its rcParams."""
         small = dict.fromkeys(("xtick.labelsize", "ytick.labelsize", "legend.fontsize"), self.small_pt)
