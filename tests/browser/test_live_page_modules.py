@@ -41,7 +41,7 @@ def run(modules: Any, name: str, body: str) -> Any:
 def test_a_ring_keeps_the_last_rows_and_never_twice_its_capacity(modules: Any) -> None:
     body = """const rows = new m.LastRows(2, 100); let longest = 0;
         for (let n = 0; n < 10000; n += 1) { rows.push([n, -n]); longest = Math.max(longest, rows.length); }
-        const [time] = rows.columns;
+        const time = rows.column(0);
         return [longest, rows.last(0), time[0], time.every((each, n) => n === 0 || each === time[n - 1] + 1)];"""
     longest, last, first, is_whole = run(modules, "ring_buffers", body)
     assert longest <= 200
@@ -50,15 +50,22 @@ def test_a_ring_keeps_the_last_rows_and_never_twice_its_capacity(modules: Any) -
     assert is_whole
 
 
+def test_a_missing_value_is_a_gap_and_not_a_number(modules: Any) -> None:
+    body = """const rows = new m.LastRows(2, 3); const nothing = rows.last(1);
+        for (const row of [[0, 5], [1, null], [2, 0], [3, undefined]]) rows.push(row);
+        return [nothing, rows.column(1), rows.column(1, 2), rows.value(1, 4), rows.firstFrom(1.5)];"""
+    assert run(modules, "ring_buffers", body) == [None, [5, None, 0, None], [0, None], None, 2]
+
+
 def test_an_envelope_loses_no_peak(modules: Any) -> None:
     body = """const all = new m.Envelope(2, 1000, 1.0);
         for (let n = 0; n < 3000; n += 1) all.push([n / 100, n === 1234 ? 50 : n === 1250 ? -7 : 1]);
-        return [Math.max(...all.rows.columns[1]), Math.min(...all.rows.columns[1]), all.rows.length];"""
+        return [Math.max(...all.rows.column(1)), Math.min(...all.rows.column(1)), all.rows.length];"""
     assert run(modules, "ring_buffers", body) == [50, -7, 58]
 
 
 def test_a_history_begins_again_when_the_clock_of_the_rig_does(modules: Any) -> None:
-    body = "const h = new m.History(1); h.push([5]); h.push([6]); h.push([0.05]); return h.recent.columns[0];"
+    body = "const h = new m.History(1); h.push([5]); h.push([6]); h.push([0.05]); return h.recent.column(0);"
     assert run(modules, "ring_buffers", body) == [0.05]
 
 

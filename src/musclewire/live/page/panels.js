@@ -107,15 +107,15 @@ export function showNotes(details, notes) {
 
 /** Return the last rows as a table, one each second: what the plots show, for who does not see them. */
 export function plotTable(history, quantityName, unit) {
-  const columns = history.recent.columns;
+  const { recent } = history;
   const heads = [
     ["Time", "s", COLUMN.time, 1], ["Target", unit, COLUMN.target, 2], ["Estimate", unit, COLUMN.estimate, 2], ["Instrument", unit, COLUMN.instrument, 2], ["Resistance", "\u03a9", COLUMN.resistance, 2],
     ["Voltage", "V", COLUMN.voltage, 2], ["Current", "mA", COLUMN.current, 0], ["Power", "mW", COLUMN.power, 0], ["Temperature", "\u00b0C", COLUMN.temperature, 0],
   ];
   const chosen = [];
-  for (let n = history.recent.length - 1; n >= 0 && chosen.length < 30; n -= 1) {
-    if (!chosen.length || columns[COLUMN.time][chosen.at(-1)] - columns[COLUMN.time][n] >= 0.999) chosen.push(n);
+  for (let n = recent.length - 1; n >= 0 && chosen.length < 30; n -= 1) {
+    if (!chosen.length || recent.value(COLUMN.time, chosen.at(-1)) - recent.value(COLUMN.time, n) >= 0.999) chosen.push(n);
   }
   return table(`${quantityName} and electrical values, the newest first, one row a second`, heads.map(([name, of]) => ({ text: `${name} [${of}]`, number: true })),
-    chosen.map((n) => heads.map(([, , place, digits]) => fixed(columns[place][n], digits))));
+    chosen.map((n) => heads.map(([, , place, digits]) => fixed(recent.value(place, n), digits))));
 }

@@ -56,13 +56,12 @@ export class Plane {
 
   /** Return the newest rows that have both values: the estimate if there is one, else the instrument's. */
   trail(history) {
-    const { columns } = history.recent;
-    const from = Math.max(0, history.recent.length - TRAIL_ROWS);
+    const { recent } = history;
     const x = [];
     const y = [];
-    for (let n = from; n < history.recent.length; n += 1) {
-      const value = columns[COLUMN.estimate][n] ?? columns[COLUMN.instrument][n];
-      const resistance = columns[COLUMN.resistance][n];
+    for (let n = Math.max(0, recent.length - TRAIL_ROWS); n < recent.length; n += 1) {
+      const value = recent.value(COLUMN.estimate, n) ?? recent.value(COLUMN.instrument, n);
+      const resistance = recent.value(COLUMN.resistance, n);
       if (value === null || resistance === null) continue;
       x.push(resistance);
       y.push(value);

@@ -1,40 +1,57 @@
 /** Rows kept for the plots, never more than a fixed number. Pure: no page, no clock. */
 
-/** The last rows by columns: at least `capacity` of them once so many came, and never twice as many. */
+/** The last rows by columns: at least `capacity` of them once so many came, and never more than twice as many.
+
+Their place is taken at once, so that a page that stays open does not grow. A value that is missing is kept as NaN and
+given as null, which is what plots and texts take for a gap. */
 export class LastRows {
   constructor(width, capacity) {
     this.capacity = capacity;
-    this.columns = Array.from({ length: width }, () => []);
+    this.kept = Array.from({ length: width }, () => new Float64Array(2 * capacity));
+    this.length = 0;
     this.forgotten = false;
   }
 
-  get length() {
-    return this.columns[0].length;
-  }
-
-  /** Append a row; when twice the capacity is there, the older half goes, in place. */
+  /** Append a row; when twice the capacity is there, the older half goes. */
   push(row) {
-    if (this.length >= 2 * this.capacity) this.dropOlder();
-    for (let place = 0; place < this.columns.length; place += 1) this.columns[place].push(row[place]);
+    if (this.length === 2 * this.capacity) this.dropOlder();
+    this.kept.forEach((column, place) => { column[this.length] = row[place] ?? NaN; });
+    this.length += 1;
   }
 
   dropOlder() {
-    const surplus = this.length - this.capacity;
-    for (const column of this.columns) {
-      column.copyWithin(0, surplus);
-      column.length = this.capacity;
-    }
+    for (const column of this.kept) column.copyWithin(0, this.capacity);
+    this.length = this.capacity;
     this.forgotten = true;
   }
 
   clear() {
-    for (const column of this.columns) column.length = 0;
+    this.length = 0;
     this.forgotten = false;
+  }
+
+  /** Return a value, or null where none is. */
+  value(place, row) {
+    const value = this.kept[place][row];
+    return row < 0 || row >= this.length || Number.isNaN(value) ? null : value;
   }
 
   /** Return the value of a column in the newest row, or null. */
   last(place) {
-    return this.length ? this.columns[place][this.length - 1] : null;
+    return this.value(place, this.length - 1);
+  }
+
+  /** Return a column from a row on, null where a value is missing. */
+  column(place, from = 0) {
+    const kept = this.kept[place];
+    const column = new Array(this.length - from);
+    for (let row = from; row < this.length; row += 1) column[row - from] = Number.isNaN(kept[row]) ? null : kept[row];
+    return column;
+  }
+
+  /** Return the first row that is not earlier than a time; column 0 is the time and only grows. */
+  firstFrom(time_s) {
+    return firstAtLeast(this.kept[0].subarray(0, this.length), time_s);
   }
 }
 
@@ -101,11 +118,11 @@ export class History {
     this.envelope.clear();
   }
 
-  /** Return the columns for a window of so many seconds. */
-  columns(window_s) {
+  /** Return the rows for a window of so many seconds. */
+  rows(window_s) {
     const { recent, envelope } = this;
-    const reaches = !recent.forgotten || recent.last(0) - recent.columns[0][0] >= window_s;
-    return reaches ? recent.columns : envelope.rows.columns;
+    const reaches = !recent.forgotten || recent.last(0) - recent.value(0, 0) >= window_s;
+    return reaches ? recent : envelope.rows;
   }
 }
 

@@ -3,7 +3,6 @@
 import uPlot from "./vendor/uPlot.esm.js";
 import { el, setText } from "./dom.js";
 import { fixed, QUANTITIES } from "./format.js";
-import { firstAtLeast } from "./ring_buffers.js";
 import { COLUMN } from "./rows.js";
 import { colour } from "./theme.js";
 
@@ -105,14 +104,12 @@ export class TimePlots {
   /** Draw the newest rows; the window ends at `end_s`. */
   draw(end_s) {
     this.end_s = end_s;
-    const all = this.history.columns(this.window_s);
-    const time = all[COLUMN.time];
+    const rows = this.history.rows(this.window_s);
     // What lies left of the window would only be searched through: cut it off.
-    const from = Math.max(0, firstAtLeast(time, this.range()[0]) - 1);
-    const cut = (column) => (from > 0 ? column.slice(from) : column);
-    const shownTime = cut(time);
+    const from = Math.max(0, rows.firstFrom(this.range()[0]) - 1);
+    const time = rows.column(COLUMN.time, from);
     for (const { definition, drawn } of this.plots) {
-      drawn.setData([shownTime, ...definition.series.map((each) => cut(all[each.column]))]);
+      drawn.setData([time, ...definition.series.map((each) => rows.column(each.column, from))]);
     }
   }
 
