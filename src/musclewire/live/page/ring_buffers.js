@@ -30,7 +30,7 @@ export class LastRows {
     this.forgotten = false;
   }
 
-  /** Return a value, or null where none is. */
+  /** Return a value; null if it is missing. */
   value(place, row) {
     const value = this.kept[place][row];
     return row < 0 || row >= this.length || Number.isNaN(value) ? null : value;
@@ -41,7 +41,7 @@ export class LastRows {
     return this.value(place, this.length - 1);
   }
 
-  /** Return a column from a row on, null where a value is missing. */
+  /** Return a column from a row on, with null for a missing value. */
   column(place, from = 0) {
     const kept = this.kept[place];
     const column = new Array(this.length - from);
