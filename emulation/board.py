@@ -28,6 +28,8 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from emulation.boot_loaders import BOOT_LOADERS
+from emulation.boot_loaders import boot_loader as boot_loader_hex
 from emulation.machines import prepared
 from emulation.plant import COLUMNS
 from musclewire.errors import CallerError, MusclewireError, RigError
@@ -63,6 +65,8 @@ class EmulatedBoard:
         faults: of wire and circuit, written as in a rig file; ``at`` counts from the start.
         board: which one, a folder of firmware/boards.
         elf: a firmware that is built already; without it one is built, with ``fault_injection`` the one for tests.
+        boot_loader: of an empty ``arduino-uno``, by name: ``BOOT_LOADERS`` of emulation/boot_loaders.py. A host that
+            opens the port resets the board then, as an Arduino's USB converter does.
         sample_period_s: in lockstep, how much time a DRIVE or TARGET lets pass.
         settings: changes of wire and bench by name, as for ``open_rig``.
     """
@@ -78,6 +82,7 @@ class EmulatedBoard:
         elf: Path | None = None,
         fault_injection: bool = False,
         sample_period_s: float = 0.05,
+        boot_loader: str | None = None,
         settings: Mapping[str, float | str] | None = None,
     ) -> None:
         """Build the firmware if need be, start the bench and the emulator, wait until the board has started."""
@@ -87,6 +92,8 @@ class EmulatedBoard:
             )
         self._folder = tempfile.TemporaryDirectory(prefix="musclewire-board-")
         folder = Path(self._folder.name)
+        if boot_loader is not None:
+            elf = boot_loader_hex(boot_loader, folder)
         built = elf or firmware_for(board, folder, ["--fault-injection"] if fault_injection else [])
         self._log, self._messages = folder / "log.bin", folder / "emulator.txt"
         self._start(
@@ -99,6 +106,7 @@ class EmulatedBoard:
                 "faults": [dict(fault) for fault in faults],
                 "pace": pace,
                 "sample_period_s": sample_period_s,
+                "resets_on_open": boot_loader is not None,
                 "elf": str(prepared(board, built, folder)),
                 "log": str(self._log),
                 "messages": str(self._messages),
@@ -266,10 +274,22 @@ def main() -> int:
     parser.add_argument("--pace", choices=("clock", "lockstep"), default="clock")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=None, help="end by itself and print the rate of ticks")
+    parser.add_argument(
+        "--boot-loader",
+        choices=BOOT_LOADERS,
+        default=None,
+        help="begin with this boot loader alone in the flash of an arduino-uno, for `musclewire flash`",
+    )
     parser.add_argument("--rig-file", type=Path, default=None, help="write a rig file with this board's port here")
     given = parser.parse_args()
     try:
-        with EmulatedBoard(given.wire, pace=given.pace, seed=given.seed, board=given.board) as board:
+        with EmulatedBoard(
+            given.wire,
+            pace=given.pace,
+            seed=given.seed,
+            board=given.board,
+            boot_loader=given.boot_loader,
+        ) as board:
             if given.rig_file is not None:
                 given.rig_file.write_text(rig_file_text(given.board, given.wire, board.port_url), encoding="utf-8")
             print(f'port = "{board.port_url}"', flush=True)

@@ -43,7 +43,9 @@ def prepared(board: str, elf: Path, folder: Path) -> Path:
     if board == "mps2-an386":
         return elf
     placed = folder / elf.name
-    if placed != elf:
+    if elf.suffix == ".hex":
+        placed.write_text(without_start_addresses(elf.read_text("ascii")), "ascii")
+    elif placed != elf:
         shutil.copy(elf, placed)
     command = [found, "-O2", str(FOLDER / "simavr_board.c"), "-o", str(folder / "simavr_board"), "-lsimavr", "-lelf"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -51,6 +53,11 @@ def prepared(board: str, elf: Path, folder: Path) -> Path:
         line = f"apt-get install --no-install-recommends -y {packages}"
         raise CallerError(f"emulation/simavr_board.c does not compile ({line}):\n{done.stderr.strip()}")
     return placed
+
+
+def without_start_addresses(text: str) -> str:
+    """Return an Intel HEX file without its records 03 and 05, which an AVR has no use for and simavr refuses."""
+    return "".join(line for line in text.splitlines(keepends=True) if line[7:9] not in ("03", "05"))
 
 
 def qemu(elf: str, host_port: int, wire_port: int) -> list[str]:

@@ -36,8 +36,8 @@ __all__ = ["COLUMNS", "Plant"]
 # A row of the log; all are numbers of 8 bytes.
 COLUMNS = ("tick", "clock_s", "code", "powered", *Truth._fields)
 CONVERSION, CONVERTING, OUTPUT, OUTPUT_AT_START = 0xA5, 0x5A, 0x3C, 0x3D
-# Two more inputs of the Arduino.
-BUTTON, KNOB = 0xB7, 0xB8
+# More inputs of the Arduino.
+BUTTON, KNOB, RESET = 0xB7, 0xB8, 0xB9
 OUTPUT_BYTES = 5
 AFTER_THE_HOST_S = 0.5
 CONVERTING_EVERY_S = 0.02
@@ -273,6 +273,8 @@ class Plant:
         self.user = user
         # Bytes that were in transit when the last host closed the port are dropped.
         self.released = 0
+        if self.settings["resets_on_open"]:
+            self._to_pins(bytes([RESET, 0]))
 
     def _lose_user(self) -> None:
         if self.user is not None:

@@ -2,7 +2,8 @@
  *
  *     simavr_board FIRMWARE HOST_PORT WIRE_PORT
  *
- * FIRMWARE is an ELF file, or the Intel HEX file that is flashed.
+ * FIRMWARE is an ELF file, or the Intel HEX file that is flashed. A HEX file of a boot loader alone, which begins in the
+ * boot section, is what a reset starts, as the fuse BOOTRST has it; the rest of the flash is then empty.
  *
  * The bench keeps time: each conversion packet (see firmware/boards/mps2-an386/board.c) carries the voltages at A0 and
  * A1 and lets one tick of processor cycles pass; the answer is what the PWM on D9 puts out. Every 100 ticks a line on
@@ -25,6 +26,7 @@
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
 #include <simavr/sim_hex.h>
+#include <simavr/sim_regbit.h>
 
 #define CLOCK_HZ 16000000u
 #define TICK_CYCLES (CLOCK_HZ / 100u)
@@ -33,6 +35,7 @@
 #define CONVERSION 0xa5
 #define BUTTON 0xb7 /* and a byte: 1 is down */
 #define KNOB 0xb8   /* and a byte: 255 is the far end */
+#define RESET 0xb9  /* and any byte: the reset pin is pulled low and let go */
 #define OUTPUT 0x3c
 #define OUTPUT_AT_START 0x3d
 /* Data memory addresses of the ATmega328P */
@@ -40,6 +43,7 @@
 #define COM1A1_BIT 0x80
 #define OCR1A_AT 0x88
 #define REPORT_TICKS 100u
+#define BOOT_SECTION 0x7000u /* the largest that the fuses allow begins here */
 
 static avr_t *avr;
 static avr_irq_t *converter, *serial;
@@ -47,6 +51,7 @@ static int host, wire;
 static double pin_mv[3];
 static int may_receive = 1;
 static unsigned char answered;
+static avr_cycle_count_t tick_end;
 
 static int connected(const char *port)
 {
@@ -116,6 +121,16 @@ static void set_button(int down)
     avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), 2), down ? 0 : 1);
 }
 
+/* Pulls the reset pin: an external reset, which is what a boot loader waits for a host after. */
+static void press_reset(void)
+{
+    avr_reset(avr);
+    avr_regbit_set(avr, avr->reset_flags.extrf);
+    set_button(0);
+    may_receive = 1;
+    tick_end = 0;
+}
+
 static void put_output(unsigned char kind)
 {
     const int driven = avr->data[TCCR1A_AT] & COM1A1_BIT;
@@ -139,12 +154,11 @@ static void take_from_host(void)
 /* Lets one tick of cycles pass and returns how many of them the processor was awake. */
 static avr_cycle_count_t run_tick(void)
 {
-    static avr_cycle_count_t end;
     avr_cycle_count_t awake = 0, polled = avr->cycle;
-    if (end == 0)
-        end = avr->cycle;
-    end += TICK_CYCLES;
-    while (avr->cycle < end) {
+    if (tick_end == 0)
+        tick_end = avr->cycle;
+    tick_end += TICK_CYCLES;
+    while (avr->cycle < tick_end) {
         const avr_cycle_count_t before = avr->cycle;
         const int runs = avr->state == cpu_Running;
         const avr_flashaddr_t from = avr->pc;
@@ -152,6 +166,12 @@ static avr_cycle_count_t run_tick(void)
         if (state == cpu_Done || state == cpu_Crashed) {
             fprintf(stderr, "simavr_board: the processor has crashed\n");
             exit(1);
+        }
+        if (avr->cycle < before) { /* the watchdog has reset the processor, which counts from 0 again */
+            tick_end -= before;
+            polled = 0;
+            may_receive = 1;
+            continue;
         }
         if (runs)
             awake += avr->cycle - before;
@@ -190,9 +210,12 @@ static int next_conversion(void)
     do {
         if (!take_from_bench(packet, 1))
             return 0;
-        if ((packet[0] == BUTTON || packet[0] == KNOB) && take_from_bench(packet + 1, 1)) {
+        const int is_input = packet[0] == BUTTON || packet[0] == KNOB || packet[0] == RESET;
+        if (is_input && take_from_bench(packet + 1, 1)) {
             if (packet[0] == BUTTON)
                 set_button(packet[1]);
+            else if (packet[0] == RESET)
+                press_reset();
             else
                 pin_mv[2] = packet[1] / 255.0 * SUPPLY_MV;
         }
@@ -211,13 +234,14 @@ static int load(const char *file)
     static elf_firmware_t firmware;
     const char *end = strrchr(file, '.');
     if (end != NULL && strcmp(end, ".hex") == 0) {
-        uint32_t size = 0, start = 0;
-        uint8_t *bytes = read_ihex_file(file, &size, &start);
-        if (bytes == NULL)
-            return 0;
-        avr_loadcode(avr, bytes, size, start);
-        avr->codeend = start + size;
-        return 1;
+        ihex_chunk_p parts = NULL;
+        const int count = read_ihex_chunks(file, &parts);
+        for (int i = 0; i < count; i++)
+            avr_loadcode(avr, parts[i].data, parts[i].size, parts[i].baseaddr);
+        if (count > 0 && parts[0].baseaddr >= BOOT_SECTION)
+            avr->reset_pc = parts[0].baseaddr;
+        avr->codeend = avr->flashend;
+        return count > 0;
     }
     if (elf_read_firmware(file, &firmware) != 0)
         return 0;
@@ -244,7 +268,7 @@ static void build_processor(const char *file)
     avr_irq_register_notify(serial + UART_IRQ_OUTPUT, byte_to_host, NULL);
     avr_irq_register_notify(serial + UART_IRQ_OUT_XON, receiver_has_room, &yes);
     avr_irq_register_notify(serial + UART_IRQ_OUT_XOFF, receiver_has_room, &no);
-    set_button(0);
+    press_reset();
 }
 
 int main(int count, char **arguments)
