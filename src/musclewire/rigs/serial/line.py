@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import socket
-import time
 from typing import Any, Protocol
 
 from musclewire.errors import MissingExtraError, RigError
@@ -146,10 +145,3 @@ def open_line(port: str, baud: int, patience_s: float = PATIENCE_S) -> SerialLin
 def ports_here(port: str) -> str:
     """Return which ports exist, for a port of this computer that could not be opened."""
     return "" if "://" in port else f"; {ports_text(serial_ports())}"
-
-
-def settle(line: Line, quiet_s: float, max_wait_s: float) -> None:
-    """Discard the bytes of an earlier session, until the line has been quiet for ``quiet_s``."""
-    ends_s = time.monotonic() + max_wait_s
-    while line.read(quiet_s) and time.monotonic() < ends_s:
-        pass

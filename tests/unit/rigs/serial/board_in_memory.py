@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass, field
+from math import nan
 
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.serial.board import Board
@@ -37,6 +38,9 @@ class BoardInMemory:
     period_ticks: int = 50
     event_at_reset: int = 0
     maximum_v: float = 4.0
+    expiry_ms: int = 250
+    unreadable: int = 0  # so many of the next samples have no reading of the converter
+    answers: dict[int, int] = field(default_factory=dict)  # what it answers to kinds of commands, whatever they do
     drop: set[int] = field(default_factory=set)  # kinds of frames that get lost, once each
     deaf: bool = False
     unplugged: bool = False
@@ -76,7 +80,7 @@ class BoardInMemory:
 
     def identify(self) -> None:
         text = b"memory".ljust(16, b"\0") + b"strain".ljust(12, b"\0")
-        numbers = (1, 1, 0, 0, 1000, 50000, 0.3, self.maximum_v, SHUNT_OHM, 250, 7, self.event_at_reset)
+        numbers = (1, 1, 0, 0, 1000, 50000, 0.3, self.maximum_v, SHUNT_OHM, self.expiry_ms, 7, self.event_at_reset)
         self.tell(MessageKind.IDENTITY, struct.pack("<BBBBIIfffHIB", *numbers) + text)
 
     def obey(self, frame: Frame) -> None:
@@ -95,6 +99,7 @@ class BoardInMemory:
             self.state, self.drive_v = 0, 0.0
         elif frame.kind == MessageKind.STREAM:
             (self.stream_every,) = struct.unpack("<H", frame.payload)
+        result = self.answers.get(frame.kind, result)
         self.tell(MessageKind.ACKNOWLEDGEMENT, struct.pack("<HBB", frame.sequence, frame.kind, result))
         if frame.kind == MessageKind.HELLO:
             self.identify()
@@ -108,6 +113,8 @@ class BoardInMemory:
             current_a = self.drive_v / (WIRE_OHM + SHUNT_OHM)
             # A reading is never twice the same.
             voltages = (current_a * WIRE_OHM + 1e-6 * (self.tick % 97), current_a * SHUNT_OHM + 1e-7 * (self.tick % 89))
+            if self.unreadable:
+                self.unreadable, voltages = self.unreadable - 1, (nan, nan)
             header = struct.pack("<IBBH", self.tick % 2**32, self.state, self.event, self.command_sequence)
             rest = struct.pack("<ffffff", self.drive_v, *voltages, WIRE_OHM, 0.01, self.target)
             self.tell(MessageKind.SAMPLE, header + rest)

@@ -1,0 +1,111 @@
+"""The line through pyserial: its loop-back port, a socket of this machine, ports that fail as pyserial's do."""
+
+from __future__ import annotations
+
+import socket
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+from musclewire.errors import MissingExtraError, RigError
+from musclewire.rigs.serial.line import LineLostError, SerialLine, open_line
+from musclewire.rigs.serial.ports import SerialPort, ports_text, serial_ports
+
+
+def test_what_is_written_to_a_loop_comes_back_and_nothing_else() -> None:
+    line = open_line("loop://", 115200)
+    line.write(b"\x01\0\xff")
+    assert line.read(1.0) == b"\x01\0\xff"
+    assert line.read(0.0) == b""
+    assert line.name == "loop://"
+    line.close()
+    line.close()
+
+
+@pytest.mark.parametrize("what", ["read", "write"])
+def test_a_closed_line_is_lost(what: str) -> None:
+    line = open_line("loop://", 115200)
+    line.close()
+    with pytest.raises(LineLostError, match="the line to the board, loop://, is gone"):
+        line.read(0.0) if what == "read" else line.write(b"x")
+
+
+def test_a_socket_carries_both_ways_and_is_lost_when_the_other_end_closes() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        line = open_line(f"socket://127.0.0.1:{server.getsockname()[1]}", 115200)
+        other, _ = server.accept()
+        with other:
+            line.write(b"abc")
+            assert other.recv(3) == b"abc"
+            other.sendall(b"def")
+            assert line.read(10.0) == b"def"
+        with pytest.raises(LineLostError, match="is gone"):
+            line.read(10.0)
+        line.close()
+        line.close()
+
+
+def test_a_port_that_another_thread_has_closed_fails_by_an_error_of_another_kind() -> None:
+    class Closed:
+        """pyserial's port after ``close``: its file descriptor is None."""
+
+        timeout = 0.0
+
+        def read(self, _count: int) -> bytes:
+            raise TypeError("'NoneType' object cannot be interpreted as an integer")
+
+        def write(self, _data: bytes) -> None:
+            raise AttributeError
+
+        def close(self) -> None:
+            raise OSError
+
+    line = SerialLine(Closed(), "/dev/ttyACM0")
+    with pytest.raises(LineLostError, match="cannot be interpreted"):
+        line.read(0.0)
+    with pytest.raises(LineLostError, match="AttributeError"):
+        line.write(b"x")
+    line.close()
+
+
+def test_a_port_that_cannot_be_opened_says_what_to_check_and_which_there_are() -> None:
+    with pytest.raises(RigError, match=r"cannot open .*/dev/no-such-port.*(ports here now|no serial port)"):
+        open_line("/dev/no-such-port", 115200)
+
+
+def test_ports_of_this_machine_say_nothing_about_another_machines_address() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        address = f"socket://127.0.0.1:{server.getsockname()[1]}"
+    with pytest.raises(RigError, match="cannot open the serial port socket://") as caught:
+        open_line(address, 115200)
+    assert "here now" not in str(caught.value)
+
+
+def test_without_pyserial_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("serial", "serial.tools"):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(MissingExtraError, match="serial"):
+        open_line("loop://", 115200)
+    with pytest.raises(MissingExtraError, match="serial"):
+        serial_ports()
+
+
+def test_ports_are_sorted_and_say_which_board_they_look_like(monkeypatch: pytest.MonkeyPatch) -> None:
+    from serial.tools import list_ports
+
+    found = [
+        SimpleNamespace(device="/dev/ttyUSB1", vid=None, pid=None, description="n/a"),
+        SimpleNamespace(device="/dev/ttyACM0", vid=0x2341, pid=0x0043, description="ttyACM0"),
+        SimpleNamespace(device="/dev/ttyS0", vid=None, pid=None, description="16550A"),
+    ]
+    monkeypatch.setattr(list_ports, "comports", lambda: found)
+    ports = serial_ports()
+    assert [port.name for port in ports] == ["/dev/ttyACM0", "/dev/ttyS0", "/dev/ttyUSB1"]
+    assert [port.board for port in ports] == ["arduino-uno", "", ""]
+    assert ports_text(ports).endswith("/dev/ttyS0 (16550A), /dev/ttyUSB1")
+
+
+def test_no_port_at_all_asks_for_the_cable() -> None:
+    assert "is the cable one for data" in ports_text([])
+    assert ports_text([SerialPort("COM3", "", "")]) == "ports here now: COM3"
