@@ -17,6 +17,20 @@ def test_a_wrong_style_is_one_line_before_anything_is_heated(musclewire: Callabl
     assert not loop.exists()
 
 
+def test_a_style_without_a_figure_is_refused(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("fit", "lan-fan-2010-table-2", "--plot-style", "nature")
+    assert answer.code == 2
+    assert "--plot-style belongs to --plot" in answer.err
+
+
+def test_the_older_figures_have_a_style_too(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    figure = tmp_path / "model.svg"
+    assert (
+        musclewire("fit", "lan-fan-2010-table-2", "--order", "3", "--plot", figure, "--plot-style", "nature").code == 0
+    )
+    assert f'width="{89.0 / 25.4 * 72.0:.6g}' in figure.read_text("utf-8")
+
+
 @pytest.mark.slow
 def test_loop_run_and_estimate_are_drawn(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     loop, model = tmp_path / "loop.h5", tmp_path / "model.json"

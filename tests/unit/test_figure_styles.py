@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.figures import figure_style, figure_style_names
+from musclewire.figures import SubstituteFontWarning, figure_style, figure_style_names
 from musclewire.signals import Recording
 from musclewire.signals.plots import PLOTS, usual_plot
 
@@ -66,3 +68,16 @@ def test_a_font_that_stands_in_for_the_journals_is_named(monkeypatch: pytest.Mon
     assert figure_style("screen").substitute == ""
     monkeypatch.setattr("musclewire.figures.style.installed", list)
     assert figure_style("ieee-single").substitute == ""
+
+
+def test_python_warns_at_the_callers_line_of_a_font_that_stands_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("musclewire.figures.style.installed", lambda fonts: [fonts[-1]])
+    with pytest.warns(SubstituteFontWarning, match="Arial") as said:
+        RUN.plot("time", style="nature")
+    assert said[0].filename == __file__
+
+
+def test_a_style_without_a_substitute_is_silent() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        RUN.plot("time", style="screen")

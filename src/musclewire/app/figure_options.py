@@ -1,30 +1,39 @@
-"""The options of a command that can draw what it recorded: --plot and --plot-style."""
+"""The options of a command that can draw what it made: --plot and --plot-style."""
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Any, Protocol
 
 from musclewire.app.files import require_figure_file, save_figure
 from musclewire.app.options import PLOT, PLOT_STYLE
 from musclewire.app.output import warn
-
-if TYPE_CHECKING:
-    from musclewire.signals.recording import Recording
+from musclewire.errors import CallerError
 
 __all__ = ["FigureOptions"]
 
 
+class HasPlot(Protocol):
+    """A recording, a model, gains, a sweep of the pretension: what draws itself in a style."""
+
+    def plot(self, *, style: str) -> Any:
+        """Return a figure, or its axes."""
+
+
 @dataclass(frozen=True)
 class FigureOptions:
-    """The figure of a recording, and its size and fonts."""
+    """The figure of what a command made, and its size and fonts."""
 
     plot: Annotated[Path | None, PLOT] = None
     plot_style: Annotated[str, PLOT_STYLE] = "screen"
 
     def check(self) -> None:
         """Raise CallerError, before anything is heated, for a figure that cannot be; say if fonts are missing."""
+        if self.plot is None and self.plot_style != "screen":
+            raise CallerError("--plot-style belongs to --plot: name the figure's file, or leave it out")
         require_figure_file(self.plot)
         if self.plot is not None:
             from musclewire.figures import figure_style
@@ -32,7 +41,16 @@ class FigureOptions:
             said = figure_style(self.plot_style).substitute
             warn([said] if said else [])
 
-    def draw(self, recording: Recording) -> None:
-        """Write the figure of a recording, if one was asked for."""
-        if self.plot is not None:
-            save_figure(recording.plot(style=self.plot_style), self.plot)
+    def draw(self, made: HasPlot) -> None:
+        """Write the figure of a recording, a model, a sweep, if one was asked for."""
+        self.draw_by(made.plot)
+
+    def draw_by(self, drawing: Callable[..., Any]) -> None:
+        """Write the figure that a function draws in a style, if one was asked for."""
+        if self.plot is None:
+            return
+        from musclewire.figures import SubstituteFontWarning
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SubstituteFontWarning)  # already said by check()
+            save_figure(drawing(style=self.plot_style), self.plot)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from musclewire.app.commands import add_command
-from musclewire.app.files import require_figure_file, require_folder, require_recording_file, save_figure
+from musclewire.app.figure_options import FigureOptions
+from musclewire.app.files import require_folder, require_recording_file
 from musclewire.app.options import (
     CLEARANCE,
     KNOWN_STIFFNESS,
@@ -18,7 +20,6 @@ from musclewire.app.options import (
     OBJECT_STIFFNESS,
     OUTPUT,
     OVERWRITE,
-    PLOT,
     SEED,
     TARGET,
     TOLERANCE,
@@ -30,6 +31,8 @@ from musclewire.app.stopping import stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from musclewire.experiment.grip import GripRun
     from musclewire.experiment.gripper_training import GripperKnowledge
     from musclewire.rigs.configuration import RigConfiguration
@@ -96,12 +99,12 @@ class ObjectOptions:
 def grip(
     block: ObjectOptions,
     goal: GripOptions,
+    figure: FigureOptions,
     rig: Annotated[
         str, typer.Argument(metavar="[RIG]", help="'gripper', or a TOML rig file with a finger and a contact.")
     ] = "gripper",
     learned: Annotated[Path | None, LEARNED] = None,
     output: Annotated[Path | None, OUTPUT] = None,
-    plot: Annotated[Path | None, PLOT] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
@@ -110,7 +113,7 @@ def grip(
     from musclewire.experiment.gripper_training import with_object
     from musclewire.experiment.run_warnings import run_warnings
 
-    require_figure_file(plot)
+    figure.check()
     if output is not None:
         require_recording_file(output, overwrite)
     target_n, known = goal.in_si()
@@ -122,13 +125,17 @@ def grip(
             configuration, knowledge, seed, json,
             target_n=target_n, stiffness_n_per_m=known, path=output, overwrite=overwrite,
         )  # fmt: skip
-    if plot is not None:
-        from musclewire.app.report.grip_figure import plot_grip
-
-        save_figure(plot_grip(run, knowledge), plot)
+    figure.draw_by(partial(drawn, run, knowledge))
     warnings = warn(run_warnings(run))
     emit_json({**grip_json(run, simulated, known), "warnings": warnings}) if json else show(grip_text(run, known))
     end_by(run, in_si("--tolerance", goal.tolerance))
+
+
+def drawn(run: GripRun, knowledge: GripperKnowledge, *, style: str) -> Axes:
+    """Return the drawn grip; loads what draws only now."""
+    from musclewire.app.report.grip_figure import plot_grip
+
+    return plot_grip(run, knowledge, style=style)
 
 
 def end_by(run: GripRun, tolerance_n: float | None) -> None:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from musclewire.app.commands import add_command
-from musclewire.app.files import require_figure_file, save_figure
-from musclewire.app.options import DISPLACEMENT, PLOT, SENSED_BY, Json, RigName, in_si
+from musclewire.app.figure_options import FigureOptions
+from musclewire.app.options import DISPLACEMENT, SENSED_BY, Json, RigName, in_si
 from musclewire.app.output import emit_json, show
 
 if TYPE_CHECKING:
@@ -28,19 +29,18 @@ def add_linearise_command(app: typer.Typer) -> None:
 def linearise(
     rig: RigName,
     displacement: Annotated[str, DISPLACEMENT],
+    figure: FigureOptions,
     sensed_by: Annotated[Path | None, SENSED_BY] = None,
-    plot: Annotated[Path | None, PLOT] = None,
     json: Json = False,
 ) -> None:
     """Linearise the simulated wire at a displacement: operating points, poles, margins of the closed loop."""
-    require_figure_file(plot)
+    figure.check()
     from musclewire.interfaces import control_systems
     from musclewire.sensing import load_model
 
     model = None if sensed_by is None else load_model(sensed_by)
     found = control_systems.linearise(in_si("--displacement", displacement), rig, model=model)
-    if plot is not None:
-        save_figure(control_systems.bode_axes(found), plot)
+    figure.draw_by(partial(control_systems.bode_axes, found))
     if json:
         emit_json(linearisation_json(found))
     else:

@@ -39,18 +39,18 @@ def fit(
     recording: RecordingPath,
     reading: ReadingOptions,
     known: ResistanceOptions,
+    figure: FigureOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     order: Annotated[str, ORDER] = "6",
     quantity: Annotated[str, QUANTITY] = "strain",
     cycle: Annotated[str, CYCLE] = "last",
-    plot: Annotated[Path | None, PLOT] = None,
     json: Json = False,
 ) -> None:
     """Fit the self-sensing model to a slow loop; with --wire from its resistance alone."""
     from musclewire.identify import estimate as run_estimate
     from musclewire.identify import fit as run_fit
 
-    require_figure_file(plot)
+    figure.check()
     if output is not None:
         require_model_file(output)
     known.require_wire()
@@ -60,8 +60,7 @@ def fit(
     on_recording = None if data.is_branch_table else run_estimate(model, data)
     if output is not None:
         model.save(output)
-    if plot is not None:
-        save_figure(model.plot(), plot)
+    figure.draw(model)
     if json:
         more = {} if alone is None else alone.report()
         written = None if output is None else str(output)

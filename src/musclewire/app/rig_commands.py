@@ -14,7 +14,7 @@ import typer
 from musclewire.app.commands import add_command
 from musclewire.app.control_command import metrics_json
 from musclewire.app.figure_options import FigureOptions
-from musclewire.app.files import require_figure_file, require_model_file, require_recording_file, save_figure
+from musclewire.app.files import require_model_file, require_recording_file
 from musclewire.app.options import (
     AMPLITUDE,
     AT,
@@ -22,7 +22,6 @@ from musclewire.app.options import (
     OUTPUT,
     OVERWRITE,
     PERIOD,
-    PLOT,
     QUANTITY,
     SEED,
     Json,
@@ -209,10 +208,10 @@ def loop_text(answer: Mapping[str, Any]) -> str:
 def pretension(
     rig: RigName,
     sine: SlowSineOptions,
+    figure: FigureOptions,
     at: Annotated[list[str] | None, AT] = None,
     quantity: Annotated[str, QUANTITY] = "strain",
     output: Annotated[Path | None, OUTPUT] = None,
-    plot: Annotated[Path | None, PLOT] = None,
     seed: Annotated[int | None, SEED] = None,
     json: Json = False,
 ) -> None:
@@ -223,7 +222,7 @@ def pretension(
     from musclewire.experiment.pretension import pretension_sweep
     from musclewire.rigs.configuration import open_rig
 
-    require_figure_file(plot)
+    figure.check()
     period_s, amplitude_v = sine.period_s, sine.amplitude_v
     forces = [in_si("--at", text) for text in at or ()] or None
 
@@ -251,8 +250,7 @@ def pretension(
     for failure in sweep.failures:
         say(f"not usable: {failure}")
     warnings = warn(sweep.warnings)
-    if plot is not None:
-        save_figure(sweep.plot(), plot)
+    figure.draw(sweep)
     if json:
         emit_json({**sweep_json(sweep), "warnings": warnings})
     else:

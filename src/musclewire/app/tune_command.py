@@ -8,9 +8,10 @@ from typing import Annotated
 import typer
 
 from musclewire.app.commands import add_command
-from musclewire.app.files import require_figure_file, require_free, save_figure
+from musclewire.app.figure_options import FigureOptions
+from musclewire.app.files import require_free
 from musclewire.app.model_commands import RecordingPath
-from musclewire.app.options import CLOSED_LOOP_TIME, CONTROLLER, OUTPUT, OVERWRITE, PLOT, RULES, Json, in_si
+from musclewire.app.options import CLOSED_LOOP_TIME, CONTROLLER, OUTPUT, OVERWRITE, RULES, Json, in_si
 from musclewire.app.output import emit_json, show
 from musclewire.app.recording_options import ReadingOptions
 
@@ -26,11 +27,11 @@ def tune(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
     recording: RecordingPath,
     reading: ReadingOptions,
+    figure: FigureOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     controller: Annotated[str, CONTROLLER] = "feedforward",
     rules: Annotated[str | None, RULES] = None,
     closed_loop_time: Annotated[str | None, CLOSED_LOOP_TIME] = None,
-    plot: Annotated[Path | None, PLOT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
 ) -> None:
@@ -38,7 +39,7 @@ def tune(
     from musclewire.identify.tuning import tune as run_tune
     from musclewire.sensing import load_model
 
-    require_figure_file(plot)
+    figure.check()
     if output is not None:
         require_free(output, overwrite)
     found = run_tune(
@@ -50,8 +51,7 @@ def tune(
     )
     if output is not None:
         found.save(output)
-    if plot is not None:
-        save_figure(found.plot(), plot)
+    figure.draw(found)
     if json:
         emit_json({**found.report(), "gains": None if output is None else str(output)})
         return

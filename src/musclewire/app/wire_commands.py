@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from musclewire.app.commands import add_command
-from musclewire.app.files import require_figure_file, require_recording_file, save_figure
+from musclewire.app.figure_options import FigureOptions
+from musclewire.app.files import require_recording_file
 from musclewire.app.options import (
     AMBIENT,
     CURRENT,
@@ -21,7 +23,6 @@ from musclewire.app.options import (
     OFF_AFTER,
     OUTPUT,
     OVERWRITE,
-    PLOT,
     SEED,
     SHUNT,
     SPRING,
@@ -99,9 +100,9 @@ def request_of(wire: str, drive: DriveOptions, mounting: MountingOptions, seed: 
 def simulate(
     drive: DriveOptions,
     mounting: MountingOptions,
+    figure: FigureOptions,
     wire: Annotated[str, WIRE] = "flexinol-0.10-ht",
     output: Annotated[Path | None, OUTPUT] = None,
-    plot: Annotated[Path | None, PLOT] = None,
     seed: Annotated[int, SEED] = 1,
     list_wires: Annotated[bool, LIST] = False,
     table: Annotated[bool, TABLE] = False,
@@ -113,21 +114,19 @@ def simulate(
         emit_json(wires_json()) if json else show(wires_text())
         return
     if table:
-        refuse_with_table(drive, mounting, output, plot)
+        refuse_with_table(drive, mounting, output, figure.plot)
         show_table(mounting, json)
         return
+    from musclewire.experiment.supply_figure import drive_axes
     from musclewire.experiment.supply_sizing import plan_supply, size_supply
 
     request = request_of(wire, drive, mounting, seed)
     if output is not None:
         require_recording_file(output, overwrite)
-    require_figure_file(plot)
+    figure.check()
     with stops_between_samples(), progress_bar("Drive", plan_supply(request).duration_s, quiet=json) as on_sample:
         answer = size_supply(request, path=output, overwrite=overwrite, on_sample=on_sample)
-    if plot is not None:
-        from musclewire.experiment.supply_figure import drive_axes
-
-        save_figure(drive_axes(answer), plot)
+    figure.draw_by(partial(drive_axes, answer))
     if json:
         emit_json(answer_json(answer, output))
     else:

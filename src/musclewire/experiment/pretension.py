@@ -111,36 +111,43 @@ class PretensionSweep:
         """The setting with the smallest gap of the sweep's quantity, of those within the vendor's limit if any is."""
         return best_of(self.rows, self.quantity, self.largest_n)
 
-    def plot(self, axes: Axes | None = None) -> Axes:
+    def plot(self, axes: Axes | None = None, *, style: str = "screen") -> Axes:
         """Plot the gaps against pretension, that of the sweep's quantity first.
 
         Parameters
         ----------
         axes
-            Where to plot; a new figure if None.
+            Axes to draw on; those of a new figure by default.
+        style
+            Size and fonts of the new figure, as in ``Recording.plot``; axes that are given keep their own.
 
         Returns
         -------
-        The axes.
-        """
-        if axes is None:
-            import matplotlib.pyplot as plt
+        The axes; ``sweep.plot().figure.savefig("gaps.pdf")`` writes their figure.
 
-            axes = plt.figure(figsize=(6.0, 4.0), layout="constrained").add_subplot()
-        forces = [row.pretension_n for row in self.rows]
-        for quantity in dict.fromkeys((self.quantity, "force")):
-            gaps = [row.gap_pct(quantity) for row in self.rows]
-            shown = [(force, gap) for force, gap in zip(forces, gaps, strict=True) if gap is not None]
-            style = "o-" if quantity == self.quantity else "s--"
-            if shown:
-                axes.plot(*zip(*shown, strict=True), style, color=COLOURS[quantity], label=f"{quantity} gap")
-        axes.axvline(self.best.pretension_n, color="0.7", linewidth=1.0, zorder=0)
-        at: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "xytext": (4, 0), "textcoords": "offset points"}
+        Raises
+        ------
+        CallerError
+            For an unknown style; the message suggests the nearest.
+        """
+        from musclewire.figures.styled_figure import axes_to_draw_on
+
+        with axes_to_draw_on(axes, style) as here:
+            for quantity in dict.fromkeys((self.quantity, "force")):
+                shown = [(row.pretension_n, gap) for row in self.rows if (gap := row.gap_pct(quantity)) is not None]
+                line = "o-" if quantity == self.quantity else "s--"
+                if shown:
+                    here.plot(*zip(*shown, strict=True), line, color=COLOURS[quantity], label=f"{quantity} gap")
+            self._mark_best(here)
+            here.set(xlabel="pretension $F_p$ [N]", ylabel="hysteresis gap [% of maximum]", ylim=(0.0, None))
+            here.legend(frameon=False)
+            return here
+
+    def _mark_best(self, axes: Axes) -> None:
         best_n = self.best.pretension_n
+        axes.axvline(best_n, color="0.7", linewidth=1.0, zorder=0)
+        at: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "xytext": (4, 0), "textcoords": "offset points"}
         axes.annotate(f"best {best_n:.2f} N", (best_n, 0.97), va="top", color="0.35", **at)
-        axes.set(xlabel="pretension $F_p$ [N]", ylabel="hysteresis gap [% of maximum]", ylim=(0.0, None))
-        axes.legend(frameon=False)
-        return axes
 
 
 def best_of(rows: Sequence[PretensionRow], quantity: str, largest_n: float | None) -> PretensionRow:

@@ -16,36 +16,36 @@ __all__ = ["drive_axes"]
 WARM, COLD, INK, GREY = "#c8553d", "#1f6f8b", "#2b2b2b", "#9aa0a6"
 
 
-def drive_axes(sizing: SupplySizing) -> Axes:
-    """Draw contraction [%], temperature [C] and current [mA] over time [s], one above the other, with pyplot.
+def drive_axes(sizing: SupplySizing, *, style: str = "screen") -> Axes:
+    """Draw contraction [%], temperature [°C] and current [mA] over time [s], one above the other, with pyplot.
 
     Parameters
     ----------
     sizing
         A simulated drive with its numbers.
+    style
+        Size and fonts of the figure, as in ``Recording.plot``.
 
     Returns
     -------
     The uppermost axes, those of the contraction.
-    """
-    import matplotlib.pyplot as plt
 
-    figure, panels = plt.subplots(3, 1, figsize=(7.2, 6.6), sharex=True, height_ratios=(3, 2, 2))
-    top, middle, bottom = panels
+    Raises
+    ------
+    CallerError
+        For an unknown style; the message suggests the nearest.
+    """
+    from musclewire.figures.styled_figure import panel_rows
+
+    figure, panels = panel_rows(style, (1.5, 1.0, 1.0), by_pyplot=True)
     time_s = sizing.recording["time_s"] - sizing.recording.facts.sample_period_s
-    draw_contraction(top, sizing, time_s)
-    draw_temperature(middle, sizing, time_s)
-    draw_current(bottom, sizing, time_s)
-    for axes in panels:
-        axes.axvspan(0.0, sizing.plan.request.on_s, color=WARM, alpha=0.08, lw=0)
-        axes.grid(color="#e6e8eb", lw=0.8)
-        axes.spines["top"].set_visible(False)
-        axes.spines["right"].set_visible(False)
-    top.set_xlim(time_s[0], time_s[-1])
-    top.set_title(title_of(sizing), loc="left", fontsize=10.5)
-    figure.align_ylabels([top, middle, bottom])
-    figure.tight_layout()
-    return top  # type: ignore[no-any-return]
+    with figure.styled():
+        for draw, axes in zip((draw_contraction, draw_temperature, draw_current), panels, strict=True):
+            axes.axvspan(0.0, sizing.plan.request.on_s, color=WARM, alpha=0.08, lw=0)
+            draw(axes, sizing, time_s)
+        panels[0].set_xlim(time_s[0], time_s[-1])
+        panels[0].set_title(title_of(sizing), loc="left", wrap=True)
+    return panels[0]
 
 
 def draw_contraction(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> None:
@@ -55,7 +55,7 @@ def draw_contraction(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> No
     stroke = 100 * sizing.one_second.stroke
     axes.plot(time_s, 100 * sizing.recording["displacement_m"] / sizing.recording.facts.leg_length_m, color=INK)
     mark_level(axes, time_s[-1], stroke, "full stroke ")
-    axes.set_ylabel("contraction [%]")
+    axes.set_ylabel("contraction\n[%]")
     axes.set_ylim(-0.05 * stroke, 1.18 * stroke)
     mark_cooling(axes, sizing, 100 * UNCOUNTED_STRAIN)
 
@@ -67,17 +67,17 @@ def draw_temperature(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> No
     axes.plot(time_s, sizing.recording["wire_temperature_k"] - 273.15, color=WARM)
     if sizing.numbers.temperature_peak_k > 0.85 * OVERHEATED_K:
         mark_level(axes, time_s[-1], OVERHEATED_K - 273.15, "working limit (assumed) ")
-    axes.set_ylabel("temperature [C]\n(simulated truth)")
+    axes.set_ylabel("temperature\n[°C]")
 
 
 def draw_current(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> None:
     """Draw the current, and the supply's voltage on an axis of its own."""
     recording = sizing.recording
     axes.plot(time_s, 1e3 * recording["shunt_voltage_v"] / recording.facts.shunt_resistance_ohm, color=COLD)
-    axes.set_ylabel("current [mA]", color=COLD)
+    axes.set_ylabel("current\n[mA]", color=COLD)
     volts = axes.twinx()
-    volts.plot(time_s, recording["drive_voltage_v"], color=INK, lw=1.0, ls=":")
-    volts.set_ylabel("supply [V], dotted")
+    volts.plot(time_s, recording["drive_voltage_v"], color=INK, ls=":")
+    volts.set_ylabel("supply [V],\ndotted")
     axes.set_ylim(bottom=0.0)
     volts.set_ylim(0.0, 1.15 * sizing.numbers.voltage_peak_v)
     axes.set_xlabel("time since switching on [s]")
@@ -87,7 +87,7 @@ def draw_current(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> None:
 def mark_level(axes: Axes, end_s: float, level: float, text: str) -> None:
     """Mark a level by a dashed line with its name at the end."""
     axes.axhline(level, color=GREY, lw=0.9, ls="--")
-    axes.text(end_s, level, text, color="#6b7075", fontsize=8.5, ha="right", va="bottom")
+    axes.text(end_s, level, text, color="#6b7075", fontsize="small", ha="right", va="bottom")
 
 
 def mark_cooling(axes: Axes, sizing: SupplySizing, level_pct: float) -> None:
@@ -96,9 +96,9 @@ def mark_cooling(axes: Axes, sizing: SupplySizing, level_pct: float) -> None:
     if cooling is None:
         return
     at = sizing.plan.request.on_s + cooling
-    axes.plot([at], [level_pct], "o", color=COLD, ms=5)
+    axes.plot([at], [level_pct], "o", color=COLD)
     axes.annotate(f"cooled after {cooling:.2f} s", (at, level_pct), xytext=(8, 8), textcoords="offset points",
-                  color=COLD, fontsize=9)  # fmt: skip
+                  color=COLD, fontsize="small")  # fmt: skip
 
 
 def title_of(sizing: SupplySizing) -> str:
@@ -107,6 +107,6 @@ def title_of(sizing: SupplySizing) -> str:
     driven = f"{1e3 * plan.current_a:.0f} mA" if plan.current_a is not None else f"{plan.supply_v:g} V"
     spring = f" on {plan.request.spring_n_per_m:g} N/m" if plan.request.spring_n_per_m else ""
     return (
-        f"{plan.request.wire}, {1e3 * plan.request.length_m:g} mm, {plan.load_n:.2f} N{spring}, "
+        f"simulated {plan.request.wire}, {1e3 * plan.request.length_m:g} mm, {plan.load_n:.2f} N{spring}, "
         f"{driven} for {plan.request.on_s:g} s"
     )

@@ -12,13 +12,17 @@ from typing import Any
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.pages import STYLE
 
-__all__ = ["FigureStyle", "figure_style", "figure_style_names"]
+__all__ = ["FigureStyle", "SubstituteFontWarning", "figure_style", "figure_style_names"]
 
 # A figure at least so wide has its panels side by side; it lies between one column and two of every journal here.
 WIDE_MM = 120.0
 # A panel is as high as so many lines of its letters.
 LINES_HIGH = 14.0
 POINT_MM = 25.4 / 72.0
+
+
+class SubstituteFontWarning(UserWarning):
+    """A journal's fonts are not installed: the figure has the letters of another one."""
 
 
 @dataclass(frozen=True)

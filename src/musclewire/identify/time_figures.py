@@ -158,4 +158,4 @@ def draw_errors(axes: Axes, time_s: FloatArray, run: Followed) -> None:
         if one is not None and other is not None:
             axes.plot(time_s, one - other, color=colour, linestyle="--" if colour == HEATING else "-", label=name)
     axes.set_ylabel(f"error [{'% strain' if run.unit == '%' else run.unit}]")
-    axes.legend(loc="best", ncols=2)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)

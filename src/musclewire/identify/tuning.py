@@ -108,31 +108,37 @@ class Tuning:
         """
         save_gains(Gains(self.controller, self.settings), path, tuple(str(self).splitlines()))
 
-    def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the steady power of both branches, and the gain of the feedback.
+    def plot(self, axes: Axes | None = None, *, style: str = "screen") -> Axes:
+        """Draw the steady power of both branches, and the margins of the feedback in the title.
 
         Parameters
         ----------
         axes
-            Axes to draw on; new ones by default.
+            Axes to draw on; those of a new figure by default.
+        style
+            Size and fonts of the new figure, as in ``Recording.plot``; axes that are given keep their own.
 
         Returns
         -------
-        The axes.
-        """
-        if axes is None:
-            from matplotlib.figure import Figure
+        The axes; ``found.plot().figure.savefig("gains.pdf")`` writes their figure.
 
-            axes = Figure(layout="constrained").subplots()
+        Raises
+        ------
+        CallerError
+            For an unknown style; the message suggests the nearest.
+        """
+        from musclewire.figures.styled_figure import axes_to_draw_on
+        from musclewire.pages import COOLING, HEATING
+
         plant = self.plant
         factor, unit = SHOWN_AS[plant.quantity]
-        axes.plot(plant.heating_power_w, factor * plant.levels, label="heating")
-        axes.plot(plant.cooling_power_w, factor * plant.levels, label="cooling")
-        axes.set_xlabel("steady electrical power [W]")
-        axes.set_ylabel(f"{plant.quantity} [{unit}]")
-        axes.set_title(str(self).splitlines()[-1], fontsize="small")
-        axes.legend()
-        return axes
+        with axes_to_draw_on(axes, style) as here:
+            here.plot(plant.heating_power_w, factor * plant.levels, color=HEATING, label="heating")
+            here.plot(plant.cooling_power_w, factor * plant.levels, color=COOLING, label="cooling")
+            here.set(xlabel="steady electrical power [W]", ylabel=f"{plant.quantity} [{unit}]")
+            here.set_title(str(self).splitlines()[-1], fontsize="small", wrap=True)
+            here.legend()
+            return here
 
     def report(self) -> dict[str, Any]:
         """Return the numbers of ``musclewire tune --json``."""

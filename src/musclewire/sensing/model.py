@@ -56,19 +56,26 @@ class SensingModel(FittedCurve):
 
         save_model(self, path)
 
-    def plot(self, axes: Axes | None = None) -> Axes:
+    def plot(self, axes: Axes | None = None, *, style: str = "screen") -> Axes:
         """Draw strain against resistance: the samples, if the model has them, both branches and their mean.
 
         Parameters
         ----------
         axes
-            Axes to draw on; new ones by default.
+            Axes to draw on; those of a new figure by default.
+        style
+            Size and fonts of the new figure, as in ``Recording.plot``; axes that are given keep their own.
 
         Returns
         -------
-        The axes.
+        The axes; ``model.plot().figure.savefig("model.pdf")`` writes their figure.
+
+        Raises
+        ------
+        CallerError
+            For an unknown style; the message suggests the nearest.
         """
-        return model_view.plot_model(self, axes)
+        return model_view.plot_model(self, axes, style)
 
     def report(self) -> dict[str, Any]:
         """Return the numbers of ``musclewire fit --json``; percentages are of strain, or of the largest quantity."""

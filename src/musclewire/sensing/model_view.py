@@ -90,33 +90,34 @@ def html(model: FittedCurve) -> str:
 
 def plot_samples(model: FittedCurve, axes: Axes, factor: float) -> None:
     """Draw the kept samples of both branches, the quantity times ``factor``."""
+    from musclewire.pages import COOLING, HEATING
+
     for pairs, name, colour in (
-        (model.heating_samples, "heating", "tab:red"),
-        (model.cooling_samples, "cooling", "tab:blue"),
+        (model.heating_samples, "heating", HEATING),
+        (model.cooling_samples, "cooling", COOLING),
     ):
         if pairs:
             resistance, quantity = np.array(pairs).T
             axes.plot(resistance, factor * quantity, ".", color=colour, alpha=0.4, label=f"{name}, measured")
 
 
-def plot_model(model: FittedCurve, axes: Axes | None = None) -> Axes:
+def plot_model(model: FittedCurve, axes: Axes | None = None, style: str = "screen") -> Axes:
     """Draw the quantity against resistance as in Lan and Fan 2010, Fig. 9, and return the axes."""
-    if axes is None:
-        from matplotlib import pyplot
+    from musclewire.figures.styled_figure import axes_to_draw_on  # only drawing needs matplotlib
+    from musclewire.pages import AVERAGE, COOLING, HEATING
 
-        axes = pyplot.subplots()[1]
     factor, unit = SHOWN_AS[model.quantity]
-    plot_samples(model, axes, factor)
     fraction = np.linspace(model.normalised_min, model.normalised_max, 300)
     resistance = model.resistance_min_ohm + fraction * (model.resistance_max_ohm - model.resistance_min_ohm)
-    for coefficients, name, style in (
-        (model.heating_coefficients, "heating polynomial", "r-"),
-        (model.cooling_coefficients, "cooling polynomial", "b-"),
-        (model.average_coefficients, "average", "k--"),
-    ):
-        axes.plot(resistance, factor * evaluate(coefficients, fraction), style, label=name)
-    axes.set_xlabel("wire resistance [ohm]")
-    axes.set_ylabel(f"{model.quantity} [{unit}]")
-    axes.set_title(f"Self-sensing model, gap {100 * model.hysteresis_gap:.2f} %")
-    axes.legend()
-    return axes
+    with axes_to_draw_on(axes, style) as here:
+        plot_samples(model, here, factor)
+        for coefficients, name, colour, line in (
+            (model.heating_coefficients, "heating polynomial", HEATING, "-"),
+            (model.cooling_coefficients, "cooling polynomial", COOLING, "-"),
+            (model.average_coefficients, "average", AVERAGE, "--"),
+        ):
+            here.plot(resistance, factor * evaluate(coefficients, fraction), line, color=colour, label=name)
+        here.set(xlabel="wire resistance [ohm]", ylabel=f"{model.quantity} [{unit}]")
+        here.set_title(f"Self-sensing model, gap {100 * model.hysteresis_gap:.2f} %")
+        here.legend()
+        return here

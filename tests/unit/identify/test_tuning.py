@@ -155,4 +155,6 @@ def test_its_text_states_gains_and_margins() -> None:
     found: Tuning = tune(MODEL, slow_loop())
     assert "SIMC" in str(found)
     assert "gain" in str(found).splitlines()[-1]
-    assert found.plot().get_xlabel() == "steady electrical power [W]"
+    axes = found.plot(style="ieee-single")
+    assert axes.get_xlabel() == "steady electrical power [W]"
+    assert axes.figure.get_size_inches()[0] * 25.4 == pytest.approx(88.9)

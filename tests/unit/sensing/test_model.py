@@ -187,6 +187,17 @@ def test_the_report_has_the_keys_of_the_command_line() -> None:
     assert report["strain_gap_pct"] == pytest.approx(1.14)
 
 
+def test_a_plot_without_axes_has_the_width_of_its_style() -> None:
+    from matplotlib import pyplot
+
+    figure = MODEL.plot(style="nature").figure
+    assert figure.get_size_inches()[0] * 25.4 == pytest.approx(89.0)
+    assert pyplot.gcf() is figure  # so that a notebook shows it
+    pyplot.close(figure)
+    with pytest.raises(CallerError, match="'nature'"):
+        MODEL.plot(style="natur")
+
+
 def test_a_plot_returns_its_axes_with_units() -> None:
     from matplotlib.figure import Figure
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from musclewire.experiment.gripper_training import REST_S
+from musclewire.figures.styled_figure import panels_side_by_side
 from musclewire.sensing.branch_equations import evaluate
 
 if TYPE_CHECKING:
@@ -21,17 +22,14 @@ MEASURED, FREE, FOUND = "#1f5fa8", "#9aa3ad", "#c8401f"
 SHOWN_BEFORE_S = 0.3
 
 
-def plot_grip(run: GripRun, knowledge: GripperKnowledge) -> Axes:
+def plot_grip(run: GripRun, knowledge: GripperKnowledge, *, style: str = "screen") -> Axes:
     """Draw power against resistance with that of the free closing, and force over time; returns the second axes."""
-    import matplotlib.pyplot as plt
-
-    figure = plt.figure(figsize=(9.6, 3.8), layout="constrained")
-    by_place, by_time = figure.add_subplot(1, 2, 1), figure.add_subplot(1, 2, 2)
-    draw_power(by_place, run, knowledge)
-    draw_force(by_time, run)
-    for axes in (by_place, by_time):
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.legend(frameon=False, fontsize="small")
+    figure, (by_place, by_time) = panels_side_by_side(style, 2)
+    with figure.styled():
+        draw_power(by_place, run, knowledge)
+        draw_force(by_time, run)
+        by_place.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0))  # inside it would lie on the lines
+        by_time.legend(loc="lower right")
     return by_time
 
 
@@ -52,14 +50,12 @@ def draw_power(axes: Axes, run: GripRun, knowledge: GripperKnowledge) -> None:
     axes.plot(
         across, 1e3 * evaluate(free.holding_power_w, across), color=FREE, lw=2.5, label="holds free fingers there"
     )
-    axes.plot(
-        place[inside], holding[inside], color=MEASURED, marker="o", ms=3, label="measured, less what motion takes"
-    )
+    axes.plot(place[inside], holding[inside], color=MEASURED, marker=".", label="measured, less what motion takes")
     if run.contact_s is not None:
         first = int(np.argmax(run["contact"] > 0.0))
         axes.plot(place[first], holding[first], "o", ms=8, mfc="none", mec=FOUND, mew=2, label="contact found")
     axes.invert_xaxis()
-    axes.set(xlabel="normalised resistance (fingers close to the right)", ylabel="holding power [mW]")
+    axes.set(xlabel="normalised resistance\n(fingers close to the right)", ylabel="holding power [mW]")
 
 
 def draw_force(axes: Axes, run: GripRun) -> None:

@@ -9,6 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from musclewire.arrays import FloatArray
+from musclewire.figures import figure_style
+from musclewire.figures.styled_figure import new_figure
 from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.driven import DrivenObservation
 from musclewire.identify.physical.isobaric import IsobaricObservation
@@ -47,23 +49,30 @@ RESIDUAL_UNIT = {"resistance": "mohm", "strain": "% strain", "force": "mN", "tem
 RESIDUAL_FACTOR = {"resistance": 1e3, "strain": 100.0, "force": 1e3, "temperature": 1.0}
 
 
-def channel_axes(calibration: Calibration) -> Axes:
+def channel_axes(calibration: Calibration, *, style: str = "screen") -> Axes:
     """Draw the channels of the first recording, measured and fitted, over their residuals, with pyplot.
 
     Parameters
     ----------
     calibration
         The calibration with its observations.
+    style
+        Size and fonts of the figure, as in ``Recording.plot``.
 
     Returns
     -------
     The axes of the first channel.
-    """
-    import matplotlib.pyplot as plt
 
+    Raises
+    ------
+    CallerError
+        For an unknown style; the message suggests the nearest.
+    """
     pairs = compared(calibration, calibration.problem.observations[0])
-    figure = plt.figure(figsize=(WIDTH, ROW_HEIGHT * len(pairs)), layout="constrained")
-    return draw_channels(figure, pairs)
+    height_mm = figure_style(style).panel_height_mm * (1.4 * len(pairs) + 0.3)
+    figure = new_figure(style, height_mm, by_pyplot=True)
+    with figure.styled():
+        return draw_channels(figure, pairs)
 
 
 def compared(calibration: Calibration, observation: Observation) -> list[ChannelComparison]:

@@ -118,48 +118,51 @@ def linearise(
     return Linearisation(loops, chosen, model)
 
 
-def bode_axes(found: Linearisation) -> Any:
+def bode_axes(found: Linearisation, *, style: str = "screen") -> Any:
     """Draw the open loops of a linearisation as a Bode plot, with pyplot.
 
     Parameters
     ----------
     found
         The linear wires with their loops.
+    style
+        Size and fonts of the figure, as in ``Recording.plot``.
 
     Returns
     -------
     The upper axes, those of the magnitude; below are those of the phase.
-    """
-    import matplotlib.pyplot as plt
 
-    figure, (magnitude, phase) = plt.subplots(2, 1, figsize=(7.2, 6.0), sharex=True)
-    for one in found.loops:
-        period_s = one.linear.point.wire.sample_period_s
-        loop = controller_system(found.settings, period_s) * sampled_system(one.linear, period_s, found.model)
-        hz = np.geomspace(MIN_HZ, MAX_OF_NYQUIST * 0.5 / period_s, POINTS)
-        response = loop.frequency_response(2.0 * np.pi * hz)
-        branch, motion = one.linear.point.branch, one.linear.motion
-        style = {
-            "color": COLOURS[branch],
-            "ls": LINES[motion],
-            "label": f"{branch}, {motion}{margins_text(one.margins)}",
-        }
-        magnitude.loglog(hz, np.abs(response.complex), **style)
-        phase.semilogx(hz, np.degrees(np.unwrap(np.angle(response.complex))), **style)
-    magnitude.axhline(1.0, color="#9aa0a6", lw=0.8)
-    phase.axhline(-180.0, color="#9aa0a6", lw=0.8)
-    magnitude.set_ylabel("magnitude of the open loop")
-    phase.set_ylabel("phase [deg]")
-    phase.set_xlabel("frequency [Hz]")
-    magnitude.legend(fontsize=8.5)
-    point = found.points[0]
-    magnitude.set_title(f"{point.wire.name} at {1e3 * point.displacement_m:.3g} mm", loc="left", fontsize=10.5)
-    for axes in (magnitude, phase):
-        axes.grid(color="#e6e8eb", lw=0.8)
-        axes.spines["top"].set_visible(False)
-        axes.spines["right"].set_visible(False)
-    figure.tight_layout()
+    Raises
+    ------
+    CallerError
+        For an unknown style; the message suggests the nearest.
+    """
+    from musclewire.figures.styled_figure import panel_rows
+
+    figure, (magnitude, phase) = panel_rows(style, (1.5, 1.1), by_pyplot=True)
+    with figure.styled():
+        for one in found.loops:
+            draw_open_loop(magnitude, phase, one, found)
+        magnitude.axhline(1.0, color="#9aa0a6", lw=0.8)
+        phase.axhline(-180.0, color="#9aa0a6", lw=0.8)
+        magnitude.set_ylabel("magnitude of\nthe open loop")
+        phase.set(xlabel="frequency [Hz]", ylabel="phase [deg]")
+        figure.legend(*magnitude.get_legend_handles_labels(), loc="outside lower center")
+        point = found.points[0]
+        magnitude.set_title(f"{point.wire.name} at {1e3 * point.displacement_m:.3g} mm", loc="left")
     return magnitude
+
+
+def draw_open_loop(magnitude: Any, phase: Any, one: LinearisedLoop, found: Linearisation) -> None:
+    """Draw the open loop of one linear wire over frequency."""
+    period_s = one.linear.point.wire.sample_period_s
+    loop = controller_system(found.settings, period_s) * sampled_system(one.linear, period_s, found.model)
+    hz = np.geomspace(MIN_HZ, MAX_OF_NYQUIST * 0.5 / period_s, POINTS)
+    response = loop.frequency_response(2.0 * np.pi * hz)
+    branch, motion = one.linear.point.branch, one.linear.motion
+    line = {"color": COLOURS[branch], "ls": LINES[motion], "label": f"{branch}, {motion}{margins_text(one.margins)}"}
+    magnitude.loglog(hz, np.abs(response.complex), **line)
+    phase.semilogx(hz, np.degrees(np.unwrap(np.angle(response.complex))), **line)
 
 
 def margins_text(margins: LoopMargins) -> str:
