@@ -35,6 +35,7 @@ ROOMS = (
     "controllers",
     "identify",
     "signals",
+    "figures",
     "parameters",
     "errors",
     "registry",
@@ -46,6 +47,7 @@ OTHERS = {
     "EstimatorFactory": "A function that makes an estimator: takes an `EstimatorSetup`, returns an `Estimator`.",
     "ControllerFactory": "A function that makes a controller: takes a `ControllerSetup`, returns a `Controller`.",
     "ENVIRONMENT": "Name of the environments in Gymnasium's registry.",
+    "PLOTS": "Plots of a recording by name ([your own](../how-to/plot_what_you_recorded.md#a-plot-of-your-own)).",
     "COLUMNS": "Columns that a recording may have, by name, each with its unit ([files](files.md)).",
 }
 

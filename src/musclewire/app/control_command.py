@@ -124,7 +124,7 @@ def control(
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":
             loaded, home_answer = homing.homed(opened, loaded, quiet=json)
-    figure.draw(run)
+    figure.draw(run.plot)
     answer = run_json(run, load, [*refused, *too_fast.pop("warnings")]) | too_fast | {"home": home_answer}
     if json:
         emit_json(answer)

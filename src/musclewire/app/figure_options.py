@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any
 
 from musclewire.app.files import require_figure_file, save_figure
 from musclewire.app.options import PLOT, PLOT_STYLE
@@ -14,13 +14,6 @@ from musclewire.app.output import warn
 from musclewire.errors import CallerError
 
 __all__ = ["FigureOptions"]
-
-
-class HasPlot(Protocol):
-    """A recording, a model, gains, a sweep of the pretension: what draws itself in a style."""
-
-    def plot(self, *, style: str) -> Any:
-        """Return a figure, or its axes."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +34,8 @@ class FigureOptions:
             said = figure_style(self.plot_style).substitute
             warn([said] if said else [])
 
-    def draw(self, made: HasPlot) -> None:
-        """Write the figure of a recording, a model, a sweep, if one was asked for."""
-        self.draw_by(made.plot)
-
-    def draw_by(self, drawing: Callable[..., Any]) -> None:
-        """Write the figure that a function draws in a style, if one was asked for."""
+    def draw(self, drawing: Callable[..., Any]) -> None:
+        """Write what a function draws in a style, ``model.plot`` for example, if a figure was asked for."""
         if self.plot is None:
             return
         from musclewire.figures import SubstituteFontWarning

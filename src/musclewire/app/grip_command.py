@@ -125,7 +125,7 @@ def grip(
             configuration, knowledge, seed, json,
             target_n=target_n, stiffness_n_per_m=known, path=output, overwrite=overwrite,
         )  # fmt: skip
-    figure.draw_by(partial(drawn, run, knowledge))
+    figure.draw(partial(drawn, run, knowledge))
     warnings = warn(run_warnings(run))
     emit_json({**grip_json(run, simulated, known), "warnings": warnings}) if json else show(grip_text(run, known))
     end_by(run, in_si("--tolerance", goal.tolerance))

@@ -40,7 +40,7 @@ def linearise(
 
     model = None if sensed_by is None else load_model(sensed_by)
     found = control_systems.linearise(in_si("--displacement", displacement), rig, model=model)
-    figure.draw_by(partial(control_systems.bode_axes, found))
+    figure.draw(partial(control_systems.bode_axes, found))
     if json:
         emit_json(linearisation_json(found))
     else:

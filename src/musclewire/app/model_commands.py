@@ -60,7 +60,7 @@ def fit(
     on_recording = None if data.is_branch_table else run_estimate(model, data)
     if output is not None:
         model.save(output)
-    figure.draw(model)
+    figure.draw(model.plot)
     if json:
         more = {} if alone is None else alone.report()
         written = None if output is None else str(output)
@@ -94,7 +94,7 @@ def estimate(
     if output is not None:
         require_free(output, overwrite)
         report.recording.save(output)
-    figure.draw(report.recording)
+    figure.draw(report.recording.plot)
     if json:
         emit_json({"samples": len(report.recording), **error_numbers(report)})
         return

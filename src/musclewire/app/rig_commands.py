@@ -135,7 +135,7 @@ def characterize(
                 overwrite=overwrite,
                 on_sample=on_sample,
             )
-    figure.draw(recording)
+    figure.draw(recording.plot)
     answer: dict[str, Any] = {
         "recording": str(output),
         "samples": len(recording),
@@ -250,7 +250,7 @@ def pretension(
     for failure in sweep.failures:
         say(f"not usable: {failure}")
     warnings = warn(sweep.warnings)
-    figure.draw(sweep)
+    figure.draw(sweep.plot)
     if json:
         emit_json({**sweep_json(sweep), "warnings": warnings})
     else:

@@ -51,7 +51,7 @@ def tune(
     )
     if output is not None:
         found.save(output)
-    figure.draw(found)
+    figure.draw(found.plot)
     if json:
         emit_json({**found.report(), "gains": None if output is None else str(output)})
         return

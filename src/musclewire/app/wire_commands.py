@@ -126,7 +126,7 @@ def simulate(
     figure.check()
     with stops_between_samples(), progress_bar("Drive", plan_supply(request).duration_s, quiet=json) as on_sample:
         answer = size_supply(request, path=output, overwrite=overwrite, on_sample=on_sample)
-    figure.draw_by(partial(drive_axes, answer))
+    figure.draw(partial(drive_axes, answer))
     if json:
         emit_json(answer_json(answer, output))
     else:

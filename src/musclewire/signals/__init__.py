@@ -6,6 +6,7 @@ from musclewire.signals.columns import COLUMNS
 from musclewire.signals.exchange import RawSample
 from musclewire.signals.import_mapping import ImportMapping, load_mapping, save_mapping
 from musclewire.signals.joining import join_recordings
+from musclewire.signals.plots import PLOTS
 from musclewire.signals.reading import has_headers, import_recording, read_recording, understand
 from musclewire.signals.recording import Recording
 from musclewire.signals.recording_writer import RecordingWriter
@@ -23,4 +24,5 @@ __all__ = [
     "save_mapping",
     "understand",
     "COLUMNS",
+    "PLOTS",
 ]
