@@ -57,7 +57,8 @@ BY_NUMBER = ("-c", "wire_temperature_k=#1:degC", "-c", "reference_strain=#2:%", 
 def test_from_a_loop_to_a_wire_file_that_does_the_same_loop(
     loop: Path, musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    answer = musclewire("calibrate", loop, "-o", tmp_path / "mine.toml", "--effort", "quick", "--json")
+    figure = ("--plot", tmp_path / "mine.svg", "--plot-style", "nature")
+    answer = musclewire("calibrate", loop, "-o", tmp_path / "mine.toml", "--effort", "quick", "--json", *figure)
     assert answer.code == 0, answer.err
     found = answer.json
     assert found["holds"]
@@ -66,7 +67,7 @@ def test_from_a_loop_to_a_wire_file_that_does_the_same_loop(
     one = found["parameters"]["martensite_temperature_k"]
     assert {"value", "unit", "std", "prior_std"} <= set(one)
     assert one["std"] < one["prior_std"]
-    assert sorted(item.name for item in tmp_path.iterdir()) == ["mine.html", "mine.toml"]
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["mine.html", "mine.svg", "mine.toml"]
 
     wire = read_wire_file(tmp_path / "mine.toml")
     for name, item in found["parameters"].items():

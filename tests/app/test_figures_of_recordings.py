@@ -42,3 +42,25 @@ def test_loop_run_and_estimate_are_drawn(musclewire: Callable[..., Any], tmp_pat
     assert "<svg" in (tmp_path / "loop.svg").read_text("utf-8")
     assert (tmp_path / "run.pdf").read_bytes().startswith(b"%PDF")
     assert (tmp_path / "estimate.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_training_home_move_demo_and_what_was_imported_are_drawn(
+    musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
+    loop, model = tmp_path / "loop.h5", tmp_path / "model.json"
+    figures = {name: tmp_path / f"{name}.svg" for name in ("demo", "train", "home", "import")}
+    assert musclewire("characterize", "simulated", "-o", loop).code == 0
+    assert musclewire("fit", loop, "-o", model).code == 0
+    homed = ("-o", tmp_path / "homed.json")
+    assert musclewire("home", "simulated", model, *homed, "--plot", figures["home"]).code == 0
+    assert musclewire("train", "simulated", "--plot", figures["train"]).code == 0
+    assert musclewire("demo", "-o", tmp_path / "demo", "--plot", figures["demo"]).code == 0
+    assert musclewire("import", loop, "--plot", figures["import"]).code == 0
+    assert [name for name, path in figures.items() if "<svg" not in path.read_text("utf-8")] == []
+
+
+def test_a_figure_of_two_files_that_are_not_joined_is_refused(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    answer = musclewire("import", "one.csv", "two.csv", "--plot", tmp_path / "both.svg")
+    assert answer.code == 2
+    assert "--plot draws one recording, 2 were given" in answer.err

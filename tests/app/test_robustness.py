@@ -35,7 +35,8 @@ def test_a_missed_bar_ends_with_1_and_is_named(tmp_path, capsys):
     assert (tmp_path / "out" / "rows.csv").read_text("utf-8").startswith("disturbance,level,estimator")
     kept = sorted((tmp_path / "out" / "wires").rglob("*.npz"))
     times = [file.stat().st_mtime_ns for file in kept]
-    assert run(["robustness", "-o", str(tmp_path / "out"), "--json", *ONE]) == 1
+    assert run(["robustness", "-o", str(tmp_path / "out"), "--json", *ONE, "--plot", str(tmp_path / "all.svg")]) == 1
+    assert "<svg" in (tmp_path / "all.svg").read_text("utf-8")
     again = json.loads(capsys.readouterr().out)
     assert again["rows"] == found["rows"]
     assert [file.stat().st_mtime_ns for file in kept] == times

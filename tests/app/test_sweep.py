@@ -61,8 +61,9 @@ def test_it_writes_a_data_set_a_table_and_a_page_that_needs_no_other_file(
     assert "two &amp; three" in page
     assert not re.search(r'(?:src|href)="(?!data:|#|https://doi\.org)[^"]', page)
     assert page.count("<svg") >= 5
-    again = musclewire("sweep", study, "-o", folder, "--json")
+    again = musclewire("sweep", study, "-o", folder, "--json", "--plot", folder / "all.svg", "--plot-style", "nature")
     assert again.json["evaluated"] == 0
+    assert "<svg" in (folder / "all.svg").read_text("utf-8")
     assert again.json["quantities"] == answer.json["quantities"]
 
 

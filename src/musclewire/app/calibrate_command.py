@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from musclewire.app.commands import add_command
+from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_free
 from musclewire.app.options import (
     EFFORT,
@@ -33,6 +35,8 @@ from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_sample
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from musclewire.identify.physical.advice import Advice
     from musclewire.identify.physical.calibration import Calibration
     from musclewire.identify.physical.search import Settings
@@ -84,6 +88,7 @@ def calibrate(
     reading: ReadingOptions,
     known: StartOptions,
     search: SearchOptions,
+    figure: FigureOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     report: Annotated[Path | None, REPORT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
@@ -98,6 +103,7 @@ def calibrate(
     page = report or (output.with_suffix(".html") if output is not None else None)
     require_written(output, ".toml", "a wire", overwrite)
     require_written(page, ".html", "a report", overwrite)
+    figure.check()
     settings = search.settings()
     given = {name: read_one(name, reading) for name in distinct(recordings)}
     journal = None if output is None else output.with_name(output.name + JOURNAL_SUFFIX)
@@ -120,12 +126,20 @@ def calibrate(
         from musclewire.identify.physical.calibration_report import write_report
 
         write_report(found, page, advice)
+    figure.draw(partial(drawn, found))
     if json:
         emit_json({**document(found, advice, output, page), "warnings": warnings})
     else:
         show_result(found, advice, output, page)
     if not found.holds:
         raise typer.Exit(1)
+
+
+def drawn(found: Calibration, *, style: str) -> Axes:
+    """Return the first recording, measured and fitted; loads what draws only now."""
+    from musclewire.identify.physical.calibration_figures import channel_axes
+
+    return channel_axes(found, style=style)
 
 
 def require_written(path: Path | None, suffix: str, what: str, overwrite: bool) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from musclewire.app.commands import add_command
+from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_model_file, require_recording_file
 from musclewire.app.options import (
     AMBIENT,
@@ -93,6 +95,7 @@ def home(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
     output: Annotated[Path, OUTPUT],
     timing: TimingOptions,
+    figure: FigureOptions,
     load: Annotated[str | None, LOAD] = None,
     ambient: Annotated[str | None, AMBIENT] = None,
     cycles_made: Annotated[int | None, CYCLES_MADE] = None,
@@ -104,8 +107,10 @@ def home(
     """Sweep the wire once at its known load and write a model that holds for the wire of today."""
     from musclewire.experiment.home import home as run_home
     from musclewire.experiment.home import home_duration_s
+    from musclewire.identify.home.homing_figure import homing_figure
     from musclewire.sensing import load_model
 
+    figure.check()
     loaded = load_model(model)
     require_model_file(output)
     if output.exists() and not overwrite:
@@ -127,6 +132,7 @@ def home(
                 on_sample=on_sample,
             )
     found.model.save(output)
+    figure.draw(partial(homing_figure, loaded, found))
     for text in refused:
         say(f"warning: {text}")
     if json:

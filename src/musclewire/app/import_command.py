@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from musclewire.app.commands import add_command
+from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_free
 from musclewire.app.options import (
     DROP_MISSING,
@@ -27,6 +29,8 @@ from musclewire.app.recording_options import ReadingOptions
 from musclewire.errors import CallerError, RecordingError
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from musclewire.signals.import_mapping import ImportMapping
     from musclewire.signals.joining import JoinedRecordings
     from musclewire.signals.understanding import Understanding
@@ -62,6 +66,7 @@ def import_recordings(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recordings of other programs.")],
     reading: ReadingOptions,
     table: TableOptions,
+    figure: FigureOptions,
     join: Annotated[str | None, JOIN] = None,
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
@@ -73,6 +78,7 @@ def import_recordings(
 
     require_possible(files, join, output, save_mapping, overwrite)
     joining = join is not None or (output is not None and len(files) > 1)
+    require_one_figure(figure, files, joining)
     mappings = mappings_of_files(files, table.added_to(reading.import_mapping()))
     single, version = None if joining else output, table.matlab_version
     understood = [imported(path, mapping, single, version) for path, mapping in zip(files, mappings, strict=True)]
@@ -87,6 +93,7 @@ def import_recordings(
         joined.recording.save(output, version)
     if save_mapping is not None:
         remember(understood[0], save_mapping)
+    figure.draw(partial(drawn, files[0], mappings[0], joined))
     report(understood, joined, [path for path in (output, save_mapping) if path is not None], json)
 
 
@@ -105,6 +112,21 @@ def require_possible(
     for path in (output, save_mapping):
         if path is not None:
             require_free(path, overwrite)
+
+
+def require_one_figure(figure: FigureOptions, files: list[Path], joining: bool) -> None:
+    """Raise CallerError for a figure that cannot be, or of several recordings that are not joined."""
+    figure.check()
+    if figure.plot is not None and len(files) > 1 and not joining:
+        raise CallerError(f"--plot draws one recording, {len(files)} were given: import them one by one, or --join two")
+
+
+def drawn(path: Path, mapping: ImportMapping, joined: JoinedRecordings | None, *, style: str) -> Figure:
+    """Return the figure of what was imported: the joined recording, or the only file."""
+    from musclewire.signals import read_recording
+
+    recording = read_recording(path, mapping=mapping) if joined is None else joined.recording
+    return recording.plot(style=style)
 
 
 def imported(path: Path, mapping: ImportMapping, output: Path | None, matlab_version: str | None) -> Understanding:

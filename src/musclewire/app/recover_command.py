@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from musclewire.app.commands import add_command
+from musclewire.app.figure_options import FigureOptions
 from musclewire.app.options import OUTPUT, OVERWRITE, Json
 from musclewire.app.output import emit_json, show
 
@@ -23,6 +24,7 @@ def recover(
     recording: Annotated[
         Path, typer.Argument(metavar="RECORDING", help="The recording as it was to be, or its journal (.h5.journal).")
     ],
+    figure: FigureOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     json: Json = False,
@@ -31,7 +33,9 @@ def recover(
     from musclewire.signals.journal import recording_of
     from musclewire.signals.runs_on_disk import recover_recording
 
+    figure.check()
     found = recover_recording(recording, output, overwrite=overwrite)
+    figure.draw(found.plot)
     written, ended = output or recording_of(recording), found.metadata["ended"]
     duration_s = found.duration_s if "time_s" in found else None
     if json:

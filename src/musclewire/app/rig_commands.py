@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from math import isclose
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -57,6 +58,7 @@ def add_rig_commands(app: typer.Typer) -> None:
 
 
 def demo(
+    figure: FigureOptions,
     output: Annotated[Path, OUTPUT] = Path("musclewire-demo"),
     seed: Annotated[int, SEED] = 1,
     json: Json = False,
@@ -66,6 +68,7 @@ def demo(
     from musclewire.app.report.page import write_report
     from musclewire.experiment.demo import run_demo
 
+    figure.check()
     report = output / "report.html"
     if (output / "model.json").exists():
         require_model_file(output / "model.json")
@@ -74,6 +77,7 @@ def demo(
     with stops_between_samples():
         result = run_demo(output, seed=seed, progress=lambda task, total_s: progress_bar(task, total_s, quiet=json))
     write_report(result, report, time.perf_counter() - started)
+    figure.draw(result.run.plot)
     wall_s = time.perf_counter() - started
     numbers = demo_json(result)
     warn(numbers["warnings"])
@@ -298,6 +302,7 @@ def sweep_text(sweep: PretensionSweep, quantity: str) -> str:
 
 def train(
     rig: RigName,
+    figure: FigureOptions,
     amplitude: Annotated[str | None, AMPLITUDE] = None,
     period: Annotated[str, PERIOD] = "30 s",
     max_cycles: Annotated[int, MAX_CYCLES] = 60,
@@ -311,6 +316,7 @@ def train(
     """
     from musclewire.experiment.training import TrainingCycle
     from musclewire.experiment.training import train as run_train
+    from musclewire.experiment.training_figure import training_figure
     from musclewire.rigs.configuration import open_rig
 
     def say_cycle(cycle: TrainingCycle) -> None:
@@ -321,6 +327,7 @@ def train(
         say(f"cycle {cycle.number}: R {cycle.resistance_min_ohm:.3f} to {cycle.resistance_max_ohm:.3f} ohm, "
             f"stroke {100 * cycle.stroke:.3f} %{change}")  # fmt: skip
 
+    figure.check()
     period_s, amplitude_v = in_si("--period", period), in_si("--amplitude", amplitude)
     with (
         stops_between_samples(),
@@ -336,6 +343,7 @@ def train(
             on_cycle=say_cycle,
             on_sample=on_sample,
         )
+    figure.draw(partial(training_figure, training))
     warnings = warn(training.warnings)
     if json:
         cycles = [vars(cycle) for cycle in training.cycles]

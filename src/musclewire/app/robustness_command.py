@@ -6,12 +6,14 @@ import json as json_text
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from musclewire.app.commands import add_command
+from musclewire.app.figure_options import FigureOptions
 from musclewire.app.options import (
     CONDITION,
     CONTROLLERS,
@@ -28,6 +30,8 @@ from musclewire.app.output import emit_json, run_bar, show
 from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from musclewire.studies.robustness import Robustness, Selection
 
 __all__ = ["add_robustness_command"]
@@ -68,6 +72,7 @@ class WhatIsRun:
 
 def robustness(
     what: WhatIsRun,
+    figure: FigureOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     workers: Annotated[int | None, WORKERS] = None,
     list_all: Annotated[bool, LIST] = False,
@@ -84,12 +89,14 @@ def robustness(
     if list_all:
         show_known(json)
         return
+    figure.check()
     folder = output or FOLDER
     with resumable(folder), stops_between_samples(), run_bar("parts", json) as on_progress:
         result = run_robustness(
             what.selection(), folder=folder, workers=workers, on_progress=on_progress, look=stop_if_asked
         )
     page = write_files(result, folder)
+    figure.draw(partial(drawn, result))
     if json:
         from musclewire.studies.robustness.table_text import document
 
@@ -111,6 +118,13 @@ def resumable(folder: Path) -> Iterator[None]:
     except SystemExit as stop:
         code = stop.code if isinstance(stop.code, int) else 1
         raise Stopped(code, f"finished runs are kept in {folder}, and the same command continues") from None
+
+
+def drawn(result: Robustness, *, style: str) -> Figure:
+    """Return the heat map of errors; loads what draws only now."""
+    from musclewire.studies.robustness.report_page import error_figure
+
+    return error_figure(result, style=style)
 
 
 def write_files(result: Robustness, folder: Path) -> Path:

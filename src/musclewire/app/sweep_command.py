@@ -6,12 +6,14 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from musclewire.app.commands import add_command
+from musclewire.app.figure_options import FigureOptions
 from musclewire.app.options import (
     LIST,
     OUTPUT,
@@ -60,6 +62,7 @@ class WorkerOptions:
 
 def sweep(
     where: WorkerOptions,
+    figure: FigureOptions,
     study: Annotated[Path | None, typer.Argument(metavar="STUDY", help="Study file (.toml).")] = None,
     output: Annotated[Path | None, OUTPUT] = None,
     plan_only: Annotated[bool, PLAN] = False,
@@ -79,16 +82,20 @@ def sweep(
         return
     if study is None:
         raise CallerError("give a study file (.toml); --list shows what can be run, kept and varied")
+    figure.check()
     plan = read_study(study)
     if plan_only:
         show_plan(plan, json)
         return
-    run_study(plan, where.chosen(), output or Path(study.stem), overwrite, json)
+    run_study(plan, where.chosen(), output or Path(study.stem), figure, overwrite=overwrite, json=json)
 
 
-def run_study(plan: Plan, workers: Workers, folder: Path, overwrite: bool, json: bool) -> None:
+def run_study(
+    plan: Plan, workers: Workers, folder: Path, figure: FigureOptions, *, overwrite: bool, json: bool
+) -> None:
     """Run a study and write what it leaves."""
     from musclewire.studies.study import sweep as run_sweep
+    from musclewire.studies.study_figures import distributions
     from musclewire.studies.study_page import require_packages, write_study
 
     require_packages()
@@ -98,6 +105,8 @@ def run_study(plan: Plan, workers: Workers, folder: Path, overwrite: bool, json:
             plan, folder, workers=workers, overwrite=overwrite, on_progress=on_progress, look=stop_if_asked
         )
     files = write_study(result, folder)
+    if result.failed < len(result):
+        figure.draw(partial(distributions, result))
     if json:
         emit_json({**document(result), "wall_s": time.perf_counter() - started, "files": [str(file) for file in files]})
     else:

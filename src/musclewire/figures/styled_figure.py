@@ -20,7 +20,15 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-__all__ = ["StyledFigure", "axes_to_draw_on", "new_figure", "one_panel", "panel_rows", "panels_side_by_side"]
+__all__ = [
+    "StyledFigure",
+    "axes_to_draw_on",
+    "new_figure",
+    "one_panel",
+    "panel_grid",
+    "panel_rows",
+    "panels_side_by_side",
+]
 
 INCH_MM = 25.4
 NOTEBOOK_DPI = 110.0
@@ -116,6 +124,19 @@ def panels_side_by_side(style: str, count: int) -> tuple[StyledFigure, list[Axes
     figure = StyledFigure(style, rows * max(1.2 * found.panel_height_mm, 0.75 * wide_mm))
     with figure.styled():
         return figure, list(np.atleast_1d(figure.subplots(rows, columns)).flat)
+
+
+def panel_grid(style: str, count: int, columns: int) -> tuple[StyledFigure, list[Axes]]:
+    """Return a figure of panels of their own axes, so many side by side, half as many if it is narrow."""
+    found = figure_style(style)
+    columns = min(count, columns if found.wide else max(columns // 2, 1))
+    rows = -(-count // columns)
+    figure = StyledFigure(style, rows * found.panel_height_mm)
+    with figure.styled():
+        panels = list(figure.subplots(rows, columns, squeeze=False).flat)
+        for unused in panels[count:]:
+            unused.set_visible(False)
+    return figure, panels[:count]
 
 
 def one_panel(style: str, *, by_pyplot: bool = False) -> tuple[StyledFigure, Axes]:

@@ -10,11 +10,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError
+from musclewire.figures.styled_figure import panel_grid
 from musclewire.pages import AVERAGE, COOLING, HEATING, STYLE, TARGET
 from musclewire.studies.sensitivity import Sensitivity
 from musclewire.studies.study import StudyResult
 
-__all__ = ["distribution_figure", "index_figure", "over_parameters_figure", "series_figure"]
+__all__ = ["distribution_figure", "distributions", "index_figure", "over_parameters_figure", "series_figure"]
 
 WIDTH, ROW_HEIGHT, COLUMNS = 9.6, 2.5, 4
 # The look of all pages, with powers of ten for numbers as small as a diameter in metres.
@@ -48,14 +50,53 @@ def distribution_figure(result: StudyResult, names: Sequence[str]) -> Figure:
     """Draw how often each value of each quantity occurs."""
     with mpl.rc_context(dict(LOOK)):
         figure, axes = panels(len(names))
-        for axis, name in zip(axes, names, strict=True):
-            values = result.columns[name][np.isfinite(result.columns[name])]
-            axis.hist(values, bins=BINS, color=COOLING, alpha=0.85)
-            axis.axvline(float(np.median(values)), color=AVERAGE, linewidth=1.2)
-            axis.set_xlabel(label(name, result.plan.keep[name].unit))
-            axis.set_ylabel("runs" if axis is axes[0] else "")
-            axis.locator_params(axis="x", nbins=5)
+        draw_distributions(axes, result, names, 5)
     return figure
+
+
+def draw_distributions(axes: Sequence[Any], result: StudyResult, names: Sequence[str], ticks: int) -> None:
+    """Draw how often each value of each quantity occurs, a panel for each with so many ticks at most."""
+    for axis, name in zip(axes, names, strict=True):
+        values = result.columns[name][np.isfinite(result.columns[name])]
+        axis.hist(values, bins=BINS, color=COOLING, alpha=0.85)
+        axis.axvline(float(np.median(values)), color=AVERAGE, linewidth=1.2)
+        axis.set_xlabel(label(name, result.plan.keep[name].unit))
+        axis.set_ylabel("runs" if axis is axes[0] else "")
+        axis.locator_params(axis="x", nbins=ticks)
+        axis.set_axisbelow(True)
+
+
+def distributions(result: StudyResult, *, style: str = "screen") -> Figure:
+    """Draw how often each value of each kept quantity occurs in a study, with the median.
+
+    Parameters
+    ----------
+    result
+        What ``sweep`` returned.
+    style
+        Size and fonts of the figure, as in ``Recording.plot``.
+
+    Returns
+    -------
+    A matplotlib figure, a panel for each quantity with a number for each run.
+
+    Raises
+    ------
+    CallerError
+        If no run gave a number, or for an unknown style.
+    """
+    names = numbers_of(result)
+    if not names:
+        raise CallerError("there is nothing to plot: no run of this study gave a number")
+    figure, axes = panel_grid(style, len(names), COLUMNS)
+    with figure.styled(), mpl.rc_context({"axes.formatter.limits": LOOK["axes.formatter.limits"]}):
+        draw_distributions(axes, result, names, 3)
+    return figure
+
+
+def numbers_of(result: StudyResult) -> list[str]:
+    """Return the names of the kept quantities that are a number for each run, and finite for one at least."""
+    return [name for name, column in result.columns.items() if column.ndim == 1 and np.isfinite(column).any()]
 
 
 def over_parameters_figure(result: StudyResult, name: str) -> Figure:

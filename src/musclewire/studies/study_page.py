@@ -21,6 +21,7 @@ from musclewire.studies.study import StudyResult
 from musclewire.studies.study_figures import (
     distribution_figure,
     index_figure,
+    numbers_of,
     over_parameters_figure,
     series_figure,
 )
@@ -73,7 +74,7 @@ def write_study(result: StudyResult, folder: str | Path) -> list[Path]:
 def page_text(result: StudyResult, indices: Sequence[Sensitivity]) -> str:
     """Return the page of a study."""
     plan = result.plan
-    numbers = [name for name, column in result.columns.items() if column.ndim == 1 and np.isfinite(column).any()]
+    numbers = numbers_of(result)
     series = [name for name, column in result.columns.items() if column.ndim == 2 and np.isfinite(column).any()]
     parts = {
         "title": escape(plan.file.name),

@@ -50,7 +50,7 @@ RESIDUAL_FACTOR = {"resistance": 1e3, "strain": 100.0, "force": 1e3, "temperatur
 
 
 def channel_axes(calibration: Calibration, *, style: str = "screen") -> Axes:
-    """Draw the channels of the first recording, measured and fitted, over their residuals, with pyplot.
+    """Draw the channels of the first recording, or its isobars, measured and fitted, over their residuals, with pyplot.
 
     Parameters
     ----------
@@ -68,11 +68,13 @@ def channel_axes(calibration: Calibration, *, style: str = "screen") -> Axes:
     CallerError
         For an unknown style; the message suggests the nearest.
     """
-    pairs = compared(calibration, calibration.problem.observations[0])
-    height_mm = figure_style(style).panel_height_mm * (1.4 * len(pairs) + 0.3)
+    first = calibration.problem.observations[0]
+    pairs = compared(calibration, first)
+    isobars = isinstance(first, IsobaricObservation)
+    height_mm = figure_style(style).panel_height_mm * (2.0 if isobars else 1.4 * len(pairs) + 0.3)
     figure = new_figure(style, height_mm, by_pyplot=True)
     with figure.styled():
-        return draw_channels(figure, pairs)
+        return draw_isobars(figure, pairs) if isobars else draw_channels(figure, pairs)
 
 
 def compared(calibration: Calibration, observation: Observation) -> list[ChannelComparison]:
@@ -166,6 +168,13 @@ def loop_figure(calibration: Calibration, observation: Observation) -> Figure | 
 def isobar_figure(pairs: Sequence[ChannelComparison]) -> Figure:
     """Draw strain against temperature for every stress, measured and fitted, with the residuals below."""
     figure = Figure(figsize=(WIDTH, 6.0), layout="constrained")
+    draw_isobars(figure, pairs)
+    return figure
+
+
+def draw_isobars(figure: Figure, pairs: Sequence[ChannelComparison]) -> Axes:
+    """Draw isobars above their residuals; return the first axes."""
+    top: Axes
     top, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     for place, pair in enumerate(pairs):
         shade = SHADES[min(place * len(SHADES) // max(len(pairs), 1), len(SHADES) - 1)]
@@ -178,4 +187,4 @@ def isobar_figure(pairs: Sequence[ChannelComparison]) -> Figure:
     top.legend(loc="upper right")
     below.axhline(0.0, color="#999999", linewidth=0.7)
     below.set(xlabel="temperature [°C]", ylabel="residual [%]")
-    return figure
+    return top

@@ -12,12 +12,14 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
+from musclewire.figures import figure_style
+from musclewire.figures.styled_figure import StyledFigure
 from musclewire.pages import STYLE, Card, cards, page, svg, table, table_rows
 from musclewire.signals.whole_files import write_text_whole
 from musclewire.studies.robustness.benchmark import Robustness
 from musclewire.studies.robustness.table_text import COLUMNS, number, rows_data
 
-__all__ = ["write_report"]
+__all__ = ["error_figure", "write_report"]
 
 # Colours from the best that was seen in the study of prototypes to what is of no use.
 MIN_PCT, MAX_PCT = 0.3, 10.0
@@ -111,16 +113,47 @@ def heat_map(rows: Sequence[str], names: Sequence[str], values: Any, label: str)
     with mpl.rc_context(dict(LOOK)):
         width, height = max(4.5, 2.4 + 0.62 * len(names)), max(MIN_HEIGHT, 1.2 + 0.27 * len(rows))
         figure = Figure(figsize=(width, height), layout="constrained")
-        axes = figure.add_subplot()
-        scale = LogNorm(MIN_PCT, MAX_PCT)
-        image = axes.imshow(values, aspect="auto", cmap="YlOrRd", norm=scale)
-        axes.set_xticks(range(len(names)), names, rotation=30 if max(map(len, names)) > 4 else 0, ha="right")
-        axes.set_yticks(range(len(rows)), rows)
-        for (row, column), value in np.ndenumerate(values):
-            if np.isfinite(value):
-                colour = ON_DARK if scale(value) > DARK_FROM else ON_LIGHT
-                axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=7.5, color=colour)
-        figure.colorbar(image, ax=axes, label=label)
+        draw_heat_map(figure.add_subplot(), rows, names, values, label)
+    return figure
+
+
+def draw_heat_map(axes: Any, rows: Sequence[str], names: Sequence[str], values: Any, label: str) -> None:
+    """Draw numbers as colours, with the number in each cell and a bar of the colours."""
+    scale = LogNorm(MIN_PCT, MAX_PCT)
+    image = axes.imshow(values, aspect="auto", cmap="YlOrRd", norm=scale)
+    axes.set_xticks(range(len(names)), names, rotation=30 if max(map(len, names)) > 4 else 0, ha="right")
+    axes.set_yticks(range(len(rows)), rows)
+    for (row, column), value in np.ndenumerate(values):
+        if np.isfinite(value):
+            colour = ON_DARK if scale(value) > DARK_FROM else ON_LIGHT
+            axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize="small", color=colour)
+    axes.figure.colorbar(image, ax=axes, label=label)
+
+
+def error_figure(result: Robustness, *, style: str = "screen") -> Figure:
+    """Draw the error of every estimator under every condition as a heat map.
+
+    Parameters
+    ----------
+    result
+        What ``robustness`` returned.
+    style
+        Size and fonts of the figure, as in ``Recording.plot``.
+
+    Returns
+    -------
+    A matplotlib figure.
+
+    Raises
+    ------
+    CallerError
+        For an unknown style; the message suggests the nearest.
+    """
+    conditions, names, errors = error_matrix(result)
+    found = figure_style(style)
+    figure = StyledFigure(style, found.panel_height_mm * (0.8 + 0.13 * len(conditions)))
+    with figure.styled(), mpl.rc_context({"axes.grid": False}):
+        draw_heat_map(figure.add_subplot(), conditions, names, errors, "error [% of the full stroke]")
     return figure
 
 
