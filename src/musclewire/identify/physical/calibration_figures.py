@@ -42,7 +42,7 @@ class DisplayUnit(NamedTuple):
 DISPLAY = {
     "resistance": DisplayUnit("resistance [ohm]", 1.0),
     "strain": DisplayUnit("strain [%]", 100.0),
-    "force": DisplayUnit("contraction force [N]", 1.0),
+    "force": DisplayUnit("contraction\nforce [N]", 1.0),
     "temperature": DisplayUnit("temperature [°C]", 1.0, -ZERO_CELSIUS_K),
 }
 RESIDUAL_UNIT = {"resistance": "mohm", "strain": "% strain", "force": "mN", "temperature": "K"}
@@ -61,20 +61,22 @@ def channel_axes(calibration: Calibration, *, style: str = "screen") -> Axes:
 
     Returns
     -------
-    The axes of the first channel.
+    The axes of the first channel. A style whose height has no room for residuals, as a slide's, shows none.
 
     Raises
     ------
     CallerError
         For an unknown style; the message suggests the nearest.
     """
-    first = calibration.problem.observations[0]
+    first, found = calibration.problem.observations[0], figure_style(style)
     pairs = compared(calibration, first)
     isobars = isinstance(first, IsobaricObservation)
-    height_mm = figure_style(style).panel_height_mm * (2.0 if isobars else 1.4 * len(pairs) + 0.3)
+    height_mm = found.panel_height_mm * (2.0 if isobars else 1.4 * len(pairs) + 0.3)
+    # A slide has no room for residuals below each of three channels.
+    fits = not found.max_height_mm or height_mm <= found.max_height_mm
     figure = new_figure(style, height_mm, by_pyplot=True)
     with figure.styled():
-        return draw_isobars(figure, pairs) if isobars else draw_channels(figure, pairs)
+        return draw_isobars(figure, pairs) if isobars else draw_channels(figure, pairs, residuals=fits)
 
 
 def compared(calibration: Calibration, observation: Observation) -> list[ChannelComparison]:
@@ -93,18 +95,19 @@ def observation_figure(calibration: Calibration, observation: Observation) -> Fi
     return figure
 
 
-def draw_channels(figure: Figure, pairs: Sequence[ChannelComparison]) -> Axes:
-    """Draw channels over time, each above its residuals; return the first axes."""
-    rows = figure.subplots(2 * len(pairs), 1, sharex=True, height_ratios=(3, 1) * len(pairs), squeeze=False)[:, 0]
-    for place, pair in enumerate(pairs):
-        top, below = rows[2 * place], rows[2 * place + 1]
+def draw_channels(figure: Figure, pairs: Sequence[ChannelComparison], *, residuals: bool = True) -> Axes:
+    """Draw channels over time, each above its residuals if these are wanted; return the first axes."""
+    heights = ((3, 1) if residuals else (3,)) * len(pairs)
+    rows = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights, squeeze=False)[:, 0]
+    for top, pair in zip(rows[:: 1 + residuals], pairs, strict=True):
         shown = DISPLAY[pair.channel.name]
         axis = pair.channel.axis
         top.plot(axis, shown.factor * pair.channel.measured + shown.offset, color=MEASURED, linewidth=3.2,
                  label="measured", solid_capstyle="round")  # fmt: skip
         top.plot(axis, shown.factor * pair.predicted + shown.offset, color=FITTED, linewidth=1.2, label="fitted wire")
         top.set(ylabel=shown.label, ylim=limits(shown.factor * pair.predicted + shown.offset))
-        draw_residuals(below, axis, pair)
+    for below, pair in zip(rows[1::2] if residuals else (), pairs, strict=False):
+        draw_residuals(below, pair.channel.axis, pair)
     rows[0].legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderaxespad=0.0, ncols=2)
     rows[-1].set(xlabel="time [s]")
     first: Axes = rows[0]

@@ -151,9 +151,10 @@ def error_figure(result: Robustness, *, style: str = "screen") -> Figure:
     """
     conditions, names, errors = error_matrix(result)
     found = figure_style(style)
-    figure = StyledFigure(style, found.panel_height_mm * (0.8 + 0.13 * len(conditions)))
+    # Low for few conditions, and never too low for the label of the colours.
+    figure = StyledFigure(style, found.panel_height_mm * max(1.5, 0.8 + 0.13 * len(conditions)))
     with figure.styled(), mpl.rc_context({"axes.grid": False}):
-        draw_heat_map(figure.add_subplot(), conditions, names, errors, "error [% of the full stroke]")
+        draw_heat_map(figure.add_subplot(), conditions, names, errors, "error\n[% of the full stroke]")
     return figure
 
 
