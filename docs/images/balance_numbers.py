@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-import numpy as np
 from balance_runs import (
     BALANCE_WIRES,
     FORCE_RATIOS,
@@ -26,6 +25,8 @@ from musclewire.parameters.published_ranges import published_ranges
 
 ZERO_DEGC_K = 273.15
 PHASES = ("austenite", "r_phase", "martensite")
+# Force ratios at which the page shows the wires that differ from the shipped ones: first, middle and last.
+SHOWN_RATIOS = FORCE_RATIOS[::2]
 
 
 def blocks() -> dict[str, str]:
@@ -34,10 +35,9 @@ def blocks() -> dict[str, str]:
     return {
         "balance_temperature": paragraphs(temperature_text(found)),
         "balance": "\n\n".join(f"{title(wire)}:\n\n{balance_table(found[wire])}" for wire in BALANCE_WIRES),
-        "balance_reading": paragraphs("\n\n".join(reading(wire, found[wire]) for wire in BALANCE_WIRES)),
         "balance_r_phase": paragraphs(r_phase_text()),
         "balance_barrier": barrier_table(),
-        "balance_without": "\n\n".join(f"{title(wire)}:\n\n{changes_table(wire)}" for wire in BALANCE_WIRES),
+        "balance_without": changes_table(),
     }
 
 
@@ -54,25 +54,15 @@ def header(first: str) -> list[str]:
 def balance_table(rows: Sequence[Balance]) -> str:
     """Return signed gap, distance in temperature and every part of the difference in resistance, over force ratio."""
     lines: list[tuple[str, Callable[[Balance], str]]] = [
-        ("strain gap (Eq. 2)", lambda row: f"{100.0 * row.loop.strain_gap:.2f} %"),
-        ("the same with its sign, heating less cooling", lambda row: f"{100.0 * row.loop.signed_gap:+.2f} %"),
-        ("heating is hotter by", lambda row: f"{row.hotter_k:.1f} K"),
-        ("more resistance, as hotter austenite has it", lambda row: mohm(row.hotter_austenite)),
-        ("as hotter martensite has it", lambda row: mohm(row.hotter_martensite)),
-        ("as hotter R-phase has it", lambda row: mohm(row.hotter_r_phase)),
-        ("temperature, all phases", lambda row: mohm(row.hotter)),
-        ("R-phase in place of austenite", lambda row: mohm(row.r_phase)),
-        ("martensite in place of austenite", lambda row: mohm(row.martensite)),
-        ("geometry", lambda row: mohm(row.geometry)),
-        ("all together", lambda row: mohm(row.whole)),
-        ("all together, of the range of resistance", lambda row: f"{100.0 * row.whole / row.range_ohm:+.2f} %"),
+        ("strain gap (Eq. 2), %", lambda row: f"{100.0 * row.loop.strain_gap:.2f}"),
+        ("with its sign, heating less cooling, %", lambda row: f"{100.0 * row.loop.signed_gap:+.2f}"),
+        ("heating is hotter by, K", lambda row: f"{row.hotter_k:.1f}"),
+        ("temperature, mohm", lambda row: f"{1e3 * row.hotter:+.0f}"),
+        ("R-phase in place of austenite, mohm", lambda row: f"{1e3 * row.r_phase:+.0f}"),
+        ("martensite fraction and geometry, mohm", lambda row: f"{1e3 * row.small:+.0f}"),
+        ("all together, mohm", lambda row: f"{1e3 * row.whole:+.0f}"),
     ]
     return table(header("force ratio"), [[words, *(of(row) for row in rows)] for words, of in lines])
-
-
-def mohm(ohm: float) -> str:
-    """Return a resistance in milliohm."""
-    return f"{1e3 * ohm:+.0f} mohm"
 
 
 def temperature_text(found: dict[str, list[Balance]]) -> str:
@@ -104,23 +94,6 @@ def span(rows: Sequence[Balance], part: Callable[[Balance], float]) -> str:
     )
 
 
-def reading(wire: str, rows: Sequence[Balance]) -> str:
-    """Return what the balance of a wire says, from the numbers."""
-    first, last = rows[0], rows[-1]
-    least = int(np.argmin([row.loop.strain_gap for row in rows]))
-    says = (
-        f"{title(wire)}: from a force ratio of {first.force_ratio:.2f} to {last.force_ratio:.2f} R-phase goes from "
-        f"{mohm(first.r_phase)} to {mohm(last.r_phase)}, temperature from {mohm(first.hotter)} to "
-        f"{mohm(last.hotter)}. "
-    )
-    if least == len(rows) - 1:
-        return f"{says}The gap falls to the largest pretension, where R-phase still has the larger part."
-    return (
-        f"{says}The gap is least at {rows[least].force_ratio:.2f} and **rises again**, to "
-        f"{100.0 * last.loop.strain_gap:.2f} %: beyond, temperature has nothing against it."
-    )
-
-
 def r_phase_text() -> str:
     """Return where the shipped alloy's R-phase is in balance without load, and where it is published to be."""
     published = published_ranges().parameters["r_phase_temperature_k"]
@@ -137,17 +110,20 @@ def barrier_table() -> str:
     """Return half the distance of the branches over stress: the shipped alloy's barrier next to the isobars."""
     measured = measured_distances_k()
     rows = [
-        ["shipped", *(f"{half_hysteresis_k(mpa):.1f} K" for mpa in STRESSES_MPA)],
-        ["measured isobars", *(f"{0.5 * measured[mpa]:.1f} K" for mpa in STRESSES_MPA)],
-        ["less than measured by", *(f"{0.5 * measured[mpa] - half_hysteresis_k(mpa):.1f} K" for mpa in STRESSES_MPA)],
+        ["shipped", *(f"{half_hysteresis_k(mpa):.1f}" for mpa in STRESSES_MPA)],
+        ["measured isobars", *(f"{0.5 * measured[mpa]:.1f}" for mpa in STRESSES_MPA)],
     ]
-    return table(["half the hysteresis", *(f"{mpa:g} MPa" for mpa in STRESSES_MPA)], rows)
+    return table(["half the hysteresis, K", *(f"{mpa:g} MPa" for mpa in STRESSES_MPA)], rows)
 
 
-def changes_table(wire: str) -> str:
-    """Return the signed gap over force ratio of the shipped wire and of wires that differ from it in one thing."""
+def changes_table() -> str:
+    """Return the signed gap over force ratio of the shipped wires and of wires that differ from them in one thing."""
+    places = [(wire, ratio) for wire in BALANCE_WIRES for ratio in SHOWN_RATIOS]
+    changes = {words: dict.fromkeys(BALANCE_WIRES, changed) for words, changed in changed_wires().items()}
+    changes["temperatures of the other wire"] = {wire: other_spool(wire) for wire in BALANCE_WIRES}
     rows = [
-        [words, *(f"{100.0 * loop_at_ratio(wire, ratio, **changed).signed_gap:+.2f} %" for ratio in FORCE_RATIOS)]
-        for words, changed in (*changed_wires().items(), ("temperatures of the other wire", other_spool(wire)))
+        [words, *(f"{100.0 * loop_at_ratio(wire, ratio, **changed[wire]).signed_gap:+.2f}" for wire, ratio in places)]
+        for words, changed in changes.items()
     ]
-    return table(header("signed gap at force ratio"), rows)
+    heads = [f"{title(wire).removesuffix(' wire')}, {ratio:.2f}" for wire, ratio in places]
+    return table(["signed gap, %, at force ratio", *heads], rows)
