@@ -12,26 +12,24 @@ from typing import Any
 from parameter_page import table
 
 ROWS = Path(__file__).parents[2] / "studies" / "robustness_rows.json"
+# Conditions that the page leaves out, as they are nearly those of another row.
+LEFT_OUT = ("air known", "12 bits", "24 bits")
 NOT_RUN = "Not run yet: `musclewire robustness`, then copy its `rows.json` to `studies/robustness_rows.json`."
 
 
 def block() -> str:
-    """Return errors of estimators, and errors of closed loops, as tables."""
+    """Return errors of estimators, and next to them errors of closed loops, as one table."""
     if not ROWS.exists():
         return NOT_RUN
     data = json.loads(ROWS.read_text("utf-8"))
-    rows = data["rows"]
-    parts = [
-        f"{len(data['seeds'])} wires, {data['seeds_are']}; references: {', '.join(data['references'])}.",
-        errors([row for row in rows if row["controller"] is None]),
-    ]
-    loops = [row for row in rows if row["controller"] is not None]
-    if loops:
-        parts += [
-            "Closed loops on the paper's staircase, mean absolute error in percent of the target, approach included:",
-            loop_errors(loops),
-        ]
-    return "\n\n".join(parts)
+    rows = [row for row in data["rows"] if not name_of(row).endswith(LEFT_OUT)]
+    alone, loops = errors(rows), loop_errors(rows)
+    conditions = list(dict.fromkeys(map(name_of, rows)))
+    cells = [[item, *(number(found.get(item)) for found in (alone | loops).values())] for item in conditions]
+    heads = [*(f"{name}, %" for name in alone), *(f"loop: {name}, %" for name in loops)]
+    return f"{len(data['seeds'])} wires, {data['seeds_are']}; references: {', '.join(data['references'])}.\n\n" + table(
+        ["condition", *heads], cells
+    )
 
 
 def name_of(row: dict[str, Any]) -> str:
@@ -44,18 +42,19 @@ def number(value: float | None) -> str:
     return "–" if value is None else f"{value:.2f}"
 
 
-def errors(rows: list[dict[str, Any]]) -> str:
-    """Return the errors of estimators: a row for each condition."""
-    names = list(dict.fromkeys(row["estimator"] for row in rows))
-    found = {(name_of(row), row["estimator"]): row["estimate_rms_pct"] for row in rows}
-    conditions = list(dict.fromkeys(map(name_of, rows)))
-    return table(["", *names], [[item, *(number(found[item, name]) for name in names)] for item in conditions])
+def errors(rows: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
+    """Return the root mean square error of each estimator by condition [% of the stroke]."""
+    found: dict[str, dict[str, float]] = {}
+    for row in rows:
+        if row["controller"] is None:
+            found.setdefault(row["estimator"], {})[name_of(row)] = row["estimate_rms_pct"]
+    return found
 
 
-def loop_errors(rows: list[dict[str, Any]]) -> str:
-    """Return the mean errors of closed loops: a row for each condition."""
-    names = list(dict.fromkeys((row["estimator"], row["controller"]) for row in rows))
-    found = {(name_of(row), row["estimator"], row["controller"]): row["mae_mean_pct"] for row in rows}
-    conditions = list(dict.fromkeys(map(name_of, rows)))
-    head = ["", *(f"{estimator}, {controller}" for estimator, controller in names)]
-    return table(head, [[item, *(number(found[item, *name]) for name in names)] for item in conditions])
+def loop_errors(rows: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
+    """Return the mean absolute error of each closed loop that has any, by condition [% of the target]."""
+    found: dict[str, dict[str, float]] = {}
+    for row in rows:
+        if row["controller"] is not None and row["mae_mean_pct"] is not None:
+            found.setdefault(f"{row['estimator']}, {row['controller']}", {})[name_of(row)] = row["mae_mean_pct"]
+    return found
