@@ -5,7 +5,8 @@ one-dimensional Lagoudas model with 17 parameters to them by a genetic algorithm
 norm of the strain residual of a file, averaged over the files. Recorded on another machine: norms of 0.0124, 0.0125,
 0.0381 and 0.0558 in four runs of 26 to 47 s. It is not on the package index, so it is not run here.
 
-Bars: at most 0.0124 for every one of 5 seeds, at most 20 s each on two cores. Exit 1 where one fails.
+Bars: at most 0.0124 for every one of 5 seeds, at most 20 s each on two cores that have nothing else to do. Exit 1 where
+one fails. The quick mode runs in CI next to other programs: it prints the time and judges the norm.
 
     python benchmarks/calibrate_isobars.py [--quick]     5 seeds, or 2
 """
@@ -36,10 +37,11 @@ def isobar(stress_mpa: int) -> Recording:
 
 
 def main() -> int:
+    quick = "--quick" in sys.argv
     recordings = {f"{stress} MPa": isobar(stress) for stress in STRESSES_MPA}
     worst_norm = worst_wall = 0.0
     print("seed    mean norm   worst file   descents   wall s")
-    for seed in range(1, (QUICK_SEEDS if "--quick" in sys.argv else SEEDS) + 1):
+    for seed in range(1, (QUICK_SEEDS if quick else SEEDS) + 1):
         found = calibrate(recordings, priors="sma-isobars", settings=Settings(seed=seed))
         norms = [float(np.linalg.norm(pair.predicted - pair.channel.measured)) for _, pair in found.comparisons()]
         worst_norm, worst_wall = max(worst_norm, float(np.mean(norms))), max(worst_wall, found.wall_s)
@@ -48,9 +50,11 @@ def main() -> int:
             f"{found.wall_s:6.1f}",
             flush=True,
         )
-    holds = worst_norm <= NORM_BAR and worst_wall <= WALL_BAR_S
+    holds = worst_norm <= NORM_BAR and (quick or worst_wall <= WALL_BAR_S)
+    judged = ", not judged here" if quick else ""
     print(
-        f"largest norm {worst_norm:.4f} (bar {NORM_BAR}), longest {worst_wall:.1f} s (bar {WALL_BAR_S:.0f} s): ", end=""
+        f"largest norm {worst_norm:.4f} (bar {NORM_BAR}), longest {worst_wall:.1f} s (bar {WALL_BAR_S:.0f} s{judged}): ",
+        end="",
     )
     print("holds" if holds else "FAILS")
     return 0 if holds else 1
