@@ -52,10 +52,7 @@ def main() -> int:
         )
     holds = worst_norm <= NORM_BAR and (quick or worst_wall <= WALL_BAR_S)
     judged = ", not judged here" if quick else ""
-    print(
-        f"largest norm {worst_norm:.4f} (bar {NORM_BAR}), longest {worst_wall:.1f} s (bar {WALL_BAR_S:.0f} s{judged}): ",
-        end="",
-    )
+    print(f"worst norm {worst_norm:.4f} (bar {NORM_BAR}), longest {worst_wall:.1f} s (bar {WALL_BAR_S:.0f} s{judged})")
     print("holds" if holds else "FAILS")
     return 0 if holds else 1
 
