@@ -1,78 +1,117 @@
-"""Both pages opened by a real Chromium with the network cut off: every figure is there and has size."""
+"""Every report in a real Chromium with the network cut off: on a phone and a screen, in the light and in the dark."""
 
 from __future__ import annotations
 
-import os
-import re
-import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 import pytest
+from tests.browser.live.opened import SIZES
 
 from musclewire.app.report.paper_figures import FIGURES
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-FLAGS = [
-    *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"),
-    *("--disable-component-update", "--disable-sync", "--host-resolver-rules=MAP * ~NOTFOUND"),
-]
-# The page itself runs no script; this one, added to a copy, measures what the browser made of it.
-MEASURE = """<script>
-const size = [...document.querySelectorAll("svg")].map(s => s.getBoundingClientRect());
-document.title = "figures " + size.filter(b => b.width > 250 && b.height > 150).length
-  + " width " + document.documentElement.scrollWidth + " rows " + document.querySelectorAll("tbody tr").length;
-</script></body>"""
+STUDY = """
+format = "musclewire-study"
+version = 1
+name = "pretension"
+run = { kind = "simulate", supply = "3.2 V", duration = "1 s", keep = ["stroke", "energy_j", "strain"] }
+sampling = { method = "sobol", samples = 8 }
+parameters.pretension.values = ["1.5 N", "1.9 N"]
+parameters.convection_factor = { low = 0.85, high = 0.95 }
+"""
+COMMANDS = {
+    "demo": [("demo", "--json", "--out", ".")],
+    "reproduce": [("reproduce", "--seeds", "3", "--json", "--out", ".")],
+    "calibrate": [
+        ("characterize", "simulated", "--seed", "5", "--cycles", "1", "--period", "12", "-o", "loop.h5", "--json"),
+        ("calibrate", "loop.h5", "-o", "mine.toml", "--effort", "quick", "--report", "report.html", "--json"),
+    ],
+    "sweep": [("sweep", "study.toml", "-o", ".", "--workers", "1", "--json")],
+}
+# Sizes of the figures that are shown, and what sticks out sideways of the page without being in a frame that scrolls.
+SHOWN = """() => [...document.querySelectorAll("svg")].map(s => s.getBoundingClientRect())
+  .filter(b => b.width > 250 && b.height > 150).length"""
+STICKING_OUT = """() => [...document.body.querySelectorAll("*")]
+  .filter(e => !e.closest(".scroll") && !e.closest("svg") && e.getBoundingClientRect().right > innerWidth + 1)
+  .map(e => e.outerHTML.slice(0, 120))"""
+# The worst contrast of text with what is behind it (WCAG 2.2): text in a figure is left to the figure.
+WORST_CONTRAST = """() => {
+  const channels = text => text.match(/[\\d.]+/g).map(Number);
+  const luminance = ([r, g, b]) => [r, g, b].map(v => v / 255)
+    .map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+  const ground = e => { for (; e; e = e.parentElement) {
+    const c = channels(getComputedStyle(e).backgroundColor);
+    if (c.length === 3 || c[3] > 0.5) return c;
+  } return [255, 255, 255]; };
+  let worst = [99, ""];
+  for (const e of document.body.querySelectorAll("*")) {
+    if (e.closest("svg") || ![...e.childNodes].some(n => n.nodeType === 3 && n.data.trim())) continue;
+    const pair = [luminance(channels(getComputedStyle(e).color)), luminance(ground(e))].sort((a, b) => b - a);
+    const ratio = (pair[0] + 0.05) / (pair[1] + 0.05);
+    if (ratio < worst[0]) worst = [ratio, e.outerHTML.slice(0, 120)];
+  }
+  return worst;
+}"""
 
 
-class Measured(NamedTuple):
-    """How many figures have size, how wide the page is, how many rows its tables have."""
-
-    figures: int
-    width: int
-    rows: int
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Both pages, as the commands write them."""
-    if CHROMIUM is None:
-        if os.environ.get("MUSCLEWIRE_REQUIRE_BROWSER"):
-            pytest.fail("no Chromium: apt-get install --no-install-recommends chromium")
-        pytest.skip("not run: needs Chromium (apt-get install --no-install-recommends chromium)")
-    path = tmp_path_factory.mktemp("pages")
-    for command in (("demo",), ("reproduce", "--seeds", "3")):
+@pytest.fixture(scope="module", params=COMMANDS)
+def report(request: pytest.FixtureRequest, browser: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
+    """A report, as its command writes it."""
+    assert browser.is_connected()  # asked for first: without a browser nothing is computed
+    folder = tmp_path_factory.mktemp(request.param)
+    (folder / "study.toml").write_text(STUDY, "utf-8")
+    for command in COMMANDS[request.param]:
         done = subprocess.run(
-            [sys.executable, "-m", "musclewire", *command, "--json", "--out", str(path)],
-            check=False, capture_output=True, text=True, timeout=600,
+            [sys.executable, "-m", "musclewire", *command],
+            check=False, capture_output=True, text=True, timeout=600, cwd=folder,
         )  # fmt: skip
         assert done.returncode in {0, 1}, done.stderr  # 1 where a row of the paper fails; the page is there
-    return path
+    return request.param, next(folder.glob("re*.html"))
 
 
-def measured(page: Path, width: int, profile: Path) -> Measured:
-    """Open a copy of a page at a width and read what the browser made of it."""
-    copy = page.with_name(f"measured-{page.name}")
-    copy.write_text(page.read_text("utf-8").replace("</body>", MEASURE), "utf-8")
-    shown = subprocess.run(
-        [str(CHROMIUM), *FLAGS, f"--user-data-dir={profile}", f"--window-size={width},2000", "--dump-dom",
-         copy.as_uri()],
-        check=True, capture_output=True, text=True, timeout=120,
-    ).stdout  # fmt: skip
-    found = re.search(r"<title>figures (\d+) width (\d+) rows (\d+)</title>", shown)
-    assert found is not None
-    return Measured(*(int(text) for text in found.groups()))
+@contextmanager
+def opened(browser: Any, path: Path, size: str, scheme: str) -> Iterator[Any]:
+    """Open a page that may ask for nothing else."""
+    width, height = SIZES[size]
+    touch = {"has_touch": True, "is_mobile": True} if size == "phone" else {}
+    context = browser.new_context(
+        viewport={"width": width, "height": height}, color_scheme=scheme, offline=True, **touch
+    )
+    page = context.new_page()
+    page.goto(path.as_uri())
+    yield page
+    context.close()
 
 
 @pytest.mark.browser
-@pytest.mark.parametrize(("page", "figures", "rows"), [("report.html", 5, 20), ("reproduce.html", len(FIGURES), 150)])
-@pytest.mark.parametrize("width", [1100, 420])
-def test_a_page_shows_its_figures_in_a_real_browser(
-    page: str, figures: int, rows: int, width: int, folder: Path, tmp_path: Path
-) -> None:
-    seen = measured(folder / page, width, tmp_path / "profile")
-    assert seen.figures == figures
-    assert seen.width <= max(width, 500)  # headless Chromium goes no narrower than 500; nothing sticks out sideways
-    assert seen.rows >= rows
+@pytest.mark.parametrize("size", ["phone", "screen"])
+def test_no_report_scrolls_sideways(report: tuple[str, Path], size: str, browser: Any) -> None:
+    with opened(browser, report[1], size, "light") as page:
+        assert page.evaluate("document.documentElement.scrollWidth") <= SIZES[size][0]
+        assert page.evaluate(STICKING_OUT) == []
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("size", ["phone", "screen"])
+def test_every_figure_is_there_and_has_size(report: tuple[str, Path], size: str, browser: Any) -> None:
+    name, path = report
+    figures = {"demo": 5, "reproduce": len(FIGURES), "calibrate": 2, "sweep": 3}[name]
+    with opened(browser, path, size, "light") as page:
+        assert page.evaluate(SHOWN) >= figures
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_is_told_from_its_ground(report: tuple[str, Path], scheme: str, browser: Any) -> None:
+    with opened(browser, report[1], "phone", scheme) as page:
+        ratio, where = page.evaluate(WORST_CONTRAST)
+        assert ratio >= 4.5, where  # WCAG 2.2, success criterion 1.4.3
+        ground = page.evaluate("getComputedStyle(document.body).backgroundColor")
+        assert ground == {"light": "rgb(244, 245, 247)", "dark": "rgb(16, 16, 16)"}[scheme]
+        turned = page.evaluate("getComputedStyle(document.querySelector('svg')).filter")
+        assert (turned == "none") == (scheme == "light")

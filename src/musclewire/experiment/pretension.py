@@ -139,15 +139,19 @@ class PretensionSweep:
                 if shown:
                     here.plot(*zip(*shown, strict=True), line, color=COLOURS[quantity], label=f"{quantity} gap")
             self._mark_best(here)
-            here.set(xlabel="pretension $F_p$ [N]", ylabel="hysteresis gap [% of maximum]", ylim=(0.0, None))
-            here.legend(frameon=False)
+            here.set(xlabel="pretension $F_p$ [N]", ylabel="hysteresis gap [% of maximum]")
+            here.set_ylim(0.0, 1.2 * here.get_ylim()[1])  # room above all gaps for the legend
+            here.legend(frameon=False, loc="upper left", ncols=2)
             return here
 
     def _mark_best(self, axes: Axes) -> None:
         best_n = self.best.pretension_n
-        axes.axvline(best_n, color="0.7", linewidth=1.0, zorder=0)
-        at: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "xytext": (4, 0), "textcoords": "offset points"}
-        axes.annotate(f"best {best_n:.2f} N", (best_n, 0.97), va="top", color="0.35", **at)
+        axes.axvline(best_n, ymax=0.85, color="0.7", linewidth=1.0, zorder=0)
+        right = best_n > 0.5 * sum(axes.get_xlim())
+        at: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "xytext": (-4 if right else 4, 0),
+                              "textcoords": "offset points", "ha": "right" if right else "left"}  # fmt: skip
+        # At the foot, where no gap is.
+        axes.annotate(f"best {best_n:.2f} N", (best_n, 0.03), color="0.35", **at)
 
 
 def best_of(rows: Sequence[PretensionRow], quantity: str, largest_n: float | None) -> PretensionRow:

@@ -27,6 +27,7 @@ __all__ = [
     "cards",
     "page",
     "svg",
+    "svg_in_frame",
     "table",
     "table_rows",
 ]
@@ -75,6 +76,23 @@ def svg(figure: Figure, name: str) -> str:
         figure.savefig(text, format="svg", metadata={"Date": None})
     whole = text.getvalue()
     return whole[whole.index("<svg") :]
+
+
+def svg_in_frame(figure: Figure, name: str) -> str:
+    """Return a wide figure in a frame: on a phone the frame scrolls sideways and the letters keep their size.
+
+    Parameters
+    ----------
+    figure
+        The figure; it gets a canvas for SVG.
+    name
+        Keeps the ids of the element apart from those of other figures in one page.
+
+    Returns
+    -------
+    HTML of the frame with the figure as :func:`svg` writes it.
+    """
+    return f'<div class="scroll broad">{svg(figure, name)}</div>'
 
 
 class Card(NamedTuple):

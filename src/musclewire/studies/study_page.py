@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from musclewire.pages import Card, cards, page, svg, table, table_rows
+from musclewire.pages import Card, cards, page, svg_in_frame, table, table_rows
 from musclewire.signals.whole_files import write_text_whole
 from musclewire.studies.data_set import require_extra, write_data
 from musclewire.studies.folder import StudyFolder
@@ -82,12 +82,12 @@ def page_text(result: StudyResult, indices: Sequence[Sensitivity]) -> str:
         "cards": cards(key_numbers(result)),
         "parameters": parameters_table(result),
         "quantities": quantities_table(result, numbers),
-        "distributions": svg(distribution_figure(result, numbers), "distributions") if numbers else "",
+        "distributions": svg_in_frame(distribution_figure(result, numbers), "distributions") if numbers else "",
         "over": "".join(
-            f"<h3>{escape(name)}</h3>{svg(over_parameters_figure(result, name), f'over-{name}')}"
+            f"<h3>{escape(name)}</h3>{svg_in_frame(over_parameters_figure(result, name), f'over-{name}')}"
             for name in numbers[:MAX_FIGURES]
         ),
-        "series": "".join(svg(series_figure(result, name), f"series-{name}") for name in series[:MAX_FIGURES]),
+        "series": "".join(svg_in_frame(series_figure(result, name), f"series-{name}") for name in series[:MAX_FIGURES]),
         "indices": indices_section(indices),
         "failures": failures(result),
         "study": escape(
@@ -152,7 +152,7 @@ def indices_section(rows: Sequence[Sensitivity]) -> str:
     cells = [(row.quantity, row.parameter, row.method, *(cell(value) for value in row[3:])) for row in rows]
     titles = ("quantity", "parameter", "method", "first", "±", "total", "±", "PAWN")
     head = HEAD.format("".join(f"<th>{text}</th>" for text in titles))
-    return svg(index_figure(rows), "indices") + table(head, table_rows(cells), "plain")
+    return svg_in_frame(index_figure(rows), "indices") + table(head, table_rows(cells), "plain")
 
 
 def failures(result: StudyResult) -> str:

@@ -40,20 +40,33 @@ __all__ = [
 ]
 
 MINOR_SHADES = ("#5c6670", "#aab2ba")
+# Widths of a figure across the page, and across a phone: there its letters are as large as the text.
+WIDE_IN, NARROW_IN = 9.6, 4.7
+# Errors are shown as they are up to here, and as powers of ten beyond: a step's first moment is ten times its end.
+LINEAR_ERROR_PCT = 0.1
 
 
 def report_figures(result: DemoResult) -> Mapping[str, str]:
-    """Return every figure of the report as SVG, by name."""
+    """Return every figure of the report as SVG, by name; those as wide as the page twice, for a phone too."""
     major = next(iter(result.loops.values()))
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]  # matplotlib lists every key as a literal
-        figures = {
-            "loops": loops_figure(result.loops, result.gaps),
-            "fit": fit_figure(result.model, result.gaps),
-            "staircase": staircase_figure(result.run),
+        both = {
+            "loops": [loops_figure(result.loops, result.gaps, width) for width in (WIDE_IN, NARROW_IN)],
+            "fit": [fit_figure(result.model, result.gaps, width) for width in (WIDE_IN, NARROW_IN)],
+            "staircase": [staircase_figure(result.run, width) for width in (WIDE_IN, NARROW_IN)],
+        }
+        one = {
             "trace": trace_figure(result.run, major, result.gaps, result.model),
             "sweep": sweep_figure(result.sweep),
         }
-        return {name: svg(figure, name) for name, figure in figures.items()}
+        return {name: for_both_widths(name, *pair) for name, pair in both.items()} | {
+            name: svg(figure, name) for name, figure in one.items()
+        }
+
+
+def for_both_widths(name: str, wide: Figure, narrow: Figure) -> str:
+    """Return two drawings of one figure, of which a page shows the one that fits."""
+    return f'<div class="wide">{svg(wide, name)}</div><div class="narrow">{svg(narrow, f"{name}-narrow")}</div>'
 
 
 def halves(gaps: LoopGaps) -> tuple[slice, slice]:
@@ -62,10 +75,11 @@ def halves(gaps: LoopGaps) -> tuple[slice, slice]:
     return slice(found.heating_a, found.heating_c + 1), slice(found.heating_c, found.cooling_a + 1)
 
 
-def loops_figure(loops: Mapping[float, Recording], gaps: LoopGaps) -> Figure:
+def loops_figure(loops: Mapping[float, Recording], gaps: LoopGaps, width_in: float = WIDE_IN) -> Figure:
     """Draw strain against drive voltage and against resistance for the three amplitudes (Fig. 3)."""
-    figure = Figure(figsize=(9.6, 4.1), layout="constrained")
-    left, right = figure.subplots(1, 2, sharey=True)
+    beside = width_in > NARROW_IN
+    figure = Figure(figsize=(width_in, 4.1 if beside else 7.2), layout="constrained")
+    left, right = figure.subplots(*((1, 2) if beside else (2, 1)), sharey=True)
     (amplitude, major), *minor = loops.items()
     for shade, (volts, recording) in zip(MINOR_SHADES, minor, strict=False):
         last = recording["cycle"] == recording["cycle"].max()
@@ -80,7 +94,8 @@ def loops_figure(loops: Mapping[float, Recording], gaps: LoopGaps) -> Figure:
         right.plot(resistance[part], strain[part], color=colour)
     mark_points(right, resistance, strain, gaps)
     left.set(xlabel="drive voltage [V]", ylabel="strain [%]", title="Strain against voltage: a wide loop")
-    right.set(xlabel="resistance [ohm]", title="Strain against resistance: nearly closed")
+    right.set(xlabel="resistance [ohm]", ylabel="" if beside else "strain [%]",
+              title="Strain against resistance: nearly closed")  # fmt: skip
     left.legend(loc="upper left")
     return figure
 
@@ -108,9 +123,9 @@ def mark_points(axes: Axes, resistance: Any, strain: Any, gaps: LoopGaps) -> Non
         )
 
 
-def fit_figure(model: SensingModel, gaps: LoopGaps) -> Figure:
+def fit_figure(model: SensingModel, gaps: LoopGaps, width_in: float = WIDE_IN) -> Figure:
     """Draw both branches with their polynomials, the paper's printed points, and the residuals (Fig. 9)."""
-    figure = Figure(figsize=(9.6, 5.4), layout="constrained")
+    figure = Figure(figsize=(width_in, 5.4), layout="constrained")
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     low, high = model.valid_resistance_ohm
     grid = np.linspace(low, high, 400)
@@ -142,10 +157,10 @@ def fit_figure(model: SensingModel, gaps: LoopGaps) -> Figure:
     return figure
 
 
-def staircase_figure(run: ControlRun) -> Figure:
+def staircase_figure(run: ControlRun, width_in: float = WIDE_IN) -> Figure:
     """Draw target, estimate and reference over time, their errors, and the drive (Fig. 11)."""
-    figure = Figure(figsize=(9.6, 6.2), layout="constrained")
-    top, middle, bottom = figure.subplots(3, 1, sharex=True, height_ratios=(3, 1.2, 1.2))
+    figure = Figure(figsize=(width_in, 6.6), layout="constrained")
+    top, middle, bottom = figure.subplots(3, 1, sharex=True, height_ratios=(3, 1.7, 1.2))
     approach_s = run.facts.approach_s
     time_s = run["time_s"] - run["time_s"][0] - approach_s
     target, estimated = 100 * run["target_strain"], 100 * run["estimated_strain"]
@@ -154,15 +169,26 @@ def staircase_figure(run: ControlRun) -> Figure:
     top.plot(time_s, reference, color=COOLING, label="reference (LVDT, not used by the loop)")
     top.plot(time_s, estimated, color=HEATING, linewidth=1.0, label="estimated from resistance")
     top.set(ylabel="strain [%]", title="Moved in steps with no displacement sensor")
-    top.legend(loc="lower center", ncols=3)
-    middle.axhline(0.0, color="#999999", linewidth=0.8)
+    top.legend(loc="lower center", ncols=3 if width_in > NARROW_IN else 1)
     middle.plot(time_s, reference - target, color=COOLING, linewidth=1.1, label="reference - target")
     middle.plot(time_s, estimated - reference, color=HEATING, linewidth=1.0, label="estimate - reference")
-    middle.set(ylabel="error [% strain]", ylim=(-0.2, 0.2))
+    whole_errors(middle)
     middle.legend(loc="lower left", ncols=2, bbox_to_anchor=(0.0, 0.98), borderaxespad=0.0)
     bottom.plot(time_s, run["drive_voltage_v"], color=AVERAGE, linewidth=1.1)
     bottom.set(xlabel="time [s]", ylabel="drive [V]", xlim=(-approach_s, time_s[-1]))
     return figure
+
+
+def whole_errors(axes: Axes) -> None:
+    """Give errors an axis that shows the small ones and cuts none: linear about zero, logarithmic beyond."""
+    axes.axhline(0.0, color="#999999", linewidth=0.8)
+    axes.axhspan(-LINEAR_ERROR_PCT, LINEAR_ERROR_PCT, color=TARGET, alpha=0.15, linewidth=0)
+    axes.set_yscale("symlog", linthresh=LINEAR_ERROR_PCT, linscale=1.0)
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    axes.set(ylabel="error [% strain]")
+    axes.annotate(f"shaded: linear, to {LINEAR_ERROR_PCT:g} %; logarithmic beyond", (1.0, 0.0), (-3, 3),
+                  xycoords="axes fraction", textcoords="offset points", ha="right", color="#555555",
+                  fontsize=8)  # fmt: skip
 
 
 def trace_figure(run: ControlRun, major: Recording, gaps: LoopGaps, model: SensingModel) -> Figure:

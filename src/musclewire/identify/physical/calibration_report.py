@@ -16,7 +16,7 @@ from musclewire.identify.physical.calibration_text import number, verdict
 from musclewire.identify.physical.interval_bars import interval_bar, key_of_bars
 from musclewire.identify.physical.observations import ChannelComparison
 from musclewire.identify.physical.uncertainty import ParameterEstimate
-from musclewire.pages import STYLE, Card, cards, page, svg
+from musclewire.pages import STYLE, Card, cards, page, svg_in_frame
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.signals.whole_files import write_text_whole
 
@@ -121,8 +121,8 @@ def figures(calibration: Calibration) -> str:
             parts.append(f"<h3>{escape(Path(observation.title).name)}</h3>")
             loop = loop_figure(calibration, observation)
             if loop is not None:
-                parts.append(svg(loop, f"loop{place}"))
-            parts.append(svg(observation_figure(calibration, observation), f"channels{place}"))
+                parts.append(svg_in_frame(loop, f"loop{place}"))
+            parts.append(svg_in_frame(observation_figure(calibration, observation), f"channels{place}"))
     return "".join(parts)
 
 

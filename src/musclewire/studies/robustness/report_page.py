@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from musclewire.figures import figure_style
 from musclewire.figures.styled_figure import StyledFigure
-from musclewire.pages import STYLE, Card, cards, page, svg, table, table_rows
+from musclewire.pages import STYLE, Card, cards, page, svg_in_frame, table, table_rows
 from musclewire.signals.whole_files import write_text_whole
 from musclewire.studies.robustness.benchmark import Robustness
 from musclewire.studies.robustness.table_text import COLUMNS, number, rows_data
@@ -50,10 +50,10 @@ def write_report(result: Robustness, path: Path) -> None:
         "cards": cards(key_numbers(result)),
         "seeds": escape(f"{len(result.seeds)} wires: {result.seeds_text}"),
         "references": escape(", ".join(result.references)),
-        "errors": svg(heat_map(*error_matrix(result), "error [% of the full stroke]"), "errors"),
+        "errors": svg_in_frame(heat_map(*error_matrix(result), "error [% of the full stroke]"), "errors"),
         "loops": loops_section(result),
         "grips": grips_section(result),
-        "wires": svg(heat_map(*wire_matrix(result), "error [% of the full stroke]"), "wires"),
+        "wires": svg_in_frame(heat_map(*wire_matrix(result), "error [% of the full stroke]"), "wires"),
         "bars": table(head(["", "condition", "what", "value", "bar"]), table_rows(bar_cells(result)), "plain"),
         "rows": table(head(COLUMNS), table_rows(row_cells(result)), "plain"),
     }
@@ -169,7 +169,7 @@ def loops_section(result: Robustness) -> str:
         if row.mae_mean_pct is not None:
             place = names.index(f"{row.estimator}, {row.controller}")
             errors[conditions.index(row.condition.name), place] = row.mae_mean_pct
-    return svg(heat_map(conditions, names, errors, "mean absolute error [% of the target]"), "loops")
+    return svg_in_frame(heat_map(conditions, names, errors, "mean absolute error [% of the target]"), "loops")
 
 
 def grips_section(result: Robustness) -> str:
