@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import re
-from typing import Any, get_args
+from typing import get_args
 
+from key_tables import default_of, first_line, meanings, section, type_in_words, unit_in
 from pydantic import BaseModel
-from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
 
-from musclewire.parameters.validation import unit_of
 from musclewire.rigs.mounted_wire import LimitsTable, MountedWire
 from musclewire.rigs.nidaq.configuration import DisplacementInput, ForceInput, NiDaqConfiguration, Output, VoltageInput
 from musclewire.rigs.pulse_width import PulseWidth
@@ -85,24 +82,23 @@ What may go wrong, at a time, to see what the protection and your script do:
 
 def page() -> str:
     """Return the whole page."""
-    sections = [f"## {title}\n\n{keys_section(*content)}" for title, content in {**SECTIONS, **SEGMENTED}.items()]
+    sections = [keys_section(title, *content) for title, content in {**SECTIONS, **SEGMENTED}.items()]
     return "\n".join([HEAD, *sections, FAULTS_HEAD + "\n".join(fault_rows()) + "\n"])
 
 
-def keys_section(model: type[BaseModel], text: str) -> str:
-    """Return one table of keys, without those that every real rig has."""
+def keys_section(title: str, model: type[BaseModel], text: str) -> str:
+    """Return the table of a rig file's keys, without those that every real rig has."""
     shared = (
         set() if model is MountedWire else set(MountedWire.model_fields) - set(vars(model).get("__annotations__", {}))
     )
     # A replay may leave out what a rig must say, but its keys mean the same.
     said = {**meanings(MountedWire), **meanings(model)}
     rows = [
-        f"| `{name}` | {unit_in(field)} | {default_of(field)} | {said.get(name) or type_in_words(field)} |"
+        (f"`{name}`", unit_in(field), default_of(field), said.get(name) or type_in_words(field))
         for name, field in model.model_fields.items()
         if name not in shared
     ]
-    head = f"{text}\n\n" if text else ""
-    return head + "\n".join(["| Rig key | Unit | Default | Meaning |", "|---|---|---|---|", *rows]) + "\n"
+    return section(title, text, ("Rig key", "Unit", "Default", "Meaning"), rows)
 
 
 def fault_rows() -> list[str]:
@@ -113,65 +109,3 @@ def fault_rows() -> list[str]:
         keys = [f"`{key}` ({default_of(field)})" for key, field in kind.model_fields.items() if key != "kind"]
         rows.append(f"| `{name}` | {', '.join(keys)} | {first_line(kind)} |")
     return rows
-
-
-def unit_in(field: FieldInfo) -> str:
-    """Return the unit of a key, also of one that may be left out."""
-    inner = (getattr(kind, "__metadata__", ()) for kind in get_args(field.annotation))
-    optional = next((unit for notes in inner for note in notes if (unit := unit_of_note(note))), "")
-    return unit_of(field) or optional
-
-
-def unit_of_note(note: Any) -> str:
-    """Return the unit that a validator reads text in, "" for any other note on a type."""
-    return str(getattr(getattr(note, "func", None), "unit", ""))
-
-
-def default_of(field: FieldInfo) -> str:
-    """Return a key's default as a rig file would have it."""
-    value: Any = field.default
-    if field.is_required():
-        return "needed"
-    if value is None or value is PydanticUndefined or isinstance(value, BaseModel):
-        return "none"
-    return {True: "true", False: "false"}[value] if isinstance(value, bool) else f"{value}"
-
-
-def type_in_words(field: FieldInfo) -> str:
-    """Return the values allowed at a key without a description: its choices, or a table."""
-    choices = [choice for choice in get_args(field.annotation) if isinstance(choice, str)]
-    if choices:
-        return " or ".join(f'`"{choice}"`' for choice in choices)
-    inner = (field.annotation, *get_args(field.annotation))
-    if any(isinstance(kind, type) and issubclass(kind, BaseModel) for kind in inner):
-        return "a table, as here"
-    return field.description or ""
-
-
-def meanings(model: type[BaseModel]) -> dict[str, str]:
-    """Return what the docstrings of a model and what it is made of say of their keys."""
-    found: dict[str, str] = {}
-    for kind in reversed(model.__mro__):
-        text = (kind.__doc__ or "").partition("Attributes:")[2]
-        listed = re.findall(r"^\s{8}(\w+): (.*?)(?=^\s{8}\w+: |\Z)", text, re.M | re.S)
-        listed += numpydoc_parameters(kind)
-        for name, said in listed:
-            found[name] = " ".join(said.split()).rstrip(".").replace("``", "`")
-    found.pop("kind", None)  # the word itself is shown
-    return found
-
-
-def numpydoc_parameters(kind: type) -> list[tuple[str, str]]:
-    """Return name and meaning of each of a docstring's ``Parameters``, begun as in the middle of a sentence."""
-    text = (kind.__doc__ or "").partition("    Parameters\n    ----------\n")[2].partition("\n\n")[0]
-    text = re.sub(r" \[[^\]]+\]", "", text)  # the page has a column of units
-    found = re.findall(r"^ {4}(\w+)\n\s*(.*?)(?=^ {4}\w|\Z)", text, re.M | re.S)
-    return [
-        (name, said if (said[1:2] == " " and said[0] != "A") or said[1:2].isupper() else said[0].lower() + said[1:])
-        for name, said in found
-    ]
-
-
-def first_line(model: type[BaseModel]) -> str:
-    """Return the first sentence of a docstring."""
-    return (model.__doc__ or "").strip().splitlines()[0].rstrip(".")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from key_tables import default_of, meanings, section, type_in_words
 from pydantic import BaseModel
-from rig_keys_page import default_of, meanings, type_in_words
 
 from musclewire.controllers.feedforward import FeedforwardSettings
 from musclewire.controllers.fuzzy_pid import FuzzyPidSettings
@@ -91,17 +91,16 @@ SECTIONS: dict[str, tuple[type[BaseModel], str]] = {
 
 def page() -> str:
     """Return the whole page."""
-    return "\n".join([HEAD, *(section(title, model, text) for title, (model, text) in SECTIONS.items())])
+    sections = [keys_section(title, model, text) for title, (model, text) in SECTIONS.items()]
+    return "\n".join([HEAD, *sections])
 
 
-def section(title: str, model: type[BaseModel], text: str) -> str:
+def keys_section(title: str, model: type[BaseModel], text: str) -> str:
     """Return the table of a file's keys, or of a table in it."""
     said = {**SAID, **meanings(model)}
     rows = []
     for name, field in model.model_fields.items():
         meaning = said.get(name) or field.description or type_in_words(field)
         choices = type_in_words(field) if name in ("kind", "shape", "inference") else ""
-        shown = choices or meaning
-        rows.append(f"| `{name}` | {default_of(field) or 'empty'} | {shown.replace('|', chr(92) + '|')} |")
-    table = "\n".join(["| File key | Default | Meaning |", "|---|---|---|", *rows])
-    return f"## {title}\n\n{text}{chr(10) * 2 if text else ''}{table}\n"
+        rows.append((f"`{name}`", default_of(field) or "empty", (choices or meaning).replace("|", "\\|")))
+    return section(title, text, ("File key", "Default", "Meaning"), rows)
