@@ -9,8 +9,8 @@ import typer
 
 from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
-from musclewire.app.files import require_figure_file, require_free, require_model_file, save_figure
-from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, PLOT, QUANTITY, WIRE_FILE, Json
+from musclewire.app.files import require_free, require_model_file
+from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, QUANTITY, WIRE_FILE, Json
 from musclewire.app.output import emit_json, show
 from musclewire.app.recording_options import ReadingOptions
 from musclewire.app.resistance_options import ResistanceOptions
@@ -120,17 +120,16 @@ def error_text(report: EstimateReport) -> str:
 
 
 def rules(
+    figure: FigureOptions,
     name: Annotated[str, typer.Argument(metavar="[RULES]", help="Name of a rule base, or a TOML file.")] = "zhao-1993",
-    plot: Annotated[Path | None, PLOT] = None,
     json: Json = False,
 ) -> None:
     """Show a fuzzy rule base, and its surfaces with --plot."""
     from musclewire.controllers import load_rule_base, plot_rule_surfaces, rule_base_names
 
-    require_figure_file(plot)
+    figure.check()
     rule_base = load_rule_base(name)
-    if plot is not None:
-        save_figure(plot_rule_surfaces(rule_base)[0], plot)
+    figure.draw(lambda style: plot_rule_surfaces(rule_base, style=style)[0])
     if json:
         emit_json({"known": list(rule_base_names()), **rule_base.model_dump(mode="json")})
         return

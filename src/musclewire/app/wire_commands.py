@@ -40,7 +40,9 @@ from musclewire.app.wire_text import answer_json, answer_text, comparison_json, 
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
-    from musclewire.experiment.supply_sizing import SupplyRequest
+    from matplotlib.axes import Axes
+
+    from musclewire.experiment.supply_sizing import SupplyRequest, SupplySizing
 
 __all__ = ["add_wire_commands"]
 
@@ -117,7 +119,6 @@ def simulate(
         refuse_with_table(drive, mounting, output, figure.plot)
         show_table(mounting, json)
         return
-    from musclewire.experiment.supply_figure import drive_axes
     from musclewire.experiment.supply_sizing import plan_supply, size_supply
 
     request = request_of(wire, drive, mounting, seed)
@@ -126,7 +127,7 @@ def simulate(
     figure.check()
     with stops_between_samples(), progress_bar("Drive", plan_supply(request).duration_s, quiet=json) as on_sample:
         answer = size_supply(request, path=output, overwrite=overwrite, on_sample=on_sample)
-    figure.draw(partial(drive_axes, answer))
+    figure.draw(partial(drawn, answer))
     if json:
         emit_json(answer_json(answer, output))
     else:
@@ -134,6 +135,13 @@ def simulate(
         warn(answer.warnings)
     if answer.numbers.melted:
         raise typer.Exit(1)
+
+
+def drawn(answer: SupplySizing, *, style: str) -> Axes:
+    """Return the drawn drive; loads what draws only now."""
+    from musclewire.experiment.supply_figure import drive_axes
+
+    return drive_axes(answer, style=style)
 
 
 def refuse_with_table(drive: DriveOptions, mounting: MountingOptions, output: Path | None, plot: Path | None) -> None:

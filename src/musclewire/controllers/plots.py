@@ -20,7 +20,9 @@ GRID_POINTS = 181
 TITLES = ("$K_p'$ (proportional)", "$K_I'$ (integral)", "$K_D'$ (derivative)")
 
 
-def plot_rule_surfaces(rule_base: RuleBase, axes: Sequence[Axes] | None = None) -> tuple[Axes, Axes, Axes]:
+def plot_rule_surfaces(
+    rule_base: RuleBase, axes: Sequence[Axes] | None = None, *, style: str = "screen"
+) -> tuple[Axes, Axes, Axes]:
     """Draw the three ratios of Eq. 6 over both inputs, side by side on one colour scale from 0 to 1.
 
     Parameters
@@ -29,6 +31,8 @@ def plot_rule_surfaces(rule_base: RuleBase, axes: Sequence[Axes] | None = None) 
         The rule base to draw.
     axes
         Three matplotlib axes to draw on; those of a new figure by default.
+    style
+        Size and fonts of the new figure, as in ``Recording.plot``; axes that are given keep their own.
 
     Returns
     -------
@@ -37,32 +41,33 @@ def plot_rule_surfaces(rule_base: RuleBase, axes: Sequence[Axes] | None = None) 
     Raises
     ------
     CallerError
-        If ``axes`` are not three.
+        If ``axes`` are not three, or for an unknown style.
     """
-    panels = _three_axes(rule_base, axes)
+    if axes is not None:
+        if len(axes) != 3:
+            raise CallerError(f"plot_rule_surfaces needs three axes, not {len(axes)}")
+        return _draw_surfaces(rule_base, axes)
+    from musclewire.figures.styled_figure import panels_side_by_side  # only drawing needs matplotlib
+
+    figure, panels = panels_side_by_side(style, 3, by_pyplot=True)
+    figure.set_layout_engine("compressed")  # made for panels that are square
+    with figure.styled():
+        figure.suptitle(f"Rule base {rule_base.name}")
+        return _draw_surfaces(rule_base, panels)
+
+
+def _draw_surfaces(rule_base: RuleBase, panels: Sequence[Axes]) -> tuple[Axes, Axes, Axes]:
     ratio = np.linspace(-1.0, 1.0, GRID_POINTS)
     surface = infer_surface(rule_base, ratio[:, np.newaxis], ratio[np.newaxis, :])
     levels = np.linspace(0.0, 1.0, 21)
     for panel, values, title in zip(panels, surface, TITLES, strict=True):
         filled = panel.contourf(ratio, ratio, values.T, levels=levels, cmap="viridis", vmin=0.0, vmax=1.0)
-        panel.set_title(title)
-        panel.set_xlabel("error / error range")
-        panel.set_aspect("equal")
+        panel.set(title=title, xlabel="error / error range", aspect="equal")
         panel.set_xticks(np.linspace(-1.0, 1.0, 5))
         panel.set_yticks(np.linspace(-1.0, 1.0, 5))
-    panels[0].set_ylabel("rate of the error / change range")
+        panel.grid(visible=False)
+        if panel is panels[0] or panel.get_position().x0 == panels[0].get_position().x0:
+            panel.set_ylabel("rate of the error\n/ change range")
     bar = panels[0].figure.colorbar(filled, ax=list(panels), ticks=np.linspace(0.0, 1.0, 6), shrink=0.9)
-    bar.set_label("ratio: 0 minimum gain, 1 maximum")
-    return panels
-
-
-def _three_axes(rule_base: RuleBase, axes: Sequence[Axes] | None) -> tuple[Axes, Axes, Axes]:
-    if axes is None:
-        import matplotlib.pyplot as plt
-
-        figure, made = plt.subplots(1, 3, figsize=(11.0, 3.8), sharey=True, layout="constrained")
-        figure.suptitle(f"Rule base {rule_base.name}")
-        axes = list(made)
-    if len(axes) != 3:
-        raise CallerError(f"plot_rule_surfaces needs three axes, not {len(axes)}")
-    return axes[0], axes[1], axes[2]
+    bar.set_label("ratio: 0 minimum gain,\n1 maximum")
+    return panels[0], panels[1], panels[2]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from musclewire.arrays import FloatArray
+from musclewire.figures.styled_figure import panel_rows
+from musclewire.pages import AVERAGE, COOLING, HEATING, TARGET
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -12,8 +14,6 @@ if TYPE_CHECKING:
     from musclewire.experiment.supply_sizing import SupplySizing
 
 __all__ = ["drive_axes"]
-
-WARM, COLD, INK, GREY = "#c8553d", "#1f6f8b", "#2b2b2b", "#9aa0a6"
 
 
 def drive_axes(sizing: SupplySizing, *, style: str = "screen") -> Axes:
@@ -35,13 +35,11 @@ def drive_axes(sizing: SupplySizing, *, style: str = "screen") -> Axes:
     CallerError
         For an unknown style; the message suggests the nearest.
     """
-    from musclewire.figures.styled_figure import panel_rows
-
     figure, panels = panel_rows(style, (1.5, 1.0, 1.0), by_pyplot=True)
     time_s = sizing.recording["time_s"] - sizing.recording.facts.sample_period_s
     with figure.styled():
         for draw, axes in zip((draw_contraction, draw_temperature, draw_current), panels, strict=True):
-            axes.axvspan(0.0, sizing.plan.request.on_s, color=WARM, alpha=0.08, lw=0)
+            axes.axvspan(0.0, sizing.plan.request.on_s, color=HEATING, alpha=0.08, lw=0)
             draw(axes, sizing, time_s)
         panels[0].set_xlim(time_s[0], time_s[-1])
         panels[0].set_title(title_of(sizing), loc="left", wrap=True)
@@ -53,7 +51,7 @@ def draw_contraction(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> No
     from musclewire.identify.catalogue_check import UNCOUNTED_STRAIN
 
     stroke = 100 * sizing.one_second.stroke
-    axes.plot(time_s, 100 * sizing.recording["displacement_m"] / sizing.recording.facts.leg_length_m, color=INK)
+    axes.plot(time_s, 100 * sizing.recording["displacement_m"] / sizing.recording.facts.leg_length_m, color=AVERAGE)
     mark_level(axes, time_s[-1], stroke, "full stroke ")
     axes.set_ylabel("contraction\n[%]")
     axes.set_ylim(-0.05 * stroke, 1.18 * stroke)
@@ -64,7 +62,7 @@ def draw_temperature(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> No
     """Draw the wire's temperature, and its working limit if it comes near."""
     from musclewire.identify.electrical_sizing import OVERHEATED_K
 
-    axes.plot(time_s, sizing.recording["wire_temperature_k"] - 273.15, color=WARM)
+    axes.plot(time_s, sizing.recording["wire_temperature_k"] - 273.15, color=HEATING)
     if sizing.numbers.temperature_peak_k > 0.85 * OVERHEATED_K:
         mark_level(axes, time_s[-1], OVERHEATED_K - 273.15, "working limit (assumed) ")
     axes.set_ylabel("temperature\n[°C]")
@@ -73,10 +71,10 @@ def draw_temperature(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> No
 def draw_current(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> None:
     """Draw the current, and the supply's voltage on an axis of its own."""
     recording = sizing.recording
-    axes.plot(time_s, 1e3 * recording["shunt_voltage_v"] / recording.facts.shunt_resistance_ohm, color=COLD)
-    axes.set_ylabel("current\n[mA]", color=COLD)
+    axes.plot(time_s, 1e3 * recording["shunt_voltage_v"] / recording.facts.shunt_resistance_ohm, color=COOLING)
+    axes.set_ylabel("current\n[mA]", color=COOLING)
     volts = axes.twinx()
-    volts.plot(time_s, recording["drive_voltage_v"], color=INK, ls=":")
+    volts.plot(time_s, recording["drive_voltage_v"], color=AVERAGE, ls=":")
     volts.set_ylabel("supply [V],\ndotted")
     axes.set_ylim(bottom=0.0)
     volts.set_ylim(0.0, 1.15 * sizing.numbers.voltage_peak_v)
@@ -86,7 +84,7 @@ def draw_current(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> None:
 
 def mark_level(axes: Axes, end_s: float, level: float, text: str) -> None:
     """Mark a level by a dashed line with its name at the end."""
-    axes.axhline(level, color=GREY, lw=0.9, ls="--")
+    axes.axhline(level, color=TARGET, lw=0.9, ls="--")
     axes.text(end_s, level, text, color="#6b7075", fontsize="small", ha="right", va="bottom")
 
 
@@ -96,9 +94,9 @@ def mark_cooling(axes: Axes, sizing: SupplySizing, level_pct: float) -> None:
     if cooling is None:
         return
     at = sizing.plan.request.on_s + cooling
-    axes.plot([at], [level_pct], "o", color=COLD)
+    axes.plot([at], [level_pct], "o", color=COOLING)
     axes.annotate(f"cooled after {cooling:.2f} s", (at, level_pct), xytext=(8, 8), textcoords="offset points",
-                  color=COLD, fontsize="small")  # fmt: skip
+                  color=COOLING, fontsize="small")  # fmt: skip
 
 
 def title_of(sizing: SupplySizing) -> str:

@@ -113,15 +113,15 @@ def panel_rows(style: str, heights: Sequence[float], *, by_pyplot: bool = False)
     return figure, list(panels)
 
 
-def panels_side_by_side(style: str, count: int) -> tuple[StyledFigure, list[Axes]]:
+def panels_side_by_side(style: str, count: int, *, by_pyplot: bool = False) -> tuple[StyledFigure, list[Axes]]:
     """Return a figure of panels side by side, or one below the other if it is narrow."""
     if count == 1:
-        figure, panel = one_panel(style)
+        figure, panel = one_panel(style, by_pyplot=by_pyplot)
         return figure, [panel]
     found = figure_style(style)
     rows, columns = (1, count) if found.wide else (count, 1)
     wide_mm = found.width_mm / columns
-    figure = StyledFigure(style, rows * max(1.2 * found.panel_height_mm, 0.75 * wide_mm))
+    figure = new_figure(style, rows * max(1.2 * found.panel_height_mm, 0.75 * wide_mm), by_pyplot)
     with figure.styled():
         return figure, list(np.atleast_1d(figure.subplots(rows, columns)).flat)
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from musclewire.experiment.gripper_training import REST_S
 from musclewire.figures.styled_figure import panels_side_by_side
+from musclewire.pages import COOLING, HEATING, TARGET
 from musclewire.sensing.branch_equations import evaluate
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_grip"]
 
-MEASURED, FREE, FOUND = "#1f5fa8", "#9aa3ad", "#c8401f"
+MEASURED, FREE, FOUND = COOLING, TARGET, HEATING
 SHOWN_BEFORE_S = 0.3
 
 

@@ -13,12 +13,13 @@ from musclewire.errors import CallerError
 from musclewire.interfaces.control_systems.linearisation import LinearWire, linearised
 from musclewire.interfaces.control_systems.loops import LoopMargins, controller_system, loop_margins, sampled_system
 from musclewire.interfaces.control_systems.operating_points import OperatingPoint, operating_point
+from musclewire.pages import COOLING, HEATING
 from musclewire.rigs.configuration import RigConfiguration
 from musclewire.sensing import SensingModel
 
 __all__ = ["Linearisation", "LinearisedLoop", "bode_axes", "linearise"]
 
-COLOURS = {"heating": "#c8553d", "cooling": "#1f6f8b"}
+COLOURS = {"heating": HEATING, "cooling": COOLING}
 LINES = {"branch": "-", "minor loop": ":"}
 POINTS = 400
 # Frequencies of the plot: from far below the wire's pole to just below half of the sampling rate.
