@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, mark_points
+from musclewire.app.report.figures import AVERAGE, COOLING, HEATING
 from musclewire.arrays import FloatArray
 from musclewire.experiment.open_loop import characterize
+from musclewire.identify.loop_figure import mark_points
 from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
 from musclewire.identify.recordings import required_quantity, resistance_reading
 from musclewire.rigs.configuration import open_rig

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from musclewire.signals.recording import Recording
 
-__all__ = ["loop_figure", "mark_points", "table_figure"]
+__all__ = ["halves", "loop_figure", "mark_points", "table_figure"]
 
 KELVIN_AT_0_DEGC = 273.15
 
@@ -64,14 +64,16 @@ def draw_branches(axes: Axes, x: FloatArray, y: FloatArray, gaps: LoopGaps | Non
     if gaps is None:
         axes.plot(x, y, color=AVERAGE)
         return
-    found = gaps.segments
     if "cycle" in recording and np.ptp(recording["cycle"]) > 0:
         axes.plot(x, y, color=TARGET, linewidth=0.6, label="other cycles")
-    for part, colour, name in (
-        (slice(found.heating_a, found.heating_c + 1), HEATING, "heating"),
-        (slice(found.heating_c, found.cooling_a + 1), COOLING, "cooling"),
-    ):
+    for part, colour, name in zip(halves(gaps), (HEATING, COOLING), ("heating", "cooling"), strict=True):
         axes.plot(x[part], y[part], color=colour, label=name)
+
+
+def halves(gaps: LoopGaps) -> tuple[slice, slice]:
+    """Return heating and cooling of the analysed cycle, whole branches A to C and C to A, as row slices."""
+    found = gaps.segments
+    return slice(found.heating_a, found.heating_c + 1), slice(found.heating_c, found.cooling_a + 1)
 
 
 def mark_points(axes: Axes, resistance_ohm: FloatArray, movement: FloatArray, gaps: LoopGaps) -> None:

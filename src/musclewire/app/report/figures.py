@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from musclewire.identify.loop_figure import halves, mark_points
 from musclewire.identify.loop_gaps import LoopGaps
 from musclewire.identify.recordings import required_quantity, resistance_reading
 from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, TARGET, svg
@@ -69,12 +70,6 @@ def for_both_widths(name: str, wide: Figure, narrow: Figure) -> str:
     return f'<div class="wide">{svg(wide, name)}</div><div class="narrow">{svg(narrow, f"{name}-narrow")}</div>'
 
 
-def halves(gaps: LoopGaps) -> tuple[slice, slice]:
-    """Return heating and cooling of the analysed cycle, whole branches A to C and C to A, as row slices."""
-    found = gaps.segments
-    return slice(found.heating_a, found.heating_c + 1), slice(found.heating_c, found.cooling_a + 1)
-
-
 def loops_figure(loops: Mapping[float, Recording], gaps: LoopGaps, width_in: float = WIDE_IN) -> Figure:
     """Draw strain against drive voltage and against resistance for the three amplitudes (Fig. 3)."""
     beside = width_in > NARROW_IN
@@ -98,29 +93,6 @@ def loops_figure(loops: Mapping[float, Recording], gaps: LoopGaps, width_in: flo
               title="Strain against resistance: nearly closed")  # fmt: skip
     left.legend(loc="upper left")
     return figure
-
-
-def mark_points(axes: Axes, resistance: Any, strain: Any, gaps: LoopGaps) -> None:
-    """Write A, B and C next to their places on the heating branch, and B and A on the cooling branch."""
-    found = gaps.segments
-    places = (
-        ("A", found.heating_a, HEATING, (-4, 6), "right"),
-        ("B", found.heating_b, HEATING, (6, 4), "left"),
-        ("C", found.heating_c, AVERAGE, (-6, 5), "right"),
-        ("B", found.cooling_b, COOLING, (-8, 1), "right"),
-    )
-    for letter, row, colour, offset, side in places:
-        axes.plot(resistance[row], strain[row], "o", color=colour, markersize=5, zorder=5)
-        axes.annotate(
-            letter,
-            (resistance[row], strain[row]),
-            xytext=offset,
-            textcoords="offset points",
-            ha=side,
-            color=colour,
-            fontweight="bold",
-            fontsize=11,
-        )
 
 
 def fit_figure(model: SensingModel, gaps: LoopGaps, width_in: float = WIDE_IN) -> Figure:

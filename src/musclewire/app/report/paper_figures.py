@@ -10,7 +10,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER, STYLE, mark_points, svg
+from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER, STYLE, svg
 from musclewire.app.report.finger_figures import FINGER_FIGURES
 from musclewire.app.report.paper_drawing import (
     SHADES,
@@ -34,6 +34,7 @@ from musclewire.experiment.reproduce.section2 import (
 )
 from musclewire.experiment.reproduce.section3 import STEP_TOLERANCE_PCT, STRAIN_TOLERANCE_PCT, strain_at_pct
 from musclewire.experiment.reproduce.table1 import WIRES, diameter_label
+from musclewire.identify.loop_figure import mark_points
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.library import read_published
 
