@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from musclewire.app.report.paper_figures import FIGURES, drawn
-from musclewire.app.report.paper_page import TITLES
+from musclewire.app.report.paper_page import PARTS, TITLES
+from musclewire.app.report.row_names import row_name, row_words
 from musclewire.app.report.row_text import (
     limit_text,
     ours_text,
@@ -102,6 +105,36 @@ def test_every_subject_has_a_title_and_every_figure_its_rows() -> None:
     subjects = {subject_of(check.name) for check in all_checks()}
     assert set(TITLES) == subjects
     assert set(FIGURES) <= subjects
+
+
+def test_every_subject_is_in_one_part_of_the_page() -> None:
+    assert sorted(subject for part in PARTS.values() for subject in part) == sorted(TITLES)
+
+
+def test_every_row_is_called_by_words_and_no_two_of_a_figure_alike() -> None:
+    checks = {check.name: row_name(judged(check, [Measured(1.0)], {})) for check in all_checks()}
+    keys = {name.partition(".")[2].partition("[")[0] for name in checks}
+    assert keys == {key.rpartition(".")[2] for key in row_words()["words"]}
+    assert [name for name, called in checks.items() if re.search(r"_(?!min|max)|\[", called.whole)] == []
+    seen = [(subject_of(name), called.whole) for name, called in checks.items()]
+    assert len(set(seen)) == len(seen)
+
+
+@pytest.mark.parametrize(
+    ("name", "condition"),
+    [
+        ("fig4.strain_gap_pct[125um,1.70N]", "125 µm wire, 1.70 N"),
+        ("fig3a.outside_pct[2.75V,2.90V]", "2.75 V against 2.90 V"),
+        ("fig17.grows_again_pct[finger-100um]", "the finger's own spool"),
+        ("table2.mae_rise_pct[1.5]", "1.5 %"),
+        ("table3.mae_rise_pct[2.5]", "2.5 mm"),
+        ("eq1.resistance_rms_error_ohm", ""),
+    ],
+)
+def test_conditions_are_spoken_with_their_units(name: str, condition: str) -> None:
+    check = PaperCheck(name, 1.0, "ohm", 0.5, "because", "printed", lambda _: 1.0, origin="fitted")
+    called = row_name(judged(check, [Measured(1.0)], {}))
+    assert (called.condition, called.unit) == (condition, "Ω")
 
 
 def test_a_figure_whose_loops_cannot_be_used_says_so(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -84,7 +84,7 @@ def fig14(_runs: Runs) -> Figure:
     -------
     The figure.
     """
-    figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+    figure = Figure(figsize=SIZE, layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.2))
     made, paper = paper_pretensioner(), read_published("lan_fan_2010")
     outline = 1e3 * serpentine_outline(made)
@@ -280,7 +280,9 @@ def table3(runs: Runs) -> Figure:
     steps = metrics.steps
     printed = [*table["mae_rise_pct"], *reversed(table["mae_return_pct"])]  # the way back begins at 5.5 mm
     places = np.arange(len(steps))
-    axes.bar(places, approached_errors_pct(metrics), width=0.55, color=COOLING, label=readings_text(metrics))
+    axes.bar(
+        places, approached_errors_pct(metrics), width=0.55, color=COOLING, alpha=0.45, label=readings_text(metrics)
+    )
     axes.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
               label="paper, Table 3")  # fmt: skip
     axes.plot(places, np.add(printed, step_tolerance_pct(table)), "_", color=PAPER, markersize=14,

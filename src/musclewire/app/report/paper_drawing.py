@@ -28,8 +28,8 @@ __all__ = [
     "readings_text",
 ]
 
-SIZE = (6.4, 4.7)
-SHADES = ("#1f6f8b", "#e0a030", "#5c6670")
+SIZE = (5.6, 4.4)
+SHADES = ("#1f6f8b", "#b87a14", "#5c6670")
 WHITE_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
 
 

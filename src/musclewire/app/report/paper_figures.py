@@ -14,6 +14,7 @@ from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER, STYL
 from musclewire.app.report.finger_figures import FINGER_FIGURES
 from musclewire.app.report.paper_drawing import (
     SHADES,
+    SIZE,
     WHITE_BOX,
     approached_errors_pct,
     one_panel,
@@ -341,7 +342,7 @@ def table2(runs: Runs) -> Figure:
     -------
     The figure.
     """
-    figure = Figure(figsize=(6.4, 5.6), layout="constrained")
+    figure = Figure(figsize=(SIZE[0], 5.8), layout="constrained")
     top, bottom = figure.subplots(2, 1)
     table = read_published("lan_fan_2010")["table2"]
     desired = table["desired_strain_pct"]
@@ -358,7 +359,9 @@ def table2(runs: Runs) -> Figure:
     steps = metrics.steps
     printed = [*table["mae_rise_pct"], *reversed(table["mae_return_pct"])]  # the way back begins at 2.7 %
     places = np.arange(len(steps))
-    bottom.bar(places, approached_errors_pct(metrics), width=0.55, color=COOLING, label=readings_text(metrics))
+    bottom.bar(
+        places, approached_errors_pct(metrics), width=0.55, color=COOLING, alpha=0.45, label=readings_text(metrics)
+    )
     bottom.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
                 label="paper, Table 2")  # fmt: skip
     bottom.plot(places, np.add(printed, STEP_TOLERANCE_PCT), "_", color=PAPER, markersize=14,
@@ -432,8 +435,8 @@ def isobars(runs: Runs) -> Figure:
         draw_isobar(axes, runs, stress, points, {"color": HELD_OUT, "linestyle": "--", "linewidth": 1.1})
     axes.plot([], [], "D", color="none", markeredgecolor=PAPER, markeredgewidth=1.5,
               label="measured: 10, 50, 90 % of the stroke")  # fmt: skip
-    axes.set(xlabel="temperature [C]", ylabel="contraction [% strain]")
-    axes.legend(loc="lower right", fontsize=8.5)
+    axes.set(xlabel="temperature [°C]", ylabel="contraction [% strain]")
+    axes.legend(loc="upper left", fontsize=8.5)
     return figure
 
 

@@ -7,19 +7,13 @@ from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from musclewire.app.report.origin_table import origin_mark, origin_table
-from musclewire.app.report.paper_figures import FIGURES, drawn
-from musclewire.app.report.row_text import (
-    limit_text,
-    ours_text,
-    paper_text,
-    reason_text,
-    seeds_text,
-    spread_text,
-    verdict_text,
-)
+from musclewire.app.report.origin_table import origin_table
+from musclewire.app.report.paper_figures import drawn
+from musclewire.app.report.row_names import row_name
+from musclewire.app.report.row_table import VERDICT_CLASS, numbers, reasons, rows_table
+from musclewire.app.report.row_text import reason_text, seeds_text, verdict_text
 from musclewire.experiment.reproduce.verdicts import counts_by_origin
-from musclewire.pages import Card, cards, page, table
+from musclewire.pages import Card, cards, page
 from musclewire.signals.whole_files import write_text_whole
 
 if TYPE_CHECKING:
@@ -27,7 +21,7 @@ if TYPE_CHECKING:
 
     from musclewire.experiment.reproduce import Reproduction, ReproductionRow
 
-__all__ = ["TITLES", "write_paper_page"]
+__all__ = ["PARTS", "TITLES", "write_paper_page"]
 
 # Title and text of each subject, in the order of the page.
 TITLES: dict[str, tuple[str, str]] = {
@@ -46,22 +40,22 @@ TITLES: dict[str, tuple[str, str]] = {
     "fig3a": ("Fig. 3(a): strain against voltage", "The major loop, and two of smaller amplitude inside it."),
     "fig3b": ("Fig. 3(b): strain against resistance", "The same loops, and how the strain divides at B."),
     "fig4": (
-        "Fig. 4: pretension closes the strain loop (125 um)",
+        "Fig. 4: pretension closes the strain loop (125 µm)",
         'The paper adds that "the strain gap of the largest pretension force is almost zero", and prints 2.702 % for '
         "it: both have a row, the words as the largest distance of the branches.",
     ),
-    "fig5": ("Fig. 5: the force loop closes and opens again (125 um)", ""),
+    "fig5": ("Fig. 5: the force loop closes and opens again (125 µm)", ""),
     "fig6a": (
         "Fig. 6(a): strain gap against force ratio",
         "Three diameters at equal fractions of their maximum force. The paper has each gap fall to the right.",
     ),
     "fig6b": ("Fig. 6(b): force gap against force ratio", ""),
     "fig7": (
-        "Fig. 7: strain hardly depends on the spring (100 um, 1.70 N)",
+        "Fig. 7: strain hardly depends on the spring (100 µm, 1.70 N)",
         "The paper prints none of its three stiffnesses; half, one and two times its spring are our choice.",
     ),
     "fig8": ("Fig. 8: force does", ""),
-    "fig9": ("Fig. 9: the loop, its polynomials and their average (100 um, 1.9 N)", ""),
+    "fig9": ("Fig. 9: the loop, its polynomials and their average (100 µm, 1.9 N)", ""),
     "table2": (
         "Table 2: strains, required resistances, errors",
         'The text calls it Table 3. Of the errors it says "less than 2 %" but for one; its own table prints 2.000 '
@@ -104,27 +98,39 @@ TITLES: dict[str, tuple[str, str]] = {
 }
 
 
+# What stands together on the page, pictures first.
+PARTS: dict[str, tuple[str, ...]] = {
+    "Section II: the loop, and what closes it": (
+        *("fig3a", "fig3b", "fig4", "fig5", "fig6a", "fig6b", "fig7", "fig8"),
+    ),
+    "Section III: a wire that senses its own strain": ("fig9", "fig11", "table2", "fig12"),
+    "Section IV: a finger": (*("fig13a", "fig13b", "fig14", "eq8", "fig15", "fig16", "fig17", "table3", "fig18"),),
+    "Loops measured elsewhere, promises, set-up and equations": (
+        *("isobars", "section1", "section5", "table1", "setup", "eq1", "eq2", "eq3", "eq4", "eq5", "eq6", "eq7"),
+    ),
+}
+
+
 def write_paper_page(
     result: Reproduction, path: Path, selection: str, on_figure: Callable[[str], None] = lambda _: None
 ) -> None:
     """Write the page, whole or not at all; ``on_figure`` is called with each subject before it is drawn."""
-    subjects = [
-        (subject, list(rows))
-        for subject, rows in groupby(result.rows, key=lambda row: row.subject)
-    ]  # fmt: skip
+    subjects = {subject: list(rows) for subject, rows in groupby(result.rows, key=lambda row: row.subject)}
     sections = []
-    for with_figure, together in groupby(subjects, key=lambda pair: pair[0] in FIGURES):
-        written = []
-        for subject, rows in together:
+    for title, members in PARTS.items():
+        cards_of_part = []
+        for subject in (member for member in members if member in subjects):
             on_figure(subject)
-            written.append(section(subject, rows, drawn(subject, result.runs)))
-        # Those without a figure are short and set in two columns.
-        sections.append("".join(written) if with_figure else f'<div class="small">{"".join(written)}</div>')
+            cards_of_part.append(section(subject, subjects[subject], drawn(subject, result.runs)))
+        if cards_of_part:
+            sections.append(f'<h2 class="part">{title}</h2><div class="columns">{"".join(cards_of_part)}</div>')
     parts = {
         "seeds": seeds_part(result),
         "origins": origin_table(counts_by_origin(result.rows)),
         "cards": cards(counts(result)),
-        "links": "".join(link(subject, rows) for subject, rows in subjects),
+        "links": "".join(
+            link(subject, subjects[subject]) for part in PARTS.values() for subject in part if subject in subjects
+        ),
         "failing_title": failing_title(result),
         "failing": failing_part(result),
         "sections": "".join(sections),
@@ -174,71 +180,27 @@ def short_title(subject: str) -> str:
 
 
 def link(subject: str, rows: Sequence[ReproductionRow]) -> str:
-    """Return the link to a section, marked where a row of it fails."""
-    mark = "" if all(row.ok for row in rows) else ' class="failing"'
-    return f'<a href="#{subject}"{mark}>{short_title(subject)}</a>'
+    """Return the link to a section with a mark for each of its rows."""
+    marks = "".join(f'<i class="{VERDICT_CLASS[row.verdict]}"></i>' for row in rows)
+    failing = "" if all(row.ok for row in rows) else ' class="failing"'
+    return f'<a href="#{subject}"{failing}>{short_title(subject)} <span class="marks">{marks}</span></a>'
 
 
 def section(subject: str, rows: Sequence[ReproductionRow], figure: str) -> str:
-    """Return a section: figure and rows side by side, rows alone without a figure."""
+    """Return a section: its figure, how many of its rows hold, the rows, and why they are judged so."""
     title, text = TITLES[subject]
     paragraph = f"<p>{text}</p>" if text else ""
-    drawing = f'<div class="figure">{figure}</div>' if figure else ""
     return (
-        f'<section id="{subject}"><h2>{title}</h2>{paragraph}<div class="side">{drawing}'
-        f"{table(HEADER, body(rows), 'rows')}</div></section>"
+        f'<section id="{subject}"><h3>{title}</h3>{paragraph}{figure}{score(rows)}{rows_table(rows)}'
+        f"{reasons(rows)}</section>"
     )
 
 
-VERDICT_CLASS = {"holds": "holds", "at the bar": "bar", "fails": "fails", "reported": "reported"}
-HEADER = (
-    '<thead><tr><th>row</th><th>origin</th><th class="number">paper</th><th class="number">ours</th>'
-    '<th class="number">allowed</th><th></th></tr></thead>'
-)
-
-
-def body(rows: Sequence[ReproductionRow]) -> str:
-    """Return table rows; neighbours with the same reason share one line of it."""
-    parts = []
-    for _, group in groupby(rows, key=lambda row: (row.why, row.kind)):
-        together = list(group)
-        parts += [table_row(row) for row in together]
-        parts.append(
-            f'<tr class="why"><td colspan="6"><span class="kind">{together[0].kind}</span> · '
-            f"{escape(together[0].why)}</td></tr>"
-        )
-    return "".join(parts)
-
-
-def table_row(row: ReproductionRow) -> str:
-    """Return a row, with its problem and the reason of a known failure beneath it."""
-    cells = f'<td class="name" title="{escape(row.name)}">{breakable(row.name.partition(".")[2])}</td>{numbers(row)}'
-    more = reason_text(row)
-    below = f'<tr class="why more"><td colspan="6">{escape(more)}</td></tr>' if more else ""
-    return f"<tr{row_class(row)}>{cells}</tr>{below}"
-
-
-def breakable(name: str) -> str:
-    """Return a row's name that may be broken before a bracket and after an underscore."""
-    return escape(name).replace("[", "<wbr>[").replace("_", "_<wbr>")
-
-
-def numbers(row: ReproductionRow) -> str:
-    """Return the cells after a row's name."""
-    unit = "" if row.unit == "1" else f" {escape(row.unit)}"
-    spread = spread_text(row)
-    below = f'<span class="spread">{spread}</span>' if spread else ""
-    return (
-        f'<td>{origin_mark(row.origin)}</td><td class="number paper">{paper_text(row)}</td>'
-        f'<td class="number">{ours_text(row)}{below}</td>'
-        f'<td class="number">{limit_text(row)}<span class="unit">{unit}</span></td>'
-        f'<td class="{VERDICT_CLASS[row.verdict]}">{verdict_text(row)}</td>'
-    )
-
-
-def row_class(row: ReproductionRow) -> str:
-    """Return the class attribute of a failing row, nothing for one that holds."""
-    return "" if row.ok else " class='failing'"
+def score(rows: Sequence[ReproductionRow]) -> str:
+    """Return how many rows hold, of those that are judged."""
+    judged = [row for row in rows if row.is_judged]
+    holding = sum(row.ok for row in judged)
+    return f'<p class="score {"holds" if holding == len(judged) else "fails"}">{holding} of {len(judged)} hold</p>'
 
 
 def failing_title(result: Reproduction) -> str:
@@ -251,14 +213,21 @@ def failing_title(result: Reproduction) -> str:
 
 def failing_part(result: Reproduction) -> str:
     """Return the failing rows, and those that hold although the list says otherwise."""
-    rows = [*result.failing, *result.repaired]
-    if not rows:
+    if not result.failing and not result.repaired:
         return "<p>Nothing on this page is outside its tolerance.</p>"
-    lines = "".join(
-        f"<tr{row_class(row)}>"
-        f'<td class="name"><a href="#{row.subject}">{breakable(row.name)}</a></td>{numbers(row)}'
-        f"<td>{escape(reason_text(row))}</td></tr>"
-        for row in rows
+    failing = "".join(failing_row(row) for row in result.failing)
+    repaired = "".join(failing_row(row) for row in result.repaired)
+    more = (
+        f"<details><summary>{len(result.repaired)} hold, and are listed as failing</summary>"
+        f'<div class="failures">{repaired}</div></details>'
     )
-    header = HEADER.replace("<th></th></tr>", "<th></th><th>reason</th></tr>")
-    return table(header, lines, "rows")
+    return f'<div class="failures">{failing}</div>{more if repaired else ""}'
+
+
+def failing_row(row: ReproductionRow) -> str:
+    """Return a failing row as a small article: where it belongs, what it is, its numbers, and why."""
+    return (
+        f'<article class="{VERDICT_CLASS[row.verdict]}"><h3><a href="#{row.subject}">{short_title(row.subject)}</a> '
+        f"{escape(row_name(row).whole)}</h3><p>{numbers(row)} · <b>{verdict_text(row)}</b></p>"
+        f'<p class="reason">{escape(reason_text(row))}</p></article>'
+    )
