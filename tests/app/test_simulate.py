@@ -42,7 +42,7 @@ def test_the_recording_and_the_figure_are_written(musclewire: Callable[..., Any]
     answer = musclewire("simulate", "-o", tmp_path / "drive.h5", "--plot", tmp_path / "drive.png")
     assert answer.code == 0, answer.err
     run = read_recording(tmp_path / "drive.h5")
-    assert run.metadata["wire"] == "flexinol-0.10-ht"
+    assert run.metadata["wire"] == "flexinol-0.10-lt"
     assert run.metadata["ended"] == "done"
     assert "wire_temperature_k" in run
     assert (tmp_path / "drive.png").read_bytes().startswith(b"\x89PNG")

@@ -11,7 +11,7 @@ from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_free, require_model_file
 from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, QUANTITY, WIRE_FILE, Json
-from musclewire.app.output import emit_json, show
+from musclewire.app.output import emit_json, show, warn
 from musclewire.app.recording_options import ReadingOptions
 from musclewire.app.resistance_options import ResistanceOptions
 from musclewire.errors import CallerError
@@ -96,9 +96,10 @@ def estimate(
         report.recording.save(output)
     figure.draw(report.recording.plot)
     if json:
-        emit_json({"samples": len(report.recording), **error_numbers(report)})
+        emit_json({"samples": len(report.recording), **error_numbers(report), "warnings": list(report.warnings)})
         return
     show(error_text(report))
+    warn(report.warnings)
 
 
 def error_numbers(report: EstimateReport | None) -> dict[str, Any]:

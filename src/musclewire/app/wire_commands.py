@@ -103,7 +103,7 @@ def simulate(
     drive: DriveOptions,
     mounting: MountingOptions,
     figure: FigureOptions,
-    wire: Annotated[str, WIRE] = "flexinol-0.10-ht",
+    wire: Annotated[str, WIRE] = "flexinol-0.10-lt",
     output: Annotated[Path | None, OUTPUT] = None,
     seed: Annotated[int, SEED] = 1,
     list_wires: Annotated[bool, LIST] = False,

@@ -24,6 +24,7 @@ from musclewire.identify.recordings import (
 from musclewire.identify.sensing_segment import in_sensing_segment
 from musclewire.identify.users_wire import users_wire
 from musclewire.physics.resistance import ArrayReading
+from musclewire.sensing.curve import other_wires
 from musclewire.sensing.estimator import ESTIMATORS, EstimatorFactory, EstimatorSetup
 from musclewire.sensing.fitting import fit_branches, fit_loop
 from musclewire.sensing.model import SensingModel
@@ -54,6 +55,8 @@ WIRE_NOTES = (
 )
 # Rows of the loop that a model keeps for its home moves.
 LOOP_ROWS = 300
+# A recording is warned of from this fraction of readings outside the range on: fewer are noise at its ends.
+MIN_OUTSIDE = 0.01
 
 
 def fit(
@@ -220,6 +223,8 @@ class EstimateReport:
         Largest error [%] of the stroke; None without a reference.
     no_reference
         Why there is no reference to compare with, and what would give one; "" with a reference.
+    warnings
+        That readings lie outside the model's range, with their number and their range; none if hardly one does.
     """
 
     recording: Recording
@@ -227,6 +232,7 @@ class EstimateReport:
     rms_pct: float | None
     max_pct: float | None
     no_reference: str = ""
+    warnings: tuple[str, ...] = ()
 
     @property
     def columns(self) -> Mapping[str, FloatArray]:
@@ -264,6 +270,20 @@ def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
         f"no sample lies in the model's range of {low:.3f} to {high:.3f} ohm: this recording goes from "
         f"{reading.resistance_ohm[reading.valid].min():.3f} to {reading.resistance_ohm.max():.3f} ohm; is it the "
         "same wire?"
+    )
+
+
+def range_warnings(model: SensingModel, reading: ArrayReading) -> tuple[str, ...]:
+    """Return a warning if readings of a recording lie outside the range that its model senses; none otherwise."""
+    there = reading.resistance_ohm[reading.valid]
+    outside = there[other_wires(model, there)]
+    if outside.size < MIN_OUTSIDE * there.size:
+        return ()
+    low, high = model.valid_resistance_ohm
+    return (
+        f"{100 * outside.size / there.size:.1f} % of the readings, {outside.min():.4g} to {outside.max():.4g} ohm, are "
+        f"outside the {low:.4g} to {high:.4g} ohm that this model senses and read as its nearest end: check that it is "
+        "the same wire, or fit a loop that reaches further",
     )
 
 
@@ -331,6 +351,7 @@ def estimate(
         rms_pct=None if errors is None else float(np.sqrt(np.mean(errors**2))),
         max_pct=None if errors is None else float(np.abs(errors).max()),
         no_reference=why_no_reference(recording, model.quantity),
+        warnings=range_warnings(model, resistance_reading(recording)),
     )
 
 

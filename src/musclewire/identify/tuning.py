@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers.feedforward import FeedforwardSettings
@@ -24,10 +25,11 @@ from musclewire.controllers.fuzzy_pid import FuzzyPidSettings
 from musclewire.controllers.gains import Gains, save_gains
 from musclewire.controllers.rules import DEFAULT_RULE_BASE, load_rule_base
 from musclewire.errors import CallerError, RecordingError, nearest_hint
-from musclewire.identify.recordings import required_quantity, resistance_reading
+from musclewire.identify.recordings import reference_quantity, resistance_reading
 from musclewire.identify.use_of_model import error_unit_for
 from musclewire.parameters.library import load_alloy, load_wire, names
 from musclewire.parameters.parameter_groups import Alloy
+from musclewire.sensing.branch_equations import evaluate
 from musclewire.sensing.curve import SHOWN_AS
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.recording import Recording
@@ -86,12 +88,15 @@ class Tuning:
         The identified plant: branches, time constants and heat, with the gains of SIMC.
     margins
         Gain margin, phase margin [rad] and delay margin [s] of the PI that SIMC gives.
+    self_sensed
+        True if the recording has no instrument for the model's quantity, which the model then reads from resistance.
     """
 
     controller: str
     settings: FeedforwardSettings | FuzzyPidSettings
     plant: FeedforwardSettings
     margins: Margins
+    self_sensed: bool = False
 
     def save(self, path: str | Path) -> None:
         """Write a gains file (TOML).
@@ -155,6 +160,7 @@ class Tuning:
             "gain_margin": self.margins.gain,
             "phase_margin_deg": math.degrees(self.margins.phase_rad),
             "delay_margin_s": self.margins.delay_s,
+            "self_sensed": self.self_sensed,
         }
 
     def _repr_html_(self) -> str:
@@ -166,9 +172,10 @@ class Tuning:
         plant, gains = self.plant, feedback_gains(self.plant)
         factor, unit = SHOWN_AS[plant.quantity]
         low, high = (float(f(f(row) for row in gains)) / factor for f in (min, max))
+        by = f", {plant.quantity} by the model's own branches" if self.self_sensed else ""
         return "\n".join(
             [
-                f"controller {self.controller}, PI by SIMC (Skogestad 2003) on the plant of the slow loop",
+                f"controller {self.controller}, PI by SIMC (Skogestad 2003) on the plant of the slow loop{by}",
                 f"steady power {plant.cooling_power_w[0]:.3g} to {plant.heating_power_w[-1]:.3g} W, time constant "
                 f"{plant.thermal_time_constant_s:.3g} s in air, "
                 f"{plant.heat_per_unit / factor:.3g} J/{unit} to transform",
@@ -195,8 +202,9 @@ def tune(
     model
         The model fitted to the recording: its quantity and its range are the controller's.
     recording
-        The slow loop (``characterize``), with the reference instrument and, in its metadata, the wire's heat capacity
-        and heat loss, which every rig states.
+        The slow loop (``characterize``), with the wire's heat capacity and heat loss in its metadata, which every rig
+        states. Without a reference instrument the model reads its quantity from the resistance, between B and C on each
+        branch.
     controller
         "feedforward", or "fuzzy-pid" whose one scale is then found from the plant.
     closed_loop_time_s
@@ -213,7 +221,7 @@ def tune(
     CallerError
         For a controller that has no rule here, a rule base without the fuzzy PID, or a time that is not above 0.
     RecordingError
-        If the recording lacks an instrument, the heat balance of its wire, or a loop.
+        If the recording lacks the heat balance of its wire, a voltage, or a loop.
 
     References
     ----------
@@ -238,7 +246,8 @@ def tune(
         raise CallerError(f"closed_loop_time_s is {closed_loop_time_s:g}: give a time above 0 s")
     plant = identified_plant(model, recording, closed_loop_time_s)
     settings = plant if controller == "feedforward" else fuzzy_settings(model, plant, rule_base)
-    return Tuning(controller, settings, plant, worst_margins(plant))
+    self_sensed = reference_quantity(recording, model.quantity) is None
+    return Tuning(controller, settings, plant, worst_margins(plant), self_sensed)
 
 
 def fuzzy_settings(model: SensingModel, plant: FeedforwardSettings, rule_base: str | None) -> FuzzyPidSettings:
@@ -324,21 +333,40 @@ class SteadyLoop(NamedTuple):
 
 def steady_loop(model: SensingModel, recording: Recording, tau_s: float, heat_per_unit: float) -> SteadyLoop:
     """Return the steady loop: that of the last cycle, without what its slow changes take and give."""
-    quantity = required_quantity(recording, model.quantity)
+    reading, rows = resistance_reading(recording), last_cycle(recording)
+    resistance = np.where(reading.valid, reading.resistance_ohm, np.nan)
+    measured = reference_quantity(recording, model.quantity)
+    quantity, usable = quantity_by_branches(model, resistance, rows) if measured is None else (measured, True)
     power = recording["shunt_voltage_v"] / recording.facts.shunt_resistance_ohm * recording["wire_voltage_v"]
     smooth, power_rate = smoothed(power, recording.facts.sample_period_s)
     moved, rate = smoothed(quantity, recording.facts.sample_period_s)
     steady = smooth - tau_s * power_rate - heat_per_unit * rate
-    rows = last_cycle(recording)
+    moved = np.where(usable, moved, np.nan)
     top = rows.start + int(np.argmax(smooth[rows]))
     levels = np.linspace(model.quantity_min, model.quantity_max, LEVELS)
     halves = [slice(rows.start, top), slice(top, rows.stop)]
     powers = [np.maximum.accumulate(by_level(moved[half], steady[half], levels)) for half in halves]
-    reading = resistance_reading(recording)
-    resistance = np.where(reading.valid, reading.resistance_ohm, np.nan)
     ohms = [by_level(moved[half], resistance[half], levels) for half in halves]
     heating = np.maximum(powers[0], 1e-6)
     return SteadyLoop(heating, np.clip(powers[1], 1e-6, heating), np.asarray(0.5 * (ohms[0] + ohms[1])))
+
+
+def quantity_by_branches(
+    model: SensingModel, resistance_ohm: FloatArray, rows: slice
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the model's quantity in a cycle from cold to hot and back, and where it holds: between B and C."""
+    low, high = model.valid_resistance_ohm
+    row = np.arange(len(resistance_ohm))
+    at_c = rows.start + int(np.argmin(np.nan_to_num(resistance_ohm[rows], nan=np.inf)))
+    in_cycle = (row >= rows.start) & (row < rows.stop)
+    # Cold of B the resistance falls again: what is before the last row above the model's range, and after the first.
+    cold = row[in_cycle & (resistance_ohm > high)]
+    first = max(cold[cold < at_c], default=rows.start)
+    last = min(cold[cold > at_c], default=rows.stop)
+    known = np.clip(np.nan_to_num(resistance_ohm, nan=low), low, high)
+    fraction = (known - model.resistance_min_ohm) / (model.resistance_max_ohm - model.resistance_min_ohm)
+    by_branch = (evaluate(one, fraction) for one in (model.heating_coefficients, model.cooling_coefficients))
+    return np.where(row < at_c, *by_branch), (row > first) & (row < last) & (known == resistance_ohm)
 
 
 def smoothed(values: FloatArray, period_s: float) -> tuple[FloatArray, FloatArray]:

@@ -6,6 +6,7 @@ array of them. The report of the fit that found these numbers is in ``fit_report
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import inf, isfinite, sqrt
@@ -35,6 +36,8 @@ SHOWN_AS = {"strain": (100.0, "%"), "displacement": (1e3, "mm"), "force": (1.0, 
 
 # A resistance up to this far outside the valid range, in normalised resistance, still counts as its end.
 MARGIN = 0.02
+# A resistance further outside R_min..R_max, as a fraction of their span, is that of another wire, or a fault.
+MISMATCH_FRACTION = 0.15
 # A quantity up to this fraction of the range outside it counts as its end, as data are rounded.
 QUANTITY_MARGIN = 0.005
 DERIVATIVE_CHECKS = 201
@@ -297,6 +300,11 @@ class ResistanceCurve:
         Returns
         -------
         The quantity, in the same shape: strain as a fraction, displacement [m] or force [N].
+
+        Warns
+        -----
+        UserWarning
+            If a resistance is so far outside that it cannot be this wire's: it reads as the nearest end of the range.
         """
         return self._branch_value(self.average_coefficients, resistance_ohm)
 
@@ -320,6 +328,11 @@ class ResistanceCurve:
         ------
         CallerError
             If the model is one of displacement or force: there use :meth:`value`.
+
+        Warns
+        -----
+        UserWarning
+            If a resistance is so far outside that it cannot be this wire's: it reads as the nearest end of the range.
         """
         self._check_strain()
         return self._branch_value(self.average_coefficients, resistance_ohm)
@@ -431,8 +444,25 @@ class ResistanceCurve:
         low, high = self.normalised_min, self.normalised_max
         fraction = (resistance_ohm - self.resistance_min_ohm) * self._per_ohm
         if isinstance(fraction, float):
+            if not -MISMATCH_FRACTION <= fraction <= 1.0 + MISMATCH_FRACTION:
+                self._warn_of_other_wires(resistance_ohm)
             return evaluate(coefficients, min(max(low, fraction), high) if isfinite(fraction) else low)
+        self._warn_of_other_wires(resistance_ohm)
         return evaluate(coefficients, np.clip(np.where(np.isfinite(fraction), fraction, low), low, high))
+
+    def _warn_of_other_wires(self, resistance_ohm: float | FloatArray) -> None:
+        """Warn of resistances that are no readings of this wire, and read as an end of its range all the same."""
+        readings = np.asarray(resistance_ohm)
+        others = readings[other_wires(self, readings)]
+        if not others.size:
+            return
+        low, high = self.valid_resistance_ohm
+        many = "" if readings.size == 1 else f"{others.size} of {readings.size} readings, the first "
+        warnings.warn(
+            f"{many}{float(others.flat[0]):.4g} ohm, outside the {low:.4g} to {high:.4g} ohm that this model senses: "
+            "read as the nearest end; is it the model's wire? estimate() tells which readings are valid",
+            stacklevel=4,
+        )
 
     def _check_strain(self) -> None:
         """Raise CallerError for a model of another quantity than strain."""
@@ -447,6 +477,13 @@ class ResistanceCurve:
             f"{factor * self.quantity_min:.4g} to {factor * self.quantity_max:.4g} {unit}: "
             "choose a value within, or fit a loop that reaches further"
         )
+
+
+def other_wires(curve: ResistanceCurve, resistance_ohm: FloatArray) -> npt.NDArray[np.bool_]:
+    """Return which resistances are no reading of a curve's wire; what is not finite is no reading at all."""
+    margin = MISMATCH_FRACTION * (curve.resistance_max_ohm - curve.resistance_min_ohm)
+    low, high = curve.resistance_min_ohm - margin, curve.resistance_max_ohm + margin
+    return np.isfinite(resistance_ohm) & ((resistance_ohm < low) | (resistance_ohm > high))
 
 
 def require_in_range(numbers: Sequence[float]) -> None:

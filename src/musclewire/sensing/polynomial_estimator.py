@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
 from musclewire.physics.resistance import MINIMUM_CURRENT_A, ResistanceReading, wire_resistance
-from musclewire.sensing.curve import ResistanceCurve
+from musclewire.sensing.curve import MISMATCH_FRACTION, ResistanceCurve
 from musclewire.sensing.estimator import MAX_DROPOUTS, EstimatorSetup, dropout_failure
 from musclewire.sensing.known_load import KnownSpring
 from musclewire.signals.compiled_tick import CompiledTick
@@ -38,8 +38,6 @@ __all__ = [
 
 # What every sample compares with: to look up a member of an enumeration takes longer than to compare it.
 OK = Reason.OK
-# A resistance further outside R_min..R_max, as a fraction of their span, is that of another wire, or a fault.
-MISMATCH_FRACTION = 0.15
 
 
 # Nearer to R_min than this, as normalised resistance, a wire cannot be in segment A-B: from A to B resistance rises

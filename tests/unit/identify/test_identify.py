@@ -143,6 +143,16 @@ def test_another_wires_recording_is_refused_with_both_ranges(loop: Recording) ->
         estimate(fit(loop), other)
 
 
+def test_readings_of_another_wire_in_a_recording_are_named(loop: Recording) -> None:
+    model = fit(loop)
+    assert estimate(model, loop).warnings == ()
+    voltage_v = loop["wire_voltage_v"].copy()
+    voltage_v[: len(loop) // 10] *= 2.0
+    (said,) = estimate(model, loop.with_columns(wire_voltage_v=voltage_v)).warnings
+    assert said.startswith("10.0 % of the readings")
+    assert "check that it is the same wire" in said
+
+
 def test_an_unknown_quantity_suggests_the_nearest(loop: Recording) -> None:
     with pytest.raises(CallerError, match="did you mean 'strain'"):
         fit(loop, quantity="strian")

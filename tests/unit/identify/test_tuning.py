@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import musclewire as mw
 from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, load_gains
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify.tuning import Tuning, feedback_gains, margins_of, tune, worst_margins
@@ -118,6 +119,41 @@ def test_a_gains_file_holds_what_was_found(controller: str, tmp_path: Path) -> N
     found.save(tmp_path / "gains.toml")
     read = load_gains(tmp_path / "gains.toml")
     assert (read.controller, read.settings) == (controller, found.settings)
+
+
+def self_sensed_loop(period_s: float) -> Recording:
+    """Return the slow loop of a wire that follows MODEL, without the instrument."""
+    measured = slow_loop(period_s=period_s)
+    strain = measured["displacement_m"] / 0.07
+    resistance = 15.0 + 2.5 * (0.035 - strain) / 0.03
+    current = np.sqrt(measured["wire_voltage_v"] * measured["shunt_voltage_v"] / resistance)
+    voltages = {"wire_voltage_v": current * resistance, "shunt_voltage_v": current}
+    return Recording({"time_s": measured["time_s"], **voltages}, measured.metadata)
+
+
+def test_without_an_instrument_the_model_reads_its_own_strain() -> None:
+    blind, seeing = tune(MODEL, self_sensed_loop(900.0)), tune(MODEL, slow_loop(period_s=900.0))
+    assert (blind.self_sensed, seeing.self_sensed) == (True, False)
+    assert blind.plant.heating_power_w == pytest.approx(seeing.plant.heating_power_w, abs=2e-3)
+    assert blind.plant.cooling_power_w == pytest.approx(seeing.plant.cooling_power_w, abs=2e-3)
+    assert np.array(blind.plant.resistance_ohm) == pytest.approx(17.5 - 2.5 * np.linspace(0, 1, 33), abs=2e-3)
+    assert "by the model's own branches" in str(blind)
+
+
+@pytest.mark.slow
+def test_a_simulated_wire_is_tuned_alike_without_its_instrument() -> None:
+    """The bars of docs/how-to/tune_a_controller.md."""
+    with mw.open_rig("simulated") as rig:
+        slow = mw.characterize(rig)
+    electrical = {name: slow[name] for name in slow.names if name not in {"displacement_m", "force_n"}}
+    model = mw.fit(slow)
+    seeing, blind = (tune(model, one).plant for one in (slow, Recording(electrical, slow.metadata)))
+    for wanted, found in (
+        (seeing.heating_power_w, blind.heating_power_w),
+        (seeing.cooling_power_w, blind.cooling_power_w),
+    ):
+        assert found[0] == pytest.approx(wanted[0], rel=0.04)
+        assert found[1:] == pytest.approx(wanted[1:], rel=0.01)
 
 
 def test_what_is_missing_is_named() -> None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from dataclasses import replace
 
 import matplotlib as mpl
@@ -69,6 +70,7 @@ def test_the_average_of_the_inverse_returns_the_strain(model: SensingModel, plac
     assert model.strain(model.resistance_ohm(strain)) == pytest.approx(strain, abs=1e-12)
 
 
+@pytest.mark.filterwarnings("ignore:.* ohm, outside the:UserWarning")
 @settings(deadline=None)
 @given(monotone_models(), st.lists(st.floats(5, 30), min_size=1, max_size=10))
 def test_one_sample_and_an_array_give_the_same_estimates(model: SensingModel, resistances: list[float]) -> None:
@@ -87,7 +89,9 @@ def test_any_resistance_gives_a_finite_estimate_within_the_range(model: SensingM
     estimate = model.estimate(resistance)
     assert model.quantity_min - 1e-12 <= estimate.value <= model.quantity_max + 1e-12
     assert 0.0 <= estimate.std <= model.quantity_max - model.quantity_min
-    assert math.isfinite(model.strain(resistance))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of another wire's resistance
+        assert math.isfinite(model.strain(resistance))
 
 
 def test_no_reading_reads_as_fully_contracted_and_invalid() -> None:
@@ -106,6 +110,22 @@ def test_a_resistance_just_outside_still_counts_and_a_far_one_does_not() -> None
     assert MODEL.estimate(17.03).valid
     assert not MODEL.estimate(17.1).valid
     assert MODEL.strain(14.9) == MODEL.strain(15.0)
+
+
+@pytest.mark.parametrize("read", ["value", "strain", "strain_heating", "strain_cooling"])
+def test_a_resistance_of_another_wire_reads_as_the_end_and_says_so(read: str) -> None:
+    of = getattr(MODEL, read)
+    with pytest.warns(UserWarning, match=r"^40 ohm, outside the 15 to 17 ohm .* wire\?") as caught:
+        assert of(40.0) == of(17.0)
+    assert caught[0].filename == __file__
+    with pytest.warns(UserWarning, match=r"^2 of 3 readings, the first 40 ohm"):
+        assert of(np.array([16.0, 40.0, 10.0])).tolist() == [of(16.0), of(17.0), of(15.0)]
+
+
+def test_readings_of_the_cold_part_and_missing_ones_are_no_reason_to_warn() -> None:
+    MODEL.strain(np.array([14.8, 17.2, math.nan, math.inf]))
+    MODEL.strain(math.nan)
+    MODEL.strain(np.array([]))
 
 
 def test_the_spread_holds_half_the_gap_the_residual_and_the_noise() -> None:
