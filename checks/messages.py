@@ -1,17 +1,20 @@
-"""List every message of an error or a warning in the source, by owner, and hold it to rules: what, where, what to do.
+"""List every message of an error or a warning in the source, by owner, and hold each to rules.
 
     python -m checks.messages [--list] [PATH ...]
 
-PATH is a file or folder of sources, the package unless others are given. A message is what an error of ``musclewire.errors``
-is made with, what a ``ValueError`` of a checked table says, and each text that is added to warnings. ``--list`` prints them
-all: owner, file and line, text with the values in braces. Ends with exit code 1 if a message breaks a rule.
+PATH is a file or folder of sources, the package unless others are given. A message is what an error is made with, or a
+text that is added to warnings, or returned by a function named for a warning, a problem or a refusal. ``--list`` prints
+each with owner, file and line; values are in braces, alternatives in angle brackets. Ends with exit code 1 if a message
+breaks a rule: it says in one line what is wrong, where, and what to do.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import re
 import sys
+import tomllib
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -20,6 +23,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "src" / "musclewire"
+LIST = Path(__file__).with_suffix(".toml")
 # Who can do something about it. Errors of other names inherit from one of these, in the file that defines them.
 OWNERS = {
     "CallerError": "caller",
@@ -29,9 +33,20 @@ OWNERS = {
     "RigError": "rig",
     "NumericsError": "numerics",
 }
-MIN_SPACES = 3
-WRITERS = ("warning", "failure", "problem", "refus", "reason")
-MAX_DEPTH = 4  # of names that stand for a text
+WRITERS = ("warning", "failure", "problem", "refus", "reason")  # in names of functions that return a message
+# What an error adds to the text that it is made with, where it is made or where it is caught.
+ENDS = {
+    "MissingExtraError": " needs the extra {extra}: install it",
+    "BoardFaultError": "; {remedy}",
+    "LinkStormError": "; {remedy}",
+    "_UnitError": "; write it like {example}",
+}
+NO_WRITERS = ("reason_text",)  # of a verdict, in a report
+MIN_SPACES = 3  # of a text that a function returns, to be a sentence
+MAX_DEPTH = 4  # of names that stand for a text, and of classes between an error and its owner
+MAX_WORDS = 75
+VALUE = re.compile(r"\{[^{}]*\}")
+BEGINS = re.compile(r"[^A-Z]|(NI|MATLAB|FMI|Recording|LiveClient)\b")
 
 
 @dataclass(frozen=True)
@@ -42,11 +57,10 @@ class Message:
     path: str
     line: int
     text: str
-    warning: bool = False
 
     def __str__(self) -> str:
         """Return the message as a line."""
-        return f"{self.path}:{self.line}: {self.text}"
+        return f"{self.owner}: {self.path}:{self.line}: {self.text}"
 
 
 @dataclass(frozen=True)
@@ -69,20 +83,34 @@ class Source:
         """The path below the repository."""
         return self.path.relative_to(ROOT).as_posix() if self.path.is_relative_to(ROOT) else self.path.as_posix()
 
-    def function_around(self, node: ast.AST) -> ast.AST:
-        """Return the innermost function around a node, the file itself if there is none."""
-        while (node := node.__dict__.get("around", self.tree)) is not self.tree:
-            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-                return node
-        return node
+    def scope_of(self, node: ast.AST) -> ast.AST:
+        """Return the innermost function or class around a node, the file itself if there is none."""
+        scopes = (one for one in outwards(node) if isinstance(one, ast.FunctionDef | ast.ClassDef))
+        return next(scopes, self.tree)
 
     def values_of(self, name: str, scope: ast.AST) -> list[ast.expr]:
         """Return what is assigned to a name in a function, or else in the file."""
-        for place in dict.fromkeys((scope, self.tree)):
-            found = [value for node in ast.walk(place) for target, value in assigned(node) if named(target) == name]
-            if found:
-                return found
-        return []
+        of_name = self.assignments.get(name, [])
+        here = [value for value in of_name if self.scope_of(value) is scope]
+        return here or [value for value in of_name if self.scope_of(value) is self.tree]
+
+    @cached_property
+    def assignments(self) -> dict[str, list[ast.expr]]:
+        """What is assigned to each name of the file."""
+        found: dict[str, list[ast.expr]] = {}
+        for node in ast.walk(self.tree):
+            for target, value in assigned(node):
+                found.setdefault(named(target), []).append(value)
+        return found
+
+    @cached_property
+    def returned(self) -> dict[str, list[ast.expr]]:
+        """What each function of the file returns."""
+        functions = [node for node in ast.walk(self.tree) if isinstance(node, ast.FunctionDef)]
+        return {
+            one.name: [node.value for node in ast.walk(one) if isinstance(node, ast.Return) and node.value is not None]
+            for one in functions
+        }
 
 
 def assigned(node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr]]:
@@ -126,19 +154,17 @@ class Texts:
 
     def of_name(self, node: ast.Name, depth: int) -> str:
         """Return the text that a name stands for, the name in braces if it stands for a value."""
-        values = self.source.values_of(node.id, self.source.function_around(node))
-        texts = [self.of(value, depth + 1) for value in values if is_text(value)]
-        return choice(texts) if texts else f"{{{node.id}}}"
+        values = self.source.values_of(node.id, self.source.scope_of(node))
+        texts = [self.of(value, depth + 1) if is_text(value) else f"{{{node.id}}}" for value in values]
+        return choice(texts) if any(is_text(value) for value in values) else f"{{{node.id}}}"
 
     def of_call(self, call: ast.Call, depth: int) -> str:
         """Return what a function of the same file returns, or a text that is filled by ``format``."""
         if named(call) == "format" and isinstance(call.func, ast.Attribute):
             return self.of(call.func.value, depth + 1)
-        functions = [node for node in ast.walk(self.source.tree) if isinstance(node, ast.FunctionDef)]
-        bodies = [one for one in functions if one.name == named(call)]
-        returned = [node.value for one in bodies for node in ast.walk(one) if isinstance(node, ast.Return)]
-        texts = [self.of(value, depth + 1) for value in returned if value is not None and is_text(value)]
-        return choice(texts) if texts else f"{{{ast.unparse(call)}}}"
+        texts = [self.of(value, depth + 1) for value in self.source.returned.get(named(call), []) if is_text(value)]
+        said = choice(texts) if texts else ""
+        return said if " " in VALUE.sub("", said) else f"{{{ast.unparse(call)}}}"
 
 
 def choice(texts: Sequence[str]) -> str:
@@ -190,20 +216,26 @@ class Finder:
 
 def message_of(call: ast.Call, texts: Texts) -> str | None:
     """Return the text of an error that a call makes, None if it makes none or its text is written elsewhere."""
-    error = named(call).endswith("Error")
-    if not error and not isinstance(call.__dict__["around"], ast.Raise):
-        return None
     found = [texts.of(argument) for argument in call.args]
-    written = [text for text in found if " " in text and not text.startswith("{") or "} " in text]
-    return written[0] if written else found[0] if found and error else None
+    written = [text for text in found if " " in VALUE.sub("", text).strip()]
+    if named(call) in ENDS:
+        return f"{(written or found)[0]}{ENDS[named(call)]}"
+    if named(call).endswith("Error"):
+        return (written or found or [None])[0]
+    # What returns an error and takes one text puts the place in front of it.
+    placed = isinstance(around(call), ast.Raise) and len(found) == len(written) == 1
+    return f"{{place}}: {written[0]}" if placed else None
 
 
 def is_warning(node: ast.expr) -> bool:
     """Tell whether a text is added to warnings, or returned by a function whose name says that it writes one."""
-    around = node.__dict__["around"]
-    if not is_text(node) or (isinstance(around, ast.expr) and is_text(around)) or isinstance(around, ast.FormattedValue):
+    outside = around(node)
+    part = isinstance(outside, ast.FormattedValue | ast.Expr) or (isinstance(outside, ast.expr) and is_text(outside))
+    if part or not is_text(node):
         return False
     for outer in outwards(node):
+        if isinstance(outer, ast.Raise | ast.Compare):
+            return False
         if isinstance(outer, ast.keyword) and outer.arg == "warnings":
             return True
         if isinstance(outer, ast.Call) and (named(outer) == "warn" or "warning" in receiver(outer)):
@@ -211,19 +243,70 @@ def is_warning(node: ast.expr) -> bool:
         if isinstance(outer, ast.Assign | ast.AnnAssign | ast.AugAssign):
             return any("warning" in named(target) for target, _ in assigned(outer))
         if isinstance(outer, ast.FunctionDef):
-            return any(word in outer.name for word in WRITERS)
+            return any(word in outer.name for word in WRITERS) and outer.name not in NO_WRITERS
     return False
+
+
+def around(node: ast.AST) -> ast.AST | None:
+    """Return what is directly around a node."""
+    found: ast.AST | None = node.__dict__.get("around")
+    return found
 
 
 def outwards(node: ast.AST) -> Iterator[ast.AST]:
     """Yield what is around a node, the innermost first."""
-    while (node := node.__dict__.get("around")) is not None:
-        yield node
+    outer = around(node)
+    while outer is not None:
+        yield outer
+        outer = around(outer)
 
 
 def receiver(call: ast.Call) -> str:
     """Return the name of the object whose method is called."""
     return named(call.func.value) if isinstance(call.func, ast.Attribute) else ""
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What a message must have, and must not have."""
+
+    avoid: tuple[tuple[re.Pattern[str], str], ...]
+    about: re.Pattern[str]
+    reviewed: re.Pattern[str]
+    cure: re.Pattern[str]
+    passed_on: re.Pattern[str]
+
+    @classmethod
+    def read(cls, path: Path = LIST) -> Rules:
+        """Return the rules in a file."""
+        data = tomllib.loads(path.read_text("utf-8"))
+        about, cure = data["about"], data["cure"]
+        words = "|".join(f"{cure['verbs']} {cure['demands']}".split())
+        return cls(
+            tuple((re.compile(one["find"], re.IGNORECASE), one["reason"]) for one in data["avoid"]),
+            re.compile(about["find"]),
+            re.compile("|".join(about["right"])),
+            re.compile(rf"\b({words})\b|\?|hint\b|nearest_|known: |it has |is missing|musclewire [a-z]+ "),
+            re.compile(rf"(?i)\{{[^{{}}]*({'|'.join(cure['passed_on'].split())})[^{{}}]*\}}"),
+        )
+
+    def broken_by(self, message: Message) -> Iterator[str]:
+        """Yield what is wrong with a message; one that only passes another text on is judged where that is written."""
+        text = message.text
+        fixed = VALUE.sub("", text)
+        if not re.search(r"\w{2}", fixed):
+            return
+        yield from (reason for pattern, reason in self.avoid if pattern.search(text))
+        if not BEGINS.match(text.lstrip("<")):
+            yield "begin with a small letter: the line follows 'error:' or a place"
+        if not (self.about.search(text) or self.reviewed.match(text)):
+            yield "name the value, the option or the key"
+        if re.search(r"\bmust\b", fixed) and "{" not in text:
+            yield "say what was given next to what must be"
+        if not self.cure.search(fixed) and not self.passed_on.search(text):
+            yield "say what to do"
+        if len(VALUE.sub("x", text).split()) > MAX_WORDS:
+            yield f"use fewer than {MAX_WORDS} words"
 
 
 def sources_below(places: Sequence[Path]) -> list[Source]:
@@ -232,21 +315,31 @@ def sources_below(places: Sequence[Path]) -> list[Source]:
     return [Source(path) for path in paths]
 
 
+def messages_below(places: Sequence[Path] = (SOURCES,)) -> list[Message]:
+    """Return the messages in files and folders, by owner and place."""
+    known = sources_below([SOURCES])
+    finder, paths = Finder.of(known), {one.path: one for one in known}
+    sources = [paths.get(one.path, one) for one in sources_below(places)]
+    found = (one for source in sources for one in finder.messages_in(source))
+    return sorted(found, key=lambda one: (one.owner, one.path, one.line))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Print what breaks a rule, or everything; return the exit code."""
+    """Print what breaks a rule, or every message; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--list", action="store_true", help="print every message")
     parser.add_argument("paths", nargs="*", type=Path, default=[])
     chosen = parser.parse_args(arguments)
-    sources = sources_below(chosen.paths or [SOURCES])
-    finder = Finder.of(sources_below([SOURCES]))
-    messages = sorted((one for source in sources for one in finder.messages_in(source)), key=lambda one: (one.owner, one.path, one.line))
-    for one in messages:
-        if chosen.list:
-            print(f"{one.owner}: {one}")
+    rules, messages = Rules.read(), messages_below([path.resolve() for path in chosen.paths] or [SOURCES])
+    broken = [(one, reason) for one in messages for reason in rules.broken_by(one)]
+    if chosen.list:
+        print(*messages, sep="\n")
+    for one, reason in broken:
+        print(f"{one}\n    {reason}")
     count = Counter(one.owner for one in messages)
     print(f"{len(messages)} messages: " + ", ".join(f"{number} {owner}" for owner, number in sorted(count.items())))
-    return 0
+    print(f"{len(broken)} rules broken")
+    return 1 if broken else 0
 
 
 if __name__ == "__main__":

@@ -141,7 +141,7 @@ SHORT_OF_THE_PAGE = re.findall(r"wire is (\d+\.\d % short)", PAGE)[0]
         ((*GIVEN, "--travel", "0.8 mm"), "14.4 % less than the 6 mm requested"),
         ((*GIVEN, "--object-stiffness", "0 N/m"), "stiffness of the object is 0"),
         ((*GIVEN, "--object-stiffness", "10 N/m", "--clearance", "-1 mm"), "clearance"),
-        ((*GIVEN, "--friction", "5"), "not one of 0 to 1"),
+        ((*GIVEN, "--friction", "5"), "outside 0 to 1"),
         ((*GIVEN, "--endpoint", "0 mm"), "endpoint is 0"),
         ((*GIVEN, "--output", "finger.json"), "a finger is a .toml file"),
         ((*GIVEN, "--drawing", "finger.png"), "one of .svg, .dxf"),

@@ -134,7 +134,7 @@ def test_a_material_of_ones_own_is_read_from_its_file(musclewire: Callable[..., 
         (("--stiffness", "386.2 N"), ("a stiffness is needed",)),
         (("--stiffness", "-1 N/m"), ("must be above 0",)),
         (("--stiffness", "386.2 N/m", "--beams", "4"), ("--stiffness and --beams contradict",)),
-        (("--beams", "4"), ("--beams requires --half-length and --pitch and --thickness too",)),
+        (("--beams", "4"), ("--beams requires --half-length and --pitch and --thickness: give them too",)),
         (
             ("--stiffness", "386.2 N/m", "--corner-radius", "1 mm"),
             ("--corner-radius has an effect only",),

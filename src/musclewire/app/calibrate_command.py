@@ -147,7 +147,7 @@ def require_written(path: Path | None, suffix: str, what: str, overwrite: bool) 
     if path is None:
         return
     if path.suffix != suffix:
-        raise CallerError(f"{path}: {what} is a {suffix} file")
+        raise CallerError(f"{path}: {what} is a {suffix} file, end its name so")
     require_free(path, overwrite)
 
 
@@ -155,7 +155,7 @@ def distinct(names: list[str]) -> list[str]:
     """Return the names of recordings. Raises CallerError for one that is given twice: it would count twice."""
     for name in names:
         if names.count(name) > 1:
-            raise CallerError(f"{name} is given twice: it would count twice")
+            raise CallerError(f"{name} is given twice: it would count twice, leave one out")
     return names
 
 

@@ -38,7 +38,9 @@ def require_recording_file(path: Path, overwrite: bool) -> None:
     from musclewire.signals.open_journal import refuse_unfinished
 
     if path.suffix != ".h5":
-        raise CallerError(f"{path}: a run is recorded as .h5 (it survives a crash); 'musclewire import' converts")
+        raise CallerError(
+            f"{path}: a run is recorded as .h5 (it survives a crash); end its name so, 'musclewire import' converts"
+        )
     refuse_unfinished(path, overwrite)
     require_folder(path)
 
@@ -48,7 +50,7 @@ def require_model_file(path: Path) -> None:
     from musclewire.sensing import load_model
 
     if path.suffix != ".json":
-        raise CallerError(f"{path}: a model is a .json file")
+        raise CallerError(f"{path}: a model is a .json file, end its name so")
     if path.exists():
         try:
             load_model(path)
@@ -62,7 +64,7 @@ def require_figure_file(path: Path | None) -> None:
     if path is None:
         return
     if path.suffix not in FIGURES:
-        raise CallerError(f"{path}: a figure is one of {', '.join(FIGURES)}")
+        raise CallerError(f"{path}: a figure is one of {', '.join(FIGURES)}: end its name so")
     require_folder(path)
 
 

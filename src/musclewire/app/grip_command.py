@@ -92,7 +92,10 @@ class ObjectOptions:
         own = object_of(rig)
         block = ElasticObject(stiffness or own.stiffness_n_per_m, own.clearance_m if clearance is None else clearance)
         if stiffness == 0.0 or block.stiffness_n_per_m <= 0.0 or block.clearance_m < 0.0:
-            raise CallerError("the object's stiffness must be above 0, its clearance not below")
+            raise CallerError(
+                f"an object of {block.stiffness_n_per_m:g} N/m at {block.clearance_m:g} m: give a stiffness above 0, "
+                "a clearance of 0 or more"
+            )
         return block
 
 
@@ -181,7 +184,7 @@ def knowledge_of(
         return knowledge_from(file, configuration)
     if file is not None:
         if file.suffix != ".json":
-            raise CallerError(f"{file}: what a gripper has learned is a .json file")
+            raise CallerError(f"{file}: what a gripper has learned is a .json file, end its name so")
         require_folder(file)
     chosen = configuration.seed if seed is None else seed
     if not quiet:

@@ -102,7 +102,7 @@ def require_possible(
 ) -> None:
     """Raise CallerError for files that cannot be written, or too many or too few to join."""
     if len(files) != 2 and join is not None:
-        raise CallerError(f"--join takes two files, {len(files)} were given")
+        raise CallerError(f"--join takes two files, {len(files)} were given: give two")
     if len(files) > 2 and output is not None:
         raise CallerError(f"-o takes one file, or two to join, {len(files)} were given: import them one by one")
     if len(files) > 1 and save_mapping is not None:

@@ -73,7 +73,7 @@ def options(
             "--json before a command needs --version; for a command's document, write 'musclewire COMMAND ... --json'"
         )
     if context.invoked_subcommand is None:
-        raise CallerError("no command was given: 'musclewire --help' lists them")
+        raise CallerError("no command was given: 'musclewire --help' lists them, give one")
 
 
 add_rig_commands(app)

@@ -170,5 +170,7 @@ def whole_number_or(text: str, *words: str) -> Any:
         return int(text)
     except ValueError:
         if words and text not in words:
-            raise CallerError(f"'{text}' is neither a whole number nor {' or '.join(words)}") from None
+            raise CallerError(
+                f"'{text}' is neither a whole number nor {' or '.join(words)}: write one of these"
+            ) from None
         return text

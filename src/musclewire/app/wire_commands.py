@@ -171,7 +171,10 @@ def show_table(mounting: MountingOptions, json: bool) -> None:
     stress_pa = PULL_STRESS_PA if mounting.stress is None else in_si("--stress", mounting.stress)
     ambient_k = in_si("--ambient", mounting.ambient)
     if not (length_m > 0.0 and stress_pa > 0.0 and 200.0 < ambient_k < 330.0):
-        raise CallerError("--table needs a --wire-length and a --stress above 0 and an --ambient from -73 to 57 degC")
+        raise CallerError(
+            f"--wire-length {length_m:g} m, --stress {1e-6 * stress_pa:g} MPa, --ambient {ambient_k - 273.15:g} degC: "
+            "--table needs the first two above 0 and air of -73 to 57 degC"
+        )
     rows = wire_table(length_m, stress_pa, ambient_k)
     if json:
         emit_json(table_json(rows, length_m, stress_pa, ambient_k))

@@ -116,9 +116,14 @@ class FeedforwardSettings(StrictModel):
         if len(lengths) != 1:
             raise ValueError(f"the three tables must have one length, not {sorted(lengths)}")
         if any(c > h for h, c in zip(self.heating_power_w, self.cooling_power_w, strict=True)):
-            raise ValueError("cooling_power_w is above heating_power_w at a level: the branches are swapped")
-        if any(b < a for row in (self.heating_power_w, self.cooling_power_w) for a, b in pairwise(row)):
-            raise ValueError("the power of a branch must not fall from level to level")
+            raise ValueError(
+                "cooling_power_w is above heating_power_w at a level: the branches are swapped, exchange the two rows"
+            )
+        for low, high in (pair for row in (self.heating_power_w, self.cooling_power_w) for pair in pairwise(row)):
+            if high < low:
+                raise ValueError(
+                    f"the power of a branch must not fall from level to level, as from {low:g} to {high:g} W"
+                )
         return self
 
     @property

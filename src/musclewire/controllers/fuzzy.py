@@ -90,7 +90,9 @@ def infer_ratios(rule_base: RuleBase, error_ratio: float, change_ratio: float) -
     from musclewire.controllers import kernels
 
     if math.isnan(error_ratio) or math.isnan(change_ratio):
-        raise NumericsError(f"fuzzy inputs are {error_ratio} and {change_ratio}; NaN is in no rule table")
+        raise NumericsError(
+            f"fuzzy inputs are {error_ratio} and {change_ratio}; NaN is in no rule table, find what produced it"
+        )
     return FuzzyRatios(*kernels.infer(packed_rules(rule_base), float(error_ratio), float(change_ratio)))
 
 
@@ -125,9 +127,11 @@ def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: Arr
         )
     except ValueError:
         shapes = f"{np.shape(error_ratio)} and {np.shape(change_ratio)}"
-        raise CallerError(f"error_ratio and change_ratio have shapes {shapes}, which do not broadcast") from None
+        raise CallerError(
+            f"error_ratio and change_ratio have shapes {shapes}, which do not broadcast: give both one shape"
+        ) from None
     if np.isnan(errors).any() or np.isnan(changes).any():
-        raise NumericsError("fuzzy inputs hold NaN, which is in no rule table")
+        raise NumericsError("fuzzy inputs hold NaN, which is in no rule table: find the measurement that produced it")
     ratios = np.empty((3, errors.size))
     kernels.infer_many(
         packed_rules(rule_base),

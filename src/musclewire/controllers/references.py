@@ -351,7 +351,7 @@ def _zero_order_hold(starts_s: FloatArray, levels: FloatArray, time_s: ArrayLike
     """Return the level that holds at each time."""
     times = np.asarray(time_s, dtype=np.float64)
     if not np.isfinite(times).all():
-        raise CallerError("asked for the target at a time that is not finite; give finite times")
+        raise CallerError(f"asked for the target at {times[~np.isfinite(times)][0]} s; give finite times")
     indices = np.searchsorted(starts_s, times + CLOCK_TOLERANCE_S, side="right") - 1
     held: FloatArray = levels[np.maximum(indices, 0)]
     return held

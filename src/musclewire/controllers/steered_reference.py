@@ -48,7 +48,7 @@ class SteeredReference:
     def __init__(self, start: float, *, lowest: float, highest: float, longest_s: float = 3600.0) -> None:
         """Hold the first target."""
         if not (math.isfinite(lowest) and math.isfinite(highest) and lowest < highest):
-            raise CallerError(f"a steered target needs a range, not {lowest} to {highest}")
+            raise CallerError(f"a steered target needs a range that rises, not {lowest} to {highest}")
         if not (math.isfinite(longest_s) and longest_s > 0.0):
             raise CallerError(f"longest_s is {longest_s} and must be above zero")
         self.lowest, self.highest, self._longest_s = lowest, highest, longest_s

@@ -170,7 +170,7 @@ def write_drawing(drawing: Drawing, path: Path) -> None:
     """
     writers = {".svg": write_svg, ".dxf": write_dxf}
     if path.suffix not in writers:
-        raise CallerError(f"{path}: a drawing is one of {', '.join(writers)}")
+        raise CallerError(f"{path}: a drawing is one of {', '.join(writers)}: end its name so")
     writers[path.suffix](drawing, path)
 
 

@@ -120,7 +120,7 @@ def solve_large(body: PlaneBody, load: BodyLoad, steps: int = 4) -> BodyEquilibr
     Raises NumericsError if it cannot be found; the message states the fraction of the load and what to do.
     """
     if steps < 1:
-        raise CallerError("a load is applied in one step at least")
+        raise CallerError(f"a load is applied in one step at least, not {steps}")
     return list(load_path(body, load, np.linspace(0.0, 1.0, steps + 1)[1:]))[-1]
 
 
@@ -159,7 +159,9 @@ class ElasticityProblem:
         if self.prescribed.size == 0 or self.prescribed[0] < 0 or self.prescribed[-1] >= body.n_dofs:
             raise CallerError(f"prescribed displacements name degrees of freedom from 0 to {body.n_dofs - 1}")
         if load.forces_n is not None and np.shape(load.forces_n) != body.nodes_m.shape:
-            raise CallerError(f"forces have the shape {np.shape(load.forces_n)}, nodes {body.nodes_m.shape}")
+            raise CallerError(
+                f"forces have the shape {np.shape(load.forces_n)}, nodes {body.nodes_m.shape}: give one force a node"
+            )
         self.values = np.array([load.prescribed_m[int(dof)] for dof in self.prescribed])
         self.free = np.setdiff1d(np.arange(body.n_dofs), self.prescribed)
         # Found with the first tangent: all tangents of a problem have the same pattern.

@@ -28,7 +28,7 @@ def chain_stiffness_n_per_m(
     """
     joints = np.asarray(joints_m, dtype=np.float64)
     if len(joints) < 2:
-        raise CallerError("a chain of beams has at least two joints")
+        raise CallerError(f"a chain of beams has at least two joints, not {len(joints)}")
     size = 3 * len(joints)
     pulled, held = size - 2, [0, 1, 2, *([size - 3, size - 1] if guided else [])]
     free = np.setdiff1d(np.arange(size), [*held, pulled])

@@ -77,7 +77,10 @@ class PlaneBody:
         if kind is None:
             raise CallerError(f"a plane body requires a mesh of quadrilaterals or triangles, not {type(mesh).__name__}")
         if not (depth_m > 0.0 and youngs_modulus_pa > 0.0 and 0.0 <= poisson_ratio < 0.5):
-            raise CallerError("depth and Young's modulus must be above 0, Poisson's ratio from 0 to below 0.5")
+            raise CallerError(
+                f"depth {depth_m:g} m and Young's modulus {youngs_modulus_pa:g} Pa must be above 0, Poisson's ratio "
+                f"{poisson_ratio:g} from 0 to below 0.5"
+            )
         basis = skfem.Basis(mesh, kind(), intorder=QUADRATURE_ORDER)
         shapes = [np.asarray(shape[0].grad) for shape in basis.basis]  # each (2, n_elements, n_points)
         return cls(

@@ -62,7 +62,7 @@ def write_solid(solid: Solid, path: Path) -> None:
     """
     writers = {".stl": stl_file, ".step": step_file}
     if path.suffix not in writers:
-        raise CallerError(f"{path}: a solid is one of {', '.join(writers)}")
+        raise CallerError(f"{path}: a solid is one of {', '.join(writers)}: end its name so")
     shape = shape_of(solid)
     write_whole(path, lambda part: writers[path.suffix](shape, part, solid.drawing.title))
 

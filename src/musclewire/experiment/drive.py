@@ -231,4 +231,6 @@ def refuse_impossible(
             f"maximum of {rig.maximum_voltage_v} V"
         )
     if not (on_s > 0.0 and duration_s >= on_s):
-        raise CallerError(f"switched on for {on_s} s within {duration_s} s: both above 0, and off before the end")
+        raise CallerError(
+            f"switched on for {on_s} s within {duration_s} s: both must be above 0, and off before the end"
+        )

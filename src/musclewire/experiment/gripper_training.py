@@ -151,7 +151,9 @@ def load_knowledge(path: Path) -> GripperKnowledge:
     except OSError as error:
         raise CallerError(f"cannot read {path}: {error.strerror or error}") from None
     except ValidationError:
-        raise CallerError(f"{path} is not what a gripper has learned: no JSON document") from None
+        raise CallerError(
+            f"{path} is not what a gripper has learned: no JSON document; 'musclewire grip --learned' writes one"
+        ) from None
     if document.pop("format", None) != FORMAT:
         raise CallerError(f"{path} is not what a gripper has learned: 'musclewire grip --learned' writes one")
     if (version := document.pop("version", None)) != VERSION:

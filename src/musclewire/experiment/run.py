@@ -186,7 +186,9 @@ def run_on_rig(
     """
     samples = round(duration_s / rig.sample_period_s)
     if samples < 1:
-        raise CallerError(f"a run of {duration_s} s is shorter than one sample of {rig.sample_period_s} s")
+        raise CallerError(
+            f"a run of {duration_s} s is shorter than one sample of {rig.sample_period_s} s: give a longer one"
+        )
     refuse_unusable(path, overwrite)
     described = {**what_protects(rig), **rig.metadata(), **(metadata or {})}
     timing = LoopTiming(rig.sample_period_s, rig.paced, adjustable_clock_of(rig))
@@ -357,7 +359,10 @@ class Recorder:
         Raises ValueError for a row of another length, RecordingNotWrittenError if the disk takes no more.
         """
         if len(row) != len(self._columns):
-            raise ValueError(f"a row of {len(row)} values for {len(self._columns)} columns: {', '.join(self._columns)}")
+            raise ValueError(
+                f"a row of {len(row)} values for {len(self._columns)} columns, needs one for each: "
+                f"{', '.join(self._columns)}"
+            )
         try:
             self._values.fromlist(row)  # type: ignore[arg-type]  # unless an instrument has no reading
         except TypeError:

@@ -196,7 +196,7 @@ def load_of(request: SupplyRequest, wire: Wire) -> float:
     if load > wire.maximum_force_n.value:
         raise CallerError(
             f"a load of {load:.3g} N is above {wire.maximum_force_n.value:.3g} N, near the breaking force of "
-            f"{wire.name}"
+            f"{wire.name}: a lighter load, or a thicker wire"
         )
     return load
 
@@ -231,7 +231,10 @@ def require_plausible(request: SupplyRequest) -> None:
         if value is not None and not 0.0 < value < math.inf:
             raise CallerError(f"{name} is {value:g}: it must be above 0")
     if request.duration_s is not None and request.duration_s < request.on_s:
-        raise CallerError(f"the run of {request.duration_s:g} s ends before switching off at {request.on_s:g} s")
+        raise CallerError(
+            f"the run of {request.duration_s:g} s ends before switching off at {request.on_s:g} s: a longer run, or "
+            "off earlier"
+        )
 
 
 def chosen_duration_s(request: SupplyRequest, configuration: RigConfiguration, current_a: float | None) -> float:
@@ -356,15 +359,21 @@ def warnings_for(plan: SupplyPlan, numbers: DriveNumbers, settled_k: float) -> l
     found = []
     limit = OVERHEATED_K - 273.15
     if numbers.melted:
-        found.append(f"the wire would have melted (NiTi: {MELTING_K - 273.15:.0f} C): these numbers mean nothing")
+        found.append(
+            f"the wire would have melted (NiTi: {MELTING_K - 273.15:.0f} C): these numbers mean nothing, drive it less"
+        )
     elif numbers.temperature_peak_k > OVERHEATED_K:
         found.append(
-            f"overheated: {numbers.temperature_peak_k - 273.15:.0f} C, above a working limit of {limit:.0f} C (assumed)"
+            f"overheated: {numbers.temperature_peak_k - 273.15:.0f} C, above a working limit of {limit:.0f} C "
+            "(assumed): less current, or off earlier"
         )
     elif settled_k > OVERHEATED_K:
         found.append(f"left on, it would settle at {settled_k - 273.15:.0f} C, above {limit:.0f} C: switch it off")
     if plan.current_a is not None and numbers.current_peak_a < 0.98 * plan.current_a:
-        found.append(f"the supply does not reach the requested current: {1e3 * numbers.current_peak_a:.0f} mA at most")
+        found.append(
+            f"the supply does not reach the requested current: {1e3 * numbers.current_peak_a:.0f} mA at most; a "
+            "higher supply"
+        )
     return found
 
 

@@ -16,7 +16,7 @@ def check_targets(model: SensingModel, reference: Reference, sample_period_s: fl
     if reference.duration_s < sample_period_s:
         raise CallerError(
             f"the reference lasts {reference.duration_s:g} s, less than one sample of {sample_period_s:g} s: "
-            "its last row states when it ends"
+            "its last row states when it ends, give one later"
         )
     low, high = range_of(reference, sample_period_s)
     margin = 1e-3 * (model.quantity_max - model.quantity_min)

@@ -82,7 +82,7 @@ def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
         stage.set_tendon_slack(float(slack_m))
         readings = [rig.exchange(rig.sense_voltage_v).force_n for _ in range(SAMPLES_EACH)]
         if None in readings:
-            raise CallerError("this rig has no load cell: the tendon's zero cannot be found by force")
+            raise CallerError("this rig has no load cell: the tendon's zero cannot be found by force, set it by hand")
         forces[index] = np.mean(np.array(readings, dtype=np.float64))
         spread = max(spread, float(np.std(np.array(readings, dtype=np.float64))))
     if forces[-1] - forces[0] < MIN_RISE_NOISES * spread / np.sqrt(SAMPLES_EACH):

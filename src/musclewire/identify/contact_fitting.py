@@ -154,7 +154,9 @@ def resistance_range(recordings: Sequence[Recording]) -> tuple[float, float]:
         # At low current resistance is mostly noise.
         sure = resistance[power_w > 0.1 * np.nanmax(power_w)]
         if sure.size < BLOCK_SAMPLES:
-            raise RecordingError("a closing has hardly a sample with power: drive the wire")
+            raise RecordingError(
+                f"a closing has {sure.size} samples with power, {BLOCK_SAMPLES} are needed: drive the wire"
+            )
         smoothed = np.convolve(sure, np.full(3, 1.0 / 3.0), mode="valid")
         lows.append(smoothed.min())
         highs.append(smoothed.max())
@@ -247,7 +249,7 @@ def fit_grip_curve(
     for one in (*free_recordings, *(item.recording for item in known)):
         for name in ("displacement_m", "endpoint_displacement_m"):
             if name not in one:
-                raise RecordingError(f"grip force is fitted to closings with instruments: one lacks {name}")
+                raise RecordingError(f"grip force is fitted to closings with instruments: one lacks {name}, record it")
     curve = rigid_curve(free_recordings, free, fingers)
     grips = [grip_samples(one, free) for one in known]
     finger, wire = compliances(curve, grips)

@@ -91,7 +91,9 @@ def full_stroke(constants: WireConstants) -> float:
         if state.temperature_k > HOT_K:
             return float(path.displacement_m.max() / constants.leg_length_m)
         current *= 1.25
-    raise NumericsError("no current transforms this wire completely: check diameter, resistance and convection")
+    raise NumericsError(
+        f"no current up to {current:.3g} A transforms this wire completely: check diameter, resistance and convection"
+    )
 
 
 def contracting_current_a(constants: WireConstants, seconds: float, displacement_m: float) -> float:

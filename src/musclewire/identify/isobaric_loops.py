@@ -62,7 +62,10 @@ def summarize_isobar(isobar: Isobar) -> IsobarSummary:
     hottest = int(np.argmax(isobar.temperature_k))
     stroke = float(np.ptp(isobar.strain))
     if not (0 < hottest < isobar.strain.size - 1 and stroke > 0.0):
-        raise RecordingError("an isobar must go from cold to hot and back, and the strain must change on the way")
+        raise RecordingError(
+            "an isobar must go from cold to hot and back, and its strain change on the way: it is hottest in row "
+            f"{hottest + 1} of {isobar.strain.size}, and its strain changes by {100 * stroke:.2g} %"
+        )
     heating = crossings(isobar.temperature_k[: hottest + 1], isobar.strain[: hottest + 1])
     cooling = crossings(isobar.temperature_k[hottest:][::-1], isobar.strain[hottest:][::-1])
     # Cooling runs the other way: at its first tenth nine tenths of the strain are still to come.

@@ -66,7 +66,9 @@ def time_figure(recording: Recording, style: str) -> StyledFigure:
     resistance = resistance_or_none(recording)
     count = len(shown) + (resistance is not None)
     if not count:
-        raise RecordingError(f"there is nothing to plot over time in columns {', '.join(recording.names)}")
+        raise RecordingError(
+            f"there is nothing to plot over time in columns {', '.join(recording.names)}: choose another kind"
+        )
     figure, axes = panel_rows(style, [1.0] * count)
     with figure.styled():
         if resistance is not None:

@@ -279,7 +279,10 @@ class LiveClient:
         ends_s = time.monotonic() + timeout_s
         while not answer["yours"]:
             if time.monotonic() > ends_s:
-                raise RigError(f"{answer['holder']} has control of {self.bench} and has not given it up")
+                raise RigError(
+                    f"{answer['holder']} has control of {self.bench} and has not given it up: ask for it, or wait "
+                    "longer (timeout_s)"
+                )
             time.sleep(POLL_S)
             answer = self._send("PUT", "control", {})
 

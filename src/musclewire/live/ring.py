@@ -75,7 +75,7 @@ class Ring:
         packer = self._packers.get(count)
         if packer is None:
             if count > MAX_COLUMNS:
-                raise ValueError(f"a row of {count} values; a ring holds {MAX_COLUMNS}")
+                raise ValueError(f"a row of {count} values; a ring holds {MAX_COLUMNS}: leave columns out")
             packer = self._packers[count] = struct.Struct(f"<{count + 2}d")
         self._written += 1
         number, start = float(self._written), HEAD_BYTES + (self._written - 1) % SLOTS * SLOT_BYTES

@@ -78,17 +78,27 @@ class FingerCurve(BaseModel):
         for name in type(self).model_fields:
             column = getattr(self, name)
             if len(column) != travel.size:
-                raise ValueError(f"{name} has {len(column)} numbers, tendon_travel_m has {travel.size}")
+                raise ValueError(
+                    f"{name} has {len(column)} numbers, tendon_travel_m has {travel.size}: give one for each travel"
+                )
             if not all(math.isfinite(value) for value in column):
-                raise ValueError(f"{name} holds a number that is not finite")
+                raise ValueError(f"{name} holds a number that is not finite: write it again by 'design finger'")
         steps = np.diff(travel)
         if travel[0] != 0.0 or steps[0] <= 0.0 or np.ptp(steps) > EVEN_TOLERANCE * travel[-1]:
-            raise ValueError("tendon_travel_m must rise from 0 in equal steps")
+            raise ValueError(
+                f"tendon_travel_m must rise from 0 in equal steps, not by {steps.min():g} to {steps.max():g} from "
+                f"{travel[0]:g}"
+            )
         for name in ("tendon_force_n", "endpoint_displacement_m"):
             if np.any(np.diff(getattr(self, name)) <= 0.0):
-                raise ValueError(f"{name} must rise with tendon_travel_m")
+                raise ValueError(
+                    f"{name} must rise with tendon_travel_m, not by {np.diff(getattr(self, name)).min():g}"
+                )
         if min(self.endpoint_compliance_m_per_n) <= 0.0 or min(self.friction_share) < 0.0:
-            raise ValueError("endpoint_compliance_m_per_n must be above 0, friction_share not below")
+            raise ValueError(
+                f"endpoint_compliance_m_per_n (from {min(self.endpoint_compliance_m_per_n):g}) must be above 0, "
+                f"friction_share (from {min(self.friction_share):g}) 0 or more"
+            )
         return self
 
     @property

@@ -58,7 +58,10 @@ class Material(ParameterGroup):
         if self.poisson_ratio.value >= 0.5:
             raise ValueError(f"poisson_ratio is {self.poisson_ratio.value:g}, it must be below 0.5")
         if self.allowable_stress_pa.value > self.yield_stress_pa.value:
-            raise ValueError("allowable_stress_pa is above yield_stress_pa")
+            raise ValueError(
+                f"allowable_stress_pa ({self.allowable_stress_pa.value:g}) is above yield_stress_pa "
+                f"({self.yield_stress_pa.value:g}): give at most that"
+            )
         return self
 
     @property

@@ -222,7 +222,10 @@ class Validity(BaseModel):
             if getattr(self, key).unit != unit:
                 raise ValueError(f"{key} has the unit '{getattr(self, key).unit}', it must be given in '{unit}'")
         if self.annealing_temperature.value < self.temperature.low or self.working_stress.value <= 0.0:
-            raise ValueError("annealing_temperature must be above the temperatures covered, working_stress above 0")
+            raise ValueError(
+                f"annealing_temperature ({self.annealing_temperature.value:g} K) must be above the temperatures "
+                f"covered, working_stress ({self.working_stress.value:g} Pa) above 0"
+            )
         return self
 
 

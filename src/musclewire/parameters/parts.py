@@ -86,7 +86,7 @@ class PartsList(BaseModel):
             for pin in part.pins:
                 if (part.label, pin.pin) == (label, number):
                     return pin
-        raise CallerError(f"the circuit '{self.name}' has no pin {number} at a part '{label}'")
+        raise CallerError(f"the circuit '{self.name}' has no pin {number} at a part '{label}': add it to the list")
 
 
 def folder_of_parts() -> Path:

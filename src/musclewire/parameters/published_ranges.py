@@ -48,7 +48,7 @@ class PublishedRange(BaseModel):
     @model_validator(mode="after")
     def _low_is_not_above_high(self) -> PublishedRange:
         if self.low > self.high:
-            raise ValueError(f"low {self.low:g} is above high {self.high:g}")
+            raise ValueError(f"low {self.low:g} is above high {self.high:g}: exchange them")
         return self
 
     @property

@@ -84,7 +84,7 @@ def hot_warnings(limits: ValidityLimits, temperature_k: float | None) -> tuple[s
     if covered_k is not None and temperature_k > covered_k:
         return (
             f"{hot}, above the {covered_k - ZERO_DEGC_K:.0f} C up to which the alloy was measured: resistance and "
-            "strain beyond it are extrapolated",
+            "strain beyond it are extrapolated; drive it less to rely on them",
         )
     return ()
 
@@ -102,7 +102,7 @@ def stress_warnings(limits: ValidityLimits, reached: Reached) -> tuple[str, ...]
     if exceeds(largest, high):
         found.append(
             f"the wire pulls with up to {in_words(largest, reached)}, above the {in_words(high, reached)} that the "
-            "alloy's data cover: stroke, resistance and temperatures there are extrapolated"
+            "alloy's data cover: stroke, resistance and temperatures there are extrapolated; pull less to rely on them"
         )
     if exceeds(low, reached.cold_stress_pa):
         found.append(

@@ -97,7 +97,10 @@ class DeviceKind(Generic[Settings]):
             For a rig file of another kind.
         """
         if not isinstance(configuration, self.configuration):
-            raise CallerError(f"a rig file of kind '{configuration.kind}' is not a {self.configuration.__name__}")
+            raise CallerError(
+                f"a rig file of kind '{configuration.kind}' is not a {self.configuration.__name__}: open it by its "
+                "own kind"
+            )
         return self.opened(configuration)
 
 

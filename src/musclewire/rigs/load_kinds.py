@@ -43,9 +43,11 @@ class Parts(BaseModel):
         names = [item.part for item in self.load]
         for item in self.load:
             if item.once and names.count(item.part) > 1:
-                raise ValueError(f"there are {names.count(item.part)} parts '{item.part}', 1 fits")
+                raise ValueError(
+                    f"there are {names.count(item.part)} parts '{item.part}', 1 fits: leave the others out"
+                )
         if sum(item.second_wire is not None for item in self.load) > 1:
-            raise ValueError("a rig has room for one second wire: antagonist, parallel wire or second finger")
+            raise ValueError("a rig has room for one second wire: give antagonist, parallel wire or second finger")
         for item in self.load:
             reason = item.misfit(self.load)
             if reason is not None:

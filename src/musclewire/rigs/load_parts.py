@@ -93,7 +93,7 @@ class Pretensioner(LoadPart):
     @model_validator(mode="after")
     def _one_of_both(self) -> Pretensioner:
         if (self.stiffness is None) == (self.file is None):
-            raise ValueError("a pretensioner has either a stiffness or a file")
+            raise ValueError("a pretensioner has either a stiffness or a file: give one of them")
         return self
 
     @property

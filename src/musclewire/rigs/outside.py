@@ -110,7 +110,8 @@ def schema_of(plant: Any, kind: str) -> type[DeviceConfiguration]:
     missing = [name for name in METHODS if not callable(getattr(plant, name, None))]
     if missing:
         raise CallerError(
-            f"class '{plant.__name__}' is no Device: no method {', '.join(missing)} (docs/how-to/add_a_device.md)"
+            f"class '{plant.__name__}' is no Device: no method {', '.join(missing)}, add it "
+            "(docs/how-to/add_a_device.md)"
         )
     schema = getattr(plant, "configuration", OutsideConfiguration)
     if not (isinstance(schema, type) and issubclass(schema, DeviceConfiguration)):

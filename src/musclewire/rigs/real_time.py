@@ -50,7 +50,7 @@ def take_priority() -> list[str]:
     continues without it. Raises CallerError on systems other than Linux.
     """
     if sys.platform != "linux":
-        raise CallerError(f"real-time priority is taken on Linux only, not on {sys.platform}")
+        raise CallerError(f"real-time priority is taken on Linux only, not on {sys.platform}: go without it")
     refused = []
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))

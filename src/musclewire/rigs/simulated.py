@@ -390,7 +390,9 @@ class SimulatedDevice:
         if tendon is None or not self._mechanism.load.stiffness_n_per_m:
             raise CallerError("there is no tendon to set: this rig has no finger with a pretensioner")
         if not -slack_m <= tendon.curve.tendon_travel_m[-1]:
-            raise CallerError(f"the tendon cannot be drawn {-1e3 * slack_m:g} mm: the finger's curve ends before")
+            raise CallerError(
+                f"the tendon cannot be drawn {-1e3 * slack_m:g} mm: the finger's curve ends before, draw less"
+            )
         self._cool_at(self._around, slack_m)
 
     def _cool_at(self, around: Bench, tendon_slack_m: float | None) -> None:

@@ -173,7 +173,7 @@ def require_voltage(second: SecondWire, wire: Wire) -> None:
     if second.voltage_v > wire.maximum_voltage_v.value:
         raise CallerError(
             f"the antagonist's voltage of {second.voltage_v:g} V is above the {wire.maximum_voltage_v.value:g} V "
-            f"that wire {wire.name} allows"
+            f"that wire {wire.name} allows: lower it"
         )
 
 

@@ -207,7 +207,9 @@ class VariedRig:
         grains = measured_grains(alloy)
         shape = [name for name, key in self.keys.items() if key.place[0] in SHAPE]
         if grains is not None and shape:
-            raise CallerError(f"{self.where}: '{shape[0]}' has no effect: the alloy's [grain_quantiles] replaces it")
+            raise CallerError(
+                f"{self.where}: '{shape[0]}' has no effect: the alloy's [grain_quantiles] replaces it, leave it out"
+            )
         return Base(configuration, groups, {group: item.values() for group, item in groups.items()}, grains)
 
     def _numbers(self, values: Mapping[str, Value], base: Base) -> dict[str, dict[str, float]]:

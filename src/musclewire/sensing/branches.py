@@ -86,7 +86,9 @@ def single_valued(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str = "this
 
     resistance, quantity = _in_order(_without_repeats(checked_branch(branch, name)))
     if np.ptp(resistance) <= 0.0:
-        raise RecordingError(f"{name} branch: every resistance is {resistance[0]:.6g} ohm, nothing to compare")
+        raise RecordingError(
+            f"{name} branch: every resistance is {resistance[0]:.6g} ohm, nothing to compare; check the column"
+        )
     window = _window(resistance, quantity)
     pooled = isotonic_regression(smooth(resistance, window))
     starts = np.asarray(pooled.blocks[:-1])

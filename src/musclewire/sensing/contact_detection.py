@@ -77,9 +77,14 @@ class FreeClosing:
         check_resistance_range(self.resistance_min_ohm, self.resistance_max_ohm)
         numbers = (*self.holding_power_w, *self.closing_energy_j, self.normalised_min, self.normalised_max)
         if not (self.holding_power_w and self.closing_energy_j and all(map(isfinite, numbers))):
-            raise CallerError("a free closing needs finite coefficients of power and energy")
+            raise CallerError(
+                f"a free closing needs finite coefficients of power and energy, not {numbers}: train the gripper again"
+            )
         if not (self.normalised_min < self.normalised_max and 0.0 < self.normalised_noise < 1.0):
-            raise CallerError("a free closing needs a range of normalised resistance that rises, and noise above 0")
+            raise CallerError(
+                f"a free closing needs a range of normalised resistance that rises, not {self.normalised_min:g} to "
+                f"{self.normalised_max:g}, and noise between 0 and 1, not {self.normalised_noise:g}: train again"
+            )
         if not 0.0 < self.thermal_time_s < float("inf"):
             raise CallerError(f"the thermal time is {self.thermal_time_s:g} s and must be above 0")
 

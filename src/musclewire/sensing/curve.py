@@ -156,7 +156,10 @@ class ResistanceCurve:
             hint = nearest_hint(str(self.quantity), QUANTITY_UNITS)
             raise CallerError(f"quantity {self.quantity!r} is unknown{hint}")
         if len(self.average_coefficients) < 2 or not all(map(isfinite, self.average_coefficients)):
-            raise CallerError("a sensing model needs at least 2 finite coefficients a branch (order 1)")
+            raise CallerError(
+                "a sensing model needs at least 2 finite coefficients a branch (order 1), not "
+                f"{self.average_coefficients}"
+            )
         largest = max(map(abs, (*self.heating_coefficients, *self.cooling_coefficients)))
         if largest > MAX_NUMBER:
             raise CallerError(f"a coefficient of {largest:.3g} is beyond {MAX_NUMBER:g}: no wire has it, fit again")
@@ -304,7 +307,7 @@ class ResistanceCurve:
         Warns
         -----
         UserWarning
-            If a resistance is so far outside that it cannot be this wire's: it reads as the nearest end of the range.
+            If a resistance cannot be this wire's: it reads as the nearest end of the range.
         """
         return self._branch_value(self.average_coefficients, resistance_ohm)
 
@@ -332,7 +335,7 @@ class ResistanceCurve:
         Warns
         -----
         UserWarning
-            If a resistance is so far outside that it cannot be this wire's: it reads as the nearest end of the range.
+            If a resistance cannot be this wire's: it reads as the nearest end of the range.
         """
         self._check_strain()
         return self._branch_value(self.average_coefficients, resistance_ohm)
@@ -460,7 +463,7 @@ class ResistanceCurve:
         many = "" if readings.size == 1 else f"{others.size} of {readings.size} readings, the first "
         warnings.warn(
             f"{many}{float(others.flat[0]):.4g} ohm, outside the {low:.4g} to {high:.4g} ohm that this model senses: "
-            "read as the nearest end; is it the model's wire? estimate() tells which readings are valid",
+            "read as the nearest end; is it the model's wire? estimate() says which readings are valid",
             stacklevel=4,
         )
 
@@ -490,5 +493,6 @@ def require_in_range(numbers: Sequence[float]) -> None:
     """Raise CallerError unless each number is from 0 to ``MAX_NUMBER``."""
     if not all(0.0 <= number <= MAX_NUMBER for number in numbers):
         raise CallerError(
-            f"gap, root mean square errors, noise and samples of a model must be from 0 to {MAX_NUMBER:g}"
+            f"gap, root mean square errors, noise and samples of a model must be from 0 to {MAX_NUMBER:g}, not "
+            f"{list(numbers)}"
         )

@@ -352,10 +352,14 @@ def _fit_warnings(
     if valid_range != shared:
         lost = 1.0 - (valid_range[1] - valid_range[0]) / (shared[1] - shared[0])
         warnings.append(
-            f"the average polynomial turns back near an end: {100 * lost:.1f} % of the resistance range is left out"
+            f"the average polynomial turns back near an end: {100 * lost:.1f} % of the resistance range is left out; "
+            "a lower order may keep it"
         )
     if min(fit.spare_points for fit in fits) == 0:
-        warnings.append("the polynomial passes through every point: its residuals and standard errors are meaningless")
+        warnings.append(
+            "the polynomial passes through every point: its residuals and standard errors are meaningless: lower the "
+            "order"
+        )
     return tuple(warnings)
 
 
@@ -366,7 +370,10 @@ def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
     cold_fraction = 1.0 - segments.transformation_fraction
     at_b = segments.strain_cold + cold_fraction * stroke
     if not segments.returns_cold:
-        warnings.append("the loop does not return to cold: B is its turning point, resistances above it are unknown")
+        warnings.append(
+            "the loop does not return to cold: B is its turning point, resistances above it are unknown; let it cool "
+            "longer"
+        )
     elif cold_fraction > LARGE_COLD_FRACTION:
         warnings.append(
             f"segment A-B takes {100 * cold_fraction:.1f} % of the stroke (usually 5 to 25 %): {quantity} below "

@@ -59,10 +59,12 @@ class GripCurve:
     def __post_init__(self) -> None:
         """Check the numbers that divide later."""
         if self.fingers < 1 or min(self.finger_compliance_m_per_n, self.wire_compliance_m_per_n) < 0.0:
-            raise CallerError("a grip needs at least one finger, and compliances of at least 0")
+            raise CallerError(f"a grip needs at least one finger, not {self.fingers}, and compliances of at least 0")
         for place in (self.normalised_min, self.normalised_max):
             if not float(evaluate(self.power_per_newton_w, place)) > 0.0:
-                raise CallerError("force must take power throughout: in these grips of known blocks it does not")
+                raise CallerError(
+                    f"force takes no power at a normalised resistance of {place:g}: record grips of stiffer blocks"
+                )
 
     def closed_m(self, normalised: float) -> float:
         """Return the travel by which the free fingers have closed in total [m]."""

@@ -51,7 +51,7 @@ class KnownSpring:
             raise CallerError(f"the load's stiffness is {self.stiffness_n_per_m:g} N/m and must be above 0")
         if not (0.0 <= self.friction_n < float("inf") and self.turning_m > 0.0):
             raise CallerError(
-                f"friction of {self.friction_n:g} N over {self.turning_m:g} m: at least 0, the travel above"
+                f"friction of {self.friction_n:g} N over {self.turning_m:g} m: it must be at least 0, the travel above"
             )
 
     def friction_after(self, friction_n: float, spring_force_change_n: float) -> float:
@@ -80,7 +80,7 @@ def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: flo
     """
     if model.quantity == "force":
         raise CallerError(
-            "this model senses force already, with the load it was fitted on: a stiffness belongs to a model of strain"
+            "this model senses force already, with the load it was fitted on: give one of strain with a stiffness"
         )
     if not (stiffness_n_per_m > 0.0 and leg_length_m > 0.0):
         raise CallerError(f"stiffness {stiffness_n_per_m:g} N/m and length {leg_length_m:g} m must both be above 0")

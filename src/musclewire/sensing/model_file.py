@@ -206,16 +206,22 @@ def _check_derived(model: FittedCurve, contents: ModelFile) -> None:
     if (contents.order, contents.unit) != (model.order, model.unit):
         raise CallerError(
             f"order {contents.order} and unit {contents.unit!r} disagree with {model.order + 1} coefficients "
-            f"of {model.quantity} in {model.unit!r}"
+            f"of {model.quantity} in {model.unit!r}: the file was altered, use another copy"
         )
     allowed = RANGE_AGREEMENT * (model.quantity_max - model.quantity_min)
     for name in ("quantity_min", "quantity_max"):
         written, computed = getattr(contents, name), getattr(model, name)
         if abs(written - computed) > allowed:
-            raise CallerError(f"{name} is {written:.6g} and its polynomials give {computed:.6g}: the file was altered")
+            raise CallerError(
+                f"{name} is {written:.6g} and its polynomials give {computed:.6g}: the file was altered, use another "
+                "copy"
+            )
     for errors in (contents.heating_standard_errors, contents.cooling_standard_errors):
         if errors and len(errors) != model.order + 1:
-            raise CallerError(f"{len(errors)} standard errors for {model.order + 1} coefficients")
+            raise CallerError(
+                f"{len(errors)} standard errors for {model.order + 1} coefficients: the file was altered, use another "
+                "copy"
+            )
 
 
 def _first(error: ValidationError) -> str:

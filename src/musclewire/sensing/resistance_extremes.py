@@ -127,7 +127,10 @@ def _heating(
     mask = np.ones(resistance.shape, dtype=np.bool_) if valid is None else np.array(valid, dtype=np.bool_)
     drive = None if drive_voltage_v is None else np.asarray(drive_voltage_v, dtype=np.float64)
     if resistance.ndim != 1 or mask.shape != resistance.shape or (drive is not None and drive.shape != mask.shape):
-        raise RecordingError("resistance, drive voltage and valid must be columns of equal length, of one wire")
+        raise RecordingError(
+            f"resistance {resistance.shape}, drive voltage {None if drive is None else drive.shape} and valid "
+            f"{mask.shape} must be columns of equal length, of one wire"
+        )
     if drive is not None and drive.size:
         hottest = np.flatnonzero(drive == drive.max())[-1]
         # Temperature follows the drive with a lag, so the minimum of resistance comes a little after the maximum of the

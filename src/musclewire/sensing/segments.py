@@ -394,7 +394,9 @@ def _chosen(cycle: str | int, pairs: list[tuple[HalfCycle, HalfCycle]], curves: 
     if not isinstance(cycle, int):
         raise CallerError(f"cycle is {cycle!r}: use 'last', 'first', 'largest' or a number")
     if not -len(pairs) <= cycle < len(pairs):
-        raise CallerError(f"there is no cycle {cycle}: the recording holds {len(pairs)} (numbered from 0)")
+        raise CallerError(
+            f"there is no cycle {cycle}: the recording holds {len(pairs)}, choose from 0 to {len(pairs) - 1}"
+        )
     return cycle % len(pairs)
 
 

@@ -155,7 +155,7 @@ def _time_us(parts: dict[str, str | None]) -> int:
         return (60 * hour + minute) * _MICROSECONDS + fraction_us
     second = int(parts["second"] or 0)
     if minute > 59 or second > 60:
-        raise ValueError("no such time")
+        raise ValueError
     half = (parts["half"] or "")[:1].lower()
     if half:
         hour = hour % 12 + (12 if half == "p" else 0)

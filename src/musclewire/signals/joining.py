@@ -289,7 +289,9 @@ def _resampled(first: Recording, second: Recording, delay_s: float) -> tuple[Rec
     period_s, other_period_s = _period_s(first), _period_s(second)
     names = [name for name in second.names if name != "time_s" and name not in first]
     if not names:
-        raise CallerError(f"the second recording adds no column: both have {', '.join(second.names)}")
+        raise CallerError(
+            f"the second recording adds no column: both have {', '.join(second.names)}; use one of them alone"
+        )
     keep = (time_s >= other_s[0]) & (time_s <= other_s[-1])
     after = np.clip(np.searchsorted(other_s, time_s), 1, other_s.size - 1)
     keep &= other_s[after] - other_s[after - 1] <= MAX_GAP_PERIODS * max(other_period_s, period_s)

@@ -60,7 +60,7 @@ class NumberStyle:
             text = text.translate(dict.fromkeys(map(ord, self.thousands)))
         if self.decimal == ",":
             if "." in text:
-                raise ValueError(f"{cell} has a point among decimal commas")
+                raise ValueError(f"{cell} has a point among decimal commas; write commas only")
             text = text.replace(",", ".")
         try:
             return float(text)

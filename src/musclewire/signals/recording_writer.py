@@ -190,7 +190,7 @@ def _checked_row(row: Mapping[str, float], names: tuple[str, ...]) -> list[float
     try:
         return [float(row[name]) for name in names]
     except KeyError as missing:
-        raise CallerError(f"a row lacks {missing}; every row gives {', '.join(names)}") from None
+        raise CallerError(f"a row lacks {missing}; every row must give {', '.join(names)}") from None
     except (TypeError, ValueError):
         wrong = next(name for name in names if not _is_number(row[name]))
         raise CallerError(f"a row gives {wrong} = {row[wrong]!r}; give a number") from None

@@ -118,5 +118,7 @@ def _write_beside(output: Path, recording: Recording, overwrite: bool) -> None:
 
 def _nothing_to_recover(target: Path, journal: Path) -> RecordingError:
     if target.is_file():
-        return RecordingError(f"{target}: is finished, there is no journal next to it; nothing is to be recovered")
+        return RecordingError(
+            f"{target}: is finished, there is no journal next to it; nothing is to be recovered, open it as it is"
+        )
     return RecordingError(f"{target}: no such file, and no journal {journal}; give the name of the recording")

@@ -109,7 +109,10 @@ class WireBatch:
     ) -> None:
         """Cool the wires under their pretension, or take their states."""
         if not constants or len({item.classes for item in constants}) != 1:
-            raise CallerError("a batch needs wires with the same number of classes of barrier, and at least one")
+            raise CallerError(
+                "a batch needs wires with the same number of classes of barrier, not "
+                f"{sorted({item.classes for item in constants})}, and at least one"
+            )
         if states is not None and len(states) != len(constants):
             raise CallerError(f"{len(constants)} wires and {len(states)} states: give each wire its state")
         self.stepping = stepping

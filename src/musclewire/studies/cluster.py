@@ -67,7 +67,8 @@ def evaluate_on_cluster(
         Queue(client, task, chunks, retries).run(on_result, look)
     except OSError as problem:
         raise NumericsError(
-            f"the scheduler at {scheduler} answers no more ({' '.join(str(problem).split())}); finished runs are kept"
+            f"the scheduler at {scheduler} answers no more ({' '.join(str(problem).split())}): start it and run the "
+            "study again, finished runs are kept"
         ) from None
     finally:
         client.close()
@@ -160,6 +161,6 @@ class Queue:
             text, chunk = " ".join(str(problem).split()), self._chunks[place]
             raise NumericsError(
                 f"the runs {chunk.first} to {chunk.stop - 1} have failed {failures + 1} times on the cluster "
-                f"({type(problem).__name__}: {text}); finished runs are kept"
+                f"({type(problem).__name__}: {text}): look there and run the study again, finished runs are kept"
             ) from None
         self._waiting.append((place, failures + 1))

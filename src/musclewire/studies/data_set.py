@@ -149,7 +149,9 @@ def read_table(file: Path) -> tuple[Any, dict[str, Any]]:
         table = parquet.ParquetFile(file).read()
         known: dict[str, Any] = json.loads(table.schema.metadata[KEY])
     except (OSError, pa.ArrowException, KeyError, TypeError, ValueError) as problem:
-        raise CallerError(f"{file} is no data set of a study ({' '.join(str(problem).split())})") from None
+        raise CallerError(
+            f"{file} is no data set of a study ({' '.join(str(problem).split())}): give a .parquet that a study wrote"
+        ) from None
     return table, known
 
 

@@ -95,7 +95,7 @@ def quantile_function(where: str, spacing: str, given: Mapping[str, Any]) -> Cal
     frozen = usual(where, name, numbers) if name in USUAL else of_scipy(where, name, numbers)
     # Outside of what a distribution allows, scipy returns NaN and raises nothing.
     if not np.isfinite(frozen.ppf([0.25, 0.5, 0.75])).all():
-        raise CallerError(f"{where}: these numbers make no distribution '{name}'")
+        raise CallerError(f"{where}: {numbers} make no distribution '{name}': see scipy.stats")
     return lambda probability: np.asarray(frozen.ppf(probability), dtype=np.float64)
 
 
@@ -112,11 +112,11 @@ def usual(where: str, name: str, numbers: Mapping[str, Any]) -> Any:
             raise CallerError(f"{where}: a distribution '{name}' needs '{key}'")
     ends = [numbers[key] for key in ("low", "mode", "high") if key in numbers]
     if ends != sorted(ends) or ("low" in numbers and numbers["low"] == numbers.get("high")):
-        raise CallerError(f"{where}: 'low' must be below 'high', and 'mode' between them")
+        raise CallerError(f"{where}: 'low' must be below 'high', and 'mode' between them, not {ends}")
     if numbers.get("std", 1.0) <= 0.0:
-        raise CallerError(f"{where}: 'std' must be above 0")
+        raise CallerError(f"{where}: 'std' is {numbers['std']:g}: it must be above 0")
     if name.startswith("log-") and min(numbers.values()) <= 0.0:
-        raise CallerError(f"{where}: a distribution '{name}' has numbers above 0 only")
+        raise CallerError(f"{where}: a distribution '{name}' has numbers above 0 only, not {min(numbers.values()):g}")
     return kind.frozen(numbers)
 
 

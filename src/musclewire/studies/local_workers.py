@@ -177,7 +177,7 @@ class Pool:
             if failures >= self._retries:
                 raise NumericsError(
                     f"the process that evaluates the runs {chunk.first} to {chunk.stop - 1} has died {failures + 1} "
-                    "times: is there enough memory? finished runs are kept"
+                    "times: is there enough memory? run the study again, finished runs are kept"
                 ) from None
             self._todo.put((place, failures + 1))
             return None

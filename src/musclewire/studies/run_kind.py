@@ -185,7 +185,9 @@ def column_of(name: str, quantity: Quantity, outcomes: Sequence[Outcome]) -> Flo
     """
     for outcome in outcomes:
         if not isinstance(outcome, MusclewireError) and name not in outcome:
-            raise CallerError(f"the kind of run has computed no '{name}', which is among its quantities")
+            raise CallerError(
+                f"the kind of run has computed no '{name}', which is among its quantities: let it return that, too"
+            )
     if not quantity.is_series:
         return np.array([np.nan if isinstance(one, MusclewireError) else float(one[name]) for one in outcomes])
     rows = [np.empty(0) if isinstance(one, MusclewireError) else np.asarray(one[name]) for one in outcomes]

@@ -156,13 +156,18 @@ def constants_of(
 
 def require_a_wire(material: Mapping[str, float], spool: Mapping[str, float], bench: Mapping[str, float]) -> None:
     """Raise CallerError for numbers that cannot describe a wire."""
-    if min(bench["wire_length_m"], bench["legs"], spool["diameter_m"]) <= 0.0:
-        raise CallerError("wire_length_m, legs and diameter_m must be above 0: there is no wire otherwise")
-    if bench["guide_friction_n"] < 0.0 or not bench["guide_presliding_m"] > 0.0:
-        raise CallerError("guide_friction_n must be 0 or more, and guide_presliding_m above 0")
+    for name, value in (
+        *((key, bench[key]) for key in ("wire_length_m", "legs", "guide_presliding_m")),
+        ("diameter_m", spool["diameter_m"]),
+    ):
+        if not value > 0.0:
+            raise CallerError(f"{name} is {value:g}: it must be above 0")
+    if bench["guide_friction_n"] < 0.0:
+        raise CallerError(f"guide_friction_n is {bench['guide_friction_n']:g}: it must be 0 or more")
     require_spreads(material)
     if material["r_phase_entropy_ratio"] >= 1.0:
-        raise CallerError("r_phase_entropy_ratio must be below 1: A to R is a part of the way from A to M")
+        ratio = material["r_phase_entropy_ratio"]
+        raise CallerError(f"r_phase_entropy_ratio is {ratio:g}: it must be below 1, as A to R is a part of A to M")
 
 
 def require_spreads(material: Mapping[str, float]) -> None:

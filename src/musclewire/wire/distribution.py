@@ -378,11 +378,17 @@ def tabulated_distribution(offset: FloatArray, cumulative: FloatArray, *, cells:
     """
     offset, cumulative = np.asarray(offset, dtype=np.float64), np.asarray(cumulative, dtype=np.float64)
     if offset.ndim != 1 or offset.shape != cumulative.shape or len(offset) < 2 or cells < 2:
-        raise CallerError("a distribution's table needs two columns of the same length, 2 points and 2 cells at least")
+        raise CallerError(
+            f"a distribution's table needs two columns of the same length, 2 points and 2 cells at least, not "
+            f"{offset.shape}, {cumulative.shape} and {cells} cells"
+        )
     if not (np.diff(offset) > 0.0).all():
-        raise CallerError("the offsets of a distribution's table must ascend")
+        raise CallerError(f"the offsets of a distribution's table must ascend, not by {np.diff(offset).min():g}")
     if not ((np.diff(cumulative) >= 0.0).all() and cumulative[0] == 0.0 and cumulative[-1] == 1.0):
-        raise CallerError("the fractions of a distribution's table must ascend from 0 to 1")
+        raise CallerError(
+            f"the fractions of a distribution's table must ascend from 0 to 1, not from {cumulative[0]:g} to "
+            f"{cumulative[-1]:g} by {np.diff(cumulative).min():g} at least"
+        )
     curve = PchipInterpolator(offset, cumulative)
     ends = np.linspace(offset[0], offset[-1], cells + 1)
     step = float(ends[1] - ends[0])

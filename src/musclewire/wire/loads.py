@@ -79,11 +79,11 @@ def with_table(
     Raises CallerError if a function does not stay finite, or the reach is not positive.
     """
     if not reach_m > 0.0:
-        raise CallerError(f"a load's table must reach further than {reach_m} m")
+        raise CallerError(f"a load's table reaches {reach_m} m: it must reach further than 0")
     displacement = np.linspace(0.0, reach_m, points)
     force, friction = force_n(displacement), friction_n(displacement)
     if not (np.isfinite(force).all() and np.isfinite(friction).all()):
-        raise CallerError(f"a load is not finite somewhere between 0 and {1e3 * reach_m:g} mm")
+        raise CallerError(f"a load is not finite somewhere between 0 and {1e3 * reach_m:g} mm: check its curve")
     return ConnectorLoad(
         stiffness_n_per_m, float(displacement[1]), np.ascontiguousarray(force), np.ascontiguousarray(friction)
     )

@@ -132,7 +132,9 @@ class Row:
         changed = self.copy()
         for name, value in changes.items():
             if name not in (changed.row.dtype.names or ()):
-                raise CallerError(f"a {type(self).__name__} has no field '{name}'")
+                raise CallerError(
+                    f"a {type(self).__name__} has no field '{name}'; it has {', '.join(changed.row.dtype.names or ())}"
+                )
             changed.row[name] = value
         return changed
 

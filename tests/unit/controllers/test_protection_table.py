@@ -215,7 +215,7 @@ def signal_named(document: dict[str, Any], name: str) -> dict[str, Any]:
         (lambda table: table.update(state=table["state"][:5]), "states are not those of the code"),
         (lambda table: table["event"][0].update(action="report"), "action"),
         (lambda table: table["reserved"][0].update(number=1), "reserved"),
-        (lambda table: table.update(sense_after_s=0.3), "sense_after_s must come before"),
+        (lambda table: table.update(sense_after_s=0.3), "must come before trip_after_s"),
     ],
 )
 def test_a_table_with_a_hole_or_a_name_that_is_none_is_refused(change: Any, says: str) -> None:

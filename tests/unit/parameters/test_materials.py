@@ -104,7 +104,7 @@ def test_an_unknown_key_is_answered_with_the_nearest(pom: dict[str, Any]) -> Non
         ("youngs_modulus_pa", "unit", "GPa", "it must be given in 'Pa'"),
         ("youngs_modulus_pa", "value", 0.0, "it must be above 0"),
         ("poisson_ratio", "value", 0.5, "it must be below 0.5"),
-        ("allowable_stress_pa", "value", 1e9, "allowable_stress_pa is above yield_stress_pa"),
+        ("allowable_stress_pa", "value", 1e9, "is above yield_stress_pa"),
     ],
 )
 def test_a_number_that_cannot_be_is_said(pom: dict[str, Any], key: str, part: str, value: object, words: str) -> None:

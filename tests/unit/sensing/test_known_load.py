@@ -27,7 +27,7 @@ def test_a_displacement_needs_no_length_to_become_a_force() -> None:
 
 def test_a_model_of_force_is_refused_with_what_to_use() -> None:
     force = force_model(STRAIN, 588.6, 0.07)
-    with pytest.raises(CallerError, match="model of strain"):
+    with pytest.raises(CallerError, match="give one of strain"):
         force_model(force, 588.6, 0.07)
 
 

@@ -150,7 +150,7 @@ def test_without_a_wire_file_the_message_says_how_to_make_one() -> None:
 @pytest.mark.parametrize(
     ("numbers", "message"),
     [
-        ({"chance": (1.0, 1.0, 0.0, 0.0, 0.0, 0.0)}, "add up to 2, not to 1"),
+        ({"chance": (1.0, 1.0, 0.0, 0.0, 0.0, 0.0)}, "add up to 2: they must"),
         ({"spread_changed": (1.0,)}, "needs 6 numbers of 0 or more for convection"),
         ({"hypotheses": 5}, "10 hypotheses or more"),
         ({"evidence_time_s": 0.0}, "errors and times above 0"),

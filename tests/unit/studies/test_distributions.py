@@ -58,7 +58,7 @@ def test_any_continuous_distribution_of_scipy_is_known_by_its_name() -> None:
     [
         ({"distribution": "normel", "mean": 1.0}, "did you mean 'normal'"),
         ({"distribution": "normal", "mean": 1.0}, "needs 'std'"),
-        ({"distribution": "normal", "mean": 1.0, "std": 0.0}, "'std' must be above 0"),
+        ({"distribution": "normal", "mean": 1.0, "std": 0.0}, "'std' is 0: it must be above 0"),
         ({"low": 2.0, "high": 1.0}, "'low' must be below 'high'"),
         ({"low": 1.0, "high": 2.0, "mean": 1.5}, "has no 'mean'"),
         ({"distribution": "log-normal", "median": -1.0, "factor": 2.0}, "numbers above 0"),

@@ -72,7 +72,7 @@ class SectionOptions:
         if len(taken) > 1:
             raise CallerError(f"{' and '.join(taken)} exclude each other: give one of them")
         if (self.offset is None) != (self.thickness is None):
-            raise CallerError("--thickness and --offset belong together: dimensions are given with both of them")
+            raise CallerError("--thickness and --offset belong together: give both, or neither")
 
 
 @dataclass(frozen=True)
@@ -228,7 +228,9 @@ def require_effect(
         if name in NEEDS and others[NEEDS[name]] is None:
             raise CallerError(f"{option} has an effect only with {NEEDS[name]}: give that too, or leave it out")
         if name in OF_A_FILE and section.finger is not None:
-            raise CallerError(f"{option} and --finger exclude each other: a finger's file has all dimensions")
+            raise CallerError(
+                f"{option} and --finger exclude each other: a finger's file has all dimensions, leave one out"
+            )
 
 
 def requested(section: SectionOptions, beam: BeamOptions, task: TaskOptions, material: Material) -> FingerRequest:

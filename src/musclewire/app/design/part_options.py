@@ -39,7 +39,7 @@ def read_options(context: typer.Context, path: Path | None) -> Path | None:
         if key not in known:
             raise CallerError(f"options file {path}: unknown key '{key}'{nearest_hint(key, known)}")
         if isinstance(value, (dict, list)):
-            raise CallerError(f"options file {path}: '{key}' must be one value")
+            raise CallerError(f"options file {path}: '{key}' must be one value, not {value}")
     context.default_map = {key: found_next_to(value, path) for key, value in table.items()}
     return path
 
@@ -89,15 +89,15 @@ class PartFiles:
         """Raise CallerError for files of a kind that is not written here or not without an extra, before any work."""
         if self.output is not None:
             if self.output.suffix != ".toml":
-                raise CallerError(f"{self.output}: a {part} is a .toml file")
+                raise CallerError(f"{self.output}: a {part} is a .toml file, end its name so")
             require_folder(self.output)
         for drawing in self.drawings:
             if drawing.suffix not in DRAWINGS:
-                raise CallerError(f"{drawing}: a drawing is one of {', '.join(DRAWINGS)}")
+                raise CallerError(f"{drawing}: a drawing is one of {', '.join(DRAWINGS)}: end its name so")
             require_folder(drawing)
         for solid in self.solids:
             if solid.suffix not in SOLIDS:
-                raise CallerError(f"{solid}: a solid is one of {', '.join(SOLIDS)}")
+                raise CallerError(f"{solid}: a solid is one of {', '.join(SOLIDS)}: end its name so")
             require_folder(solid)
         if self.solids:
             from musclewire.design.solid import require_cad

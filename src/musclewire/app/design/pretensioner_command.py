@@ -130,7 +130,7 @@ def pretensioner(
         return
     require_one_way(stiffness, file, dimensions)
     if file is not None and making.depth is not None:
-        raise CallerError("--depth and --file contradict each other: the file has a depth")
+        raise CallerError("--depth and --file contradict each other: the file has a depth, leave --depth out")
     files.require("pretensioner")
     room: Envelope | None
     if stiffness is not None:
@@ -158,9 +158,11 @@ def require_one_way(stiffness: str | None, file: str | None, dimensions: Dimensi
         raise CallerError(f"give --stiffness to size a pretensioner, {', '.join(DIMENSIONS)} to compute one, or --file")
     if given and len(given) < len(named):
         missing = [name for name, value in named.items() if value is None]
-        raise CallerError(f"{given[0]} requires {' and '.join(missing)} too")
+        raise CallerError(f"{given[0]} requires {' and '.join(missing)}: give them too")
     if dimensions.corner_radius is not None and not given:
-        raise CallerError(f"--corner-radius has an effect only with given dimensions: {', '.join(DIMENSIONS)}")
+        raise CallerError(
+            f"--corner-radius has an effect only with given dimensions: leave it out, or give {', '.join(DIMENSIONS)}"
+        )
 
 
 def room_from(envelope: str, depth: str | None) -> Envelope:
@@ -179,7 +181,7 @@ def room_from(envelope: str, depth: str | None) -> Envelope:
     if asked is not None and asked > deep:
         raise CallerError(
             f"a depth of {1e3 * asked:g} mm does not fit: it is {1e3 * (asked - deep):g} mm more than the "
-            f"{1e3 * deep:g} mm of the envelope"
+            f"{1e3 * deep:g} mm of the envelope; give less, or a deeper envelope"
         )
     return Envelope(across, along, deep if asked is None else asked)
 

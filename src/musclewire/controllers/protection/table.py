@@ -253,9 +253,11 @@ class ProtectionTable(BaseModel):
         _require_same(self.event, Event, without=("NONE",))
         taken = {row.number for row in self.event} & {row.number for row in self.reserved if row.kind == "event"}
         if taken:
-            raise ValueError(f"the event numbers {sorted(taken)} are reserved")
+            raise ValueError(f"the event numbers {sorted(taken)} are reserved: take others")
         if self.sense_after_s >= self.trip_after_s:
-            raise ValueError("sense_after_s must come before trip_after_s")
+            raise ValueError(
+                f"sense_after_s ({self.sense_after_s:g}) must come before trip_after_s ({self.trip_after_s:g})"
+            )
         return self
 
     @model_validator(mode="after")
@@ -309,7 +311,9 @@ def _require_same(rows: Sequence[Row], kind: type[IntEnum], without: tuple[str, 
     """Raise ValueError unless names and numbers of the rows are those of an enumeration, each once."""
     found = sorted((row.name.upper(), row.number) for row in rows)
     if found != sorted((item.name, item.value) for item in kind if item.name not in without):
-        raise ValueError(f"the table's {kind.__name__.lower()}s are not those of the code")
+        raise ValueError(
+            f"the table's {kind.__name__.lower()}s are not those of the code: {[name.lower() for name, _ in found]}"
+        )
 
 
 @lru_cache(maxsize=1)

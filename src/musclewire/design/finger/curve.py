@@ -133,7 +133,8 @@ def travel_for_endpoint_m(chain: Chain, stiffness_n_m2: float, endpoint_m: float
         low = high
     raise CallerError(
         f"the endpoint moves {1e3 * low.endpoint_displacement_m:.3f} mm at a travel of {1e3 * low.travel_m:.3f} mm: "
-        f"{100 * (1 - low.endpoint_displacement_m / endpoint_m):.1f} % less than the {1e3 * endpoint_m:g} mm requested"
+        f"{100 * (1 - low.endpoint_displacement_m / endpoint_m):.1f} % less than the {1e3 * endpoint_m:g} mm "
+        "requested; ask for less, or give more travel"
     )
 
 
@@ -152,7 +153,9 @@ def between(
         if abs(at.endpoint_displacement_m - endpoint_m) <= 1e-9 * endpoint_m:
             return at
         low, high = (at, high) if at.endpoint_displacement_m < endpoint_m else (low, at)
-    raise NumericsError("the travel for this endpoint was not found: ask for a slightly different endpoint")
+    raise NumericsError(
+        f"no travel was found for an endpoint of {1e3 * endpoint_m:g} mm: ask for a slightly different one"
+    )
 
 
 def max_free_travel_m(geometry: FingerGeometry, max_m: float) -> float:

@@ -64,6 +64,8 @@ def finger_geometry(finger: FingerFile) -> FingerGeometry:
 def recomputed_curve(finger: FingerFile) -> FingerCurve:
     """Return the curve computed again from the dimensions in a finger's file, over the file's travels."""
     if FRICTION_KEY not in finger.geometry:
-        raise CallerError(f"finger {finger.name}: geometry.{FRICTION_KEY} is missing")
+        raise CallerError(
+            f"finger {finger.name}: geometry.{FRICTION_KEY} is missing: write the file again by 'design finger'"
+        )
     friction = finger.geometry[FRICTION_KEY].value
     return finger_curve(finger_geometry(finger), np.array(finger.curve.tendon_travel_m), friction)

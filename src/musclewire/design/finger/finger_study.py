@@ -159,7 +159,9 @@ def require_valid(study: FingerStudy) -> None:
     if obstacle is not None and not 0.0 <= obstacle.clearance_m < math.inf:
         raise CallerError(f"the clearance is {obstacle.clearance_m:g} m: give 0 or more")
     if not 0.0 <= study.friction <= MAX_FRICTION:
-        raise CallerError(f"a friction coefficient of {study.friction:g} is not one of 0 to {MAX_FRICTION:g}")
+        raise CallerError(
+            f"a friction coefficient of {study.friction:g} is outside 0 to {MAX_FRICTION:g}: give one within"
+        )
 
 
 def geometry_for(study: FingerStudy) -> FingerGeometry:
@@ -167,7 +169,7 @@ def geometry_for(study: FingerStudy) -> FingerGeometry:
     if study.geometry is not None:
         return study.geometry
     if study.request is None:
-        raise CallerError("a finger requires a stiffness or its dimensions: neither was given")
+        raise CallerError("a finger requires a stiffness or its dimensions: neither was given, give one")
     return design_finger(study.request, study.material)
 
 
@@ -301,13 +303,13 @@ def warnings_of(study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibr
     if stress_pa > lasting:
         found.append(
             f"{1e-6 * stress_pa:.0f} MPa at the endpoint is below yield, but above the {1e-6 * lasting:.0f} MPa that "
-            f"{material.name} should bear permanently and repeatedly"
+            f"{material.name} should bear permanently and repeatedly: a thinner beam, or less endpoint"
         )
     plate = 100.0 * (1.0 / (1.0 - material.poisson_ratio.value**2) - 1.0)
     if searle(geometry, at) > PLATE:
         found.append(
             f"at this bend a strip so deep and thin behaves almost as a plate, which is {plate:.0f} % stiffer; "
-            "all numbers here are those of a beam"
+            "all numbers here are those of a beam: take the stiffness as a lower limit"
         )
     # A chosen process has been respected by the sizing; without one the beam may be too thin for all of them.
     finest = min(material.processes, key=material.minimum_thickness_by)
@@ -315,12 +317,12 @@ def warnings_of(study: FingerStudy, geometry: FingerGeometry, at: FingerEquilibr
     if geometry.beam_thickness_m < min_thickness_m:
         found.append(
             f"no process listed for {material.name} makes a beam of {1e3 * geometry.beam_thickness_m:.2f} mm: the "
-            f"finest, {finest}, makes {1e3 * min_thickness_m:g} mm; a strip of film, or micro-moulding"
+            f"finest, {finest}, makes {1e3 * min_thickness_m:g} mm; take a strip of film, or micro-moulding"
         )
     elif geometry.column_width_m < min_thickness_m:
         found.append(
             f"no process listed for {material.name} makes columns of {1e3 * geometry.column_width_m:g} mm: the finest, "
-            f"{finest}, makes {1e3 * min_thickness_m:g} mm"
+            f"{finest}, makes {1e3 * min_thickness_m:g} mm; wider columns, or another material"
         )
     return found
 
@@ -333,7 +335,7 @@ def warnings_of_loads(
     if contact is not None and contact.stress_pa > limit:
         found.append(
             f"pulled to the end of its travel against the object, the beam would bear "
-            f"{1e-6 * contact.stress_pa:.0f} MPa and yield ({1e-6 * limit:g} MPa)"
+            f"{1e-6 * contact.stress_pa:.0f} MPa and yield ({1e-6 * limit:g} MPa): less travel, or a softer object"
         )
     if wire is not None:
         steps = np.linspace(0.0, wire.travel_m, JUDGED_TRAVELS)

@@ -251,7 +251,8 @@ def section_for(request: FingerRequest, material: Material, shape: FingerGeometr
     if not roomy:
         raise CallerError(
             f"for {request.stiffness_n_per_m:g} N/m the beam would be {1e3 * found[-1].depth_m:.2f} mm deep, "
-            f"{1e3 * (found[-1].depth_m - request.max_depth_m):.2f} mm more than the available room"
+            f"{1e3 * (found[-1].depth_m - request.max_depth_m):.2f} mm more than the available room: a softer finger "
+            "or more depth"
         )
     limit = material.yield_stress_pa.value
     fitting = [section for section in roomy if section.stress_pa <= limit]

@@ -259,6 +259,8 @@ def loaded_cantilever(chain: Chain, stiffness_n_m2: float, force_n: float, steps
                 break
             angles = angles - np.linalg.solve(tangent, out)
         else:
-            raise NumericsError("the loaded cantilever did not come to rest: apply the force in more steps")
+            raise NumericsError(
+                f"the cantilever under {force_n:g} N did not come to rest: apply the force in more than {steps} steps"
+            )
     moved = problem.displacement_m(placed)
     return FingerEquilibrium(angles, math.nan, 0.0, moved, -force_n, placed, tangent, np.zeros(angles.size))

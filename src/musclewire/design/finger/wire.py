@@ -128,4 +128,6 @@ def heated_stroke(constants: WireConstants, current_a: float | None) -> tuple[fl
         if state.temperature_k > HOT_K or current_a is not None:
             return float(path.displacement_m.max()), current
         current *= CURRENT_STEP
-    raise NumericsError("no current heats this wire fully: check diameter, resistance and convection")
+    raise NumericsError(
+        f"no current up to {current:.3g} A heats this wire fully: check diameter, resistance and convection"
+    )

@@ -303,5 +303,5 @@ def finger_problem(stiffness_n_per_m: float, finger_n_per_m: float | None) -> st
     return (
         f"a pretensioner of {stiffness_n_per_m:.1f} N/m is no softer than the finger of {finger_n_per_m:.1f} N/m: "
         f"it is {stiffness_n_per_m - finger_n_per_m:.1f} N/m too stiff, and would take "
-        f"{100 * stiffness_n_per_m / (stiffness_n_per_m + finger_n_per_m):.0f} % of the contraction force"
+        f"{100 * stiffness_n_per_m / (stiffness_n_per_m + finger_n_per_m):.0f} % of the contraction force: a softer one"
     )

@@ -63,7 +63,10 @@ class Probe:
         Raises CallerError for a voltage above the sense voltage, which must not be put out here.
         """
         if not 0.0 <= voltage_v <= self._rig.sense_voltage_v * (1.0 + 1e-9):
-            raise CallerError(f"{voltage_v:g} V is above the sense voltage: the doctor heats nothing")
+            raise CallerError(
+                f"{voltage_v:g} V is outside 0 to the sense voltage, {self._rig.sense_voltage_v:g} V: the doctor "
+                "heats nothing, give less"
+            )
         self.highest_v = max(self.highest_v, voltage_v)
         rows: list[tuple[float, ...]] = []
         settling = max(round(SETTLING_S / self._rig.sample_period_s), SETTLING_SAMPLES)

@@ -24,7 +24,7 @@ SECTIONS = {"wire": "inputs.wire_voltage", "shunt": "inputs.shunt_voltage"}
 def require_calibrated_kind(rig: str) -> None:
     """Raise CallerError, before anything is driven, if there is no rig file that holds a calibration."""
     if not Path(rig).is_file():
-        raise CallerError(f"--write needs a rig file of your own, and '{rig}' is none")
+        raise CallerError(f"--write needs a rig file of your own, and '{rig}' is none: name the rig by its path")
     kind = str(tables_of(Path(rig).read_text("utf-8"), rig).get("kind", "simulated"))
     if kind not in CALIBRATED_KINDS:
         known = ", ".join(CALIBRATED_KINDS)
@@ -77,7 +77,7 @@ def section_of(tables: Mapping[str, Any], section: str, where: str) -> Mapping[s
     for name in section.split("."):
         found = found.get(name) if isinstance(found, Mapping) else None
     if not isinstance(found, Mapping):
-        raise CallerError(f"rig file {where}: there is no [{section}] to write a calibration into")
+        raise CallerError(f"rig file {where}: there is no [{section}] to write a calibration into: add it")
     return found
 
 

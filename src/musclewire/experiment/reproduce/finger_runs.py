@@ -116,5 +116,5 @@ class FingerRuns:
 def endpoint_m(sample: RawSample) -> float:
     """Return the laser's reading [m]. Raises RigError on a rig without one."""
     if sample.endpoint_displacement_m is None:
-        raise RigError("this rig has no laser at the finger's endpoint: the finger's rig has one")
+        raise RigError("this rig has no laser at the finger's endpoint: open the finger's rig, which has one")
     return sample.endpoint_displacement_m

@@ -99,7 +99,10 @@ def shared_places(one: Branch, other: Branch) -> FloatArray:
     low = max(float(one.resistance_ohm[0]), float(other.resistance_ohm[0]))
     high = min(float(one.resistance_ohm[-1]), float(other.resistance_ohm[-1]))
     if not high > low:
-        raise RecordingError("two curves share no resistance, there is nothing to compare")
+        raise RecordingError(
+            f"two curves share no resistance, one begins at {low:.4g} ohm, one ends at {high:.4g} ohm: take curves of "
+            "one wire"
+        )
     return np.linspace(low, high, POINTS)
 
 

@@ -137,5 +137,5 @@ def required_seeds(seeds: Iterable[int]) -> tuple[int, ...]:
         raise CallerError("no seeds: give at least one, such as range(1, 102)")
     twice = next((seed for place, seed in enumerate(wanted) if seed in wanted[:place]), None)
     if twice is not None:
-        raise CallerError(f"seed {twice} is there twice: it would count twice in every median")
+        raise CallerError(f"seed {twice} is there twice: it would count twice in every median, leave one out")
     return wanted

@@ -174,7 +174,11 @@ class SeedPool:
                 asked(process, str(seed))
                 self._done.put((seed, answered(process, seed)))
         except (OSError, ValueError):
-            self._done.put(NumericsError(f"the process that measured seed {seed} has died: is there enough memory?"))
+            self._done.put(
+                NumericsError(
+                    f"the process that measured seed {seed} has died: is there enough memory? try fewer workers"
+                )
+            )
         except BaseException as problem:
             self._done.put(problem)
 

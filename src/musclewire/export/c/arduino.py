@@ -44,7 +44,7 @@ def write_arduino_zip(library: Library, path: str | Path) -> Path:
     """
     path = Path(path)
     if path.suffix != ".zip":
-        raise CallerError(f"{path}: the Arduino IDE takes a .zip")
+        raise CallerError(f"{path}: the Arduino IDE takes a .zip, end its name so")
     chosen = [name for name in library.files if name.startswith(IN_ZIP)]
 
     def write(part: Path) -> None:

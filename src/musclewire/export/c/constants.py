@@ -89,7 +89,7 @@ def collect(
         asked, allowed = getattr(limits, name), getattr(checked, name)
         if asked != allowed:
             raise CallerError(
-                f"{name} is {asked:g} V in the drive limits and {allowed:g} V in the protection: one of them"
+                f"{name} is {asked:g} V in the drive limits and {allowed:g} V in the protection: give both one value"
             )
     return Constants(
         {
@@ -297,7 +297,9 @@ def _microseconds(time_s: float) -> int:
     """Return a time of the table in whole microseconds; the library counts in them."""
     whole = round(time_s * MICROSECONDS_PER_S)
     if abs(whole - time_s * MICROSECONDS_PER_S) > 1e-6:
-        raise CallerError(f"the protection table has a time of {time_s!r} s: the C library counts whole microseconds")
+        raise CallerError(
+            f"the protection table has a time of {time_s!r} s: the C library counts whole microseconds, give a multiple"
+        )
     return whole
 
 

@@ -137,7 +137,7 @@ def course_of(recording: Recording) -> HeatCourse:
     """Return the heating course of a recording. Raises RecordingError without voltages or enough samples."""
     reading = resistance_reading(recording)
     if "wire_voltage_v" not in recording:
-        raise RecordingError("a home move compares power, which needs wire_voltage_v next to the resistance")
+        raise RecordingError("a home move compares power, which needs wire_voltage_v next to the resistance: record it")
     there = reading.valid
     if int(there.sum()) < MIN_SAMPLES:
         raise RecordingError(f"{int(there.sum())} samples with current: a home move needs at least {MIN_SAMPLES}")

@@ -159,7 +159,7 @@ def named_recordings(recordings: Mapping[str, Recording] | Recording | Sequence[
     else:
         found = {f"recording {number}": item for number, item in enumerate(recordings, 1)}
     if not found:
-        raise CallerError("there is no recording to calibrate from")
+        raise CallerError("there is no recording to calibrate from: give one or more")
     return found
 
 

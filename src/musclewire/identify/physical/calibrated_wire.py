@@ -37,7 +37,7 @@ def save_wire(calibration: Calibration, path: str | Path, name: str | None = Non
     """
     path = Path(path)
     if not is_wire_file(path.name):
-        raise CallerError(f"{path}: a wire is a .toml file")
+        raise CallerError(f"{path}: a wire is a .toml file, end its name so")
     text = wire_file_text(
         name or path.stem, description(calibration), calibration.wire, calibration.alloy, known_bench(calibration)
     )

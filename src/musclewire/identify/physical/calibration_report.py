@@ -44,7 +44,7 @@ def write_report(calibration: Calibration, path: str | Path, advice: Sequence[Ad
     """
     path = Path(path)
     if path.suffix != ".html":
-        raise CallerError(f"{path}: a report is an .html file")
+        raise CallerError(f"{path}: a report is an .html file, end its name so")
     inputs = calibration.inputs
     names = ", ".join(Path(name).name for name in inputs.sources)
     parts = {

@@ -142,7 +142,8 @@ def observe_cooling(recording: Recording, bench: Mapping[str, float], title: str
     channels = {name: raw.at(even) for name, raw in instruments_of(complete).items()}
     if not channels:
         raise RecordingError(
-            "neither voltages nor temperature, strain or force were recorded: there is nothing to compare"
+            "neither voltages nor temperature, strain or force were recorded: there is nothing to compare, record "
+            "one of them"
         )
     ambient_k = known.get("ambient_temperature_k", load_bench("paper").ambient_temperature_k.value)
     start_k = start_of(channels, known)
@@ -176,7 +177,7 @@ def refuse_what_does_not_cool(channels: Mapping[str, RawChannel], start_k: float
         if fall < MIN_FALL_K or rise > fall:
             raise RecordingError(
                 f"without voltages a recording with a clock must be a cooling curve, and its temperature falls by "
-                f"{max(fall, 0.0):.2g} K only: nothing can be identified from it"
+                f"{max(fall, 0.0):.2g} K only: nothing can be identified from it; record a hot wire until it is cold"
             )
         if float(values.min()) < ambient_k - BELOW_AMBIENT_K:
             raise RecordingError(
@@ -186,10 +187,15 @@ def refuse_what_does_not_cool(channels: Mapping[str, RawChannel], start_k: float
         return
     moved = {name: float(np.ptp(raw.values)) for name, raw in channels.items()}
     if not any(change > MIN_OVER_NOISE * channels[name].noise[0] + 1e-12 for name, change in moved.items()):
-        raise RecordingError("nothing moves by more than its noise: the wire did not transform")
+        raise RecordingError(
+            "nothing moves by more than its noise "
+            f"({', '.join(f'{name} by {change:.2g}' for name, change in moved.items())}): the wire did not transform, "
+            "begin hotter"
+        )
     if start_k < ambient_k + MIN_FALL_K:
         raise RecordingError(
-            f"it begins at {start_k - 273.15:.1f} C, no warmer than the air: a wire at rest identifies nothing"
+            f"it begins at {start_k - 273.15:.1f} C, no warmer than the air: a wire at rest identifies nothing, begin "
+            "hotter"
         )
 
 

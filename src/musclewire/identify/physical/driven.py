@@ -170,11 +170,13 @@ def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) 
     require_rows(complete)
     drive, circuit = drive_of(complete)
     if float(np.abs(drive).max()) <= 0.0:
-        raise RecordingError("the drive is 0 V throughout: a wire at rest identifies no parameter")
+        raise RecordingError("the drive is 0 V throughout: a wire at rest identifies no parameter, drive it")
     even, known["sample_period_s"] = even_clock(complete["time_s"])
     channels = channels_of(complete)
     if not channels.keys() & {"resistance", "strain", "force"}:
-        raise RecordingError("neither resistance nor strain nor force was recorded: there is nothing to compare")
+        raise RecordingError(
+            "neither resistance nor strain nor force was recorded: there is nothing to compare, record one of them"
+        )
     refuse_idle(channels)
     if "diameter_m" in bench:
         refuse_other_metal(channels, known["wire_length_m"], bench["diameter_m"])
@@ -205,7 +207,10 @@ def refuse_idle(channels: Mapping[str, RawChannel]) -> None:
                 "drive the wire higher, until it contracts"
             )
     elif not moves(channels["force"]):
-        raise RecordingError("no transformation: the force does not change by more than its noise")
+        raise RecordingError(
+            f"no transformation: the force does not change by more than its noise, {channels['force'].noise[0]:.2g} "
+            "N: drive the wire higher, until it contracts"
+        )
 
 
 def refuse_strain(strain: FloatArray) -> None:
@@ -219,8 +224,9 @@ def refuse_strain(strain: FloatArray) -> None:
     cold = float(np.median(strain[:FIRST_ROWS]))
     if cold - strain.min() > strain.max() - cold:
         raise RecordingError(
-            "strain of the wrong sign: it falls from its first value; contraction counts positive (--invert), and a "
-            "recording must begin with a cold wire"
+            f"strain of the wrong sign: it falls by {100.0 * (cold - strain.min()):.2g} % from its first value; "
+            "contraction "
+            "counts positive (--invert), and a recording must begin with a cold wire"
         )
     if abs(cold) > ZERO_FRACTION * stroke:
         raise RecordingError(

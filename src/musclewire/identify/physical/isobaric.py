@@ -107,7 +107,7 @@ def isobars_in(recording: Recording) -> list[Isobar]:
     temperature_k, stress_pa = recording["wire_temperature_k"], recording["stress_pa"]
     if np.ptp(temperature_k) < MIN_RANGE_K:
         raise RecordingError(
-            f"the temperature changes by {np.ptp(temperature_k):.2g} K: an isobar goes from cold to hot and back"
+            f"the temperature changes by {np.ptp(temperature_k):.2g} K: record an isobar from cold to hot and back"
         )
     scatter_pa = noise_level(stress_pa)
     if not (stress_pa.min() >= -SAME_BY_SCATTER * scatter_pa and stress_pa.max() < MAX_STRESS_PA):

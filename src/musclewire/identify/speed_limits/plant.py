@@ -142,7 +142,10 @@ def nearest_rows(quantity: FloatArray, values: FloatArray, levels: FloatArray) -
     """
     known = np.isfinite(values)
     if int(known.sum()) < NEAREST_ROWS:
-        raise RecordingError("the loop in the model has too few rows within its range: fit it again")
+        raise RecordingError(
+            f"the loop in the model has {int(known.sum())} rows within its range, {NEAREST_ROWS} are needed: fit it "
+            "again"
+        )
     there, steady = quantity[known], values[known]
     found = np.empty(len(levels))
     for index, level in enumerate(levels):

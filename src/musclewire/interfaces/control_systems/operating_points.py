@@ -154,4 +154,4 @@ def first_root(function: Callable[[float], float], start: float, end: float) -> 
         if before * after <= 0.0:
             return float(brentq(function, low, high, xtol=ENTHALPY_TOLERANCE * abs(end - start)))
         before = after
-    raise CallerError("no drive voltage within the rig's limits holds the wire there")
+    raise CallerError("no drive voltage within the rig's limits holds the wire there: choose another displacement")

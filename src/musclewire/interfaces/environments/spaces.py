@@ -62,7 +62,9 @@ def strain_model(given: SensingModel | str | Path | None) -> SensingModel | None
         return None
     model = given if isinstance(given, SensingModel) else load_model(given)
     if model.quantity != "strain":
-        raise CallerError(f"the environments follow targets of strain, and this model estimates {model.quantity}")
+        raise CallerError(
+            f"the environments follow targets of strain, and this model estimates {model.quantity}: fit one of strain"
+        )
     return model
 
 

@@ -95,7 +95,9 @@ def pulse(session: Session, command: messages.Pulse) -> None:
     rig = rig_of(session)
     voltage_v = command.drive_voltage_v or PULSE_FRACTION * rig.drive_amplitude_v
     if voltage_v > rig.maximum_voltage_v:
-        raise CallerError(f"a pulse of {voltage_v:g} V is above this rig's maximum of {rig.maximum_voltage_v:g} V")
+        raise CallerError(
+            f"a pulse of {voltage_v:g} V is above this rig's maximum of {rig.maximum_voltage_v:g} V: give less"
+        )
     policy = HeldVoltage(voltage_v, rig.sense_voltage_v, rig.sample_period_s, command.duration_s)
     recording = run_on_rig(
         rig,

@@ -121,7 +121,7 @@ class Gate:
         site, host = headers.get("sec-fetch-site"), headers.get("host")
         if len(origins) <= 1 and self.access.origin_is_ours(next(iter(origins), None), site, host):
             return None
-        return Refusal(HTTPStatus.FORBIDDEN, "a page of another origin may not do this")
+        return Refusal(HTTPStatus.FORBIDDEN, "a page of another origin may not do this: open the printed address")
 
     def token_refusal(self, headers: Headers) -> Refusal | None:
         """Refuse a request without the token, if one is needed."""

@@ -21,14 +21,14 @@ def read_json(text: str | bytes) -> Any:
     try:
         return json.loads(text, parse_constant=refuse_constant)
     except RecursionError:
-        raise CallerError("not JSON that can be read: nested too deeply") from None
+        raise CallerError("not JSON that can be read: nested too deeply, send it flatter") from None
     except ValueError as error:  # also what is no UTF-8, and numbers of thousands of digits
         raise CallerError(f"not JSON that can be read: {str(error)[:200]}") from None
 
 
 def refuse_constant(name: str) -> NoReturn:
     """Refuse NaN and infinities, which JSON does not have and Python reads all the same."""
-    raise ValueError(f"{name} is not a number of JSON")
+    raise ValueError(f"{name} is not a number of JSON: send a finite one, or null")
 
 
 def compact(value: Any) -> str:

@@ -89,7 +89,9 @@ class ServerSettings:
     def __post_init__(self) -> None:
         """Refuse to listen beyond this machine without a token."""
         if not self.address.is_local and self.token is None:
-            raise CallerError(f"--host {self.address.host} can be reached from other machines: a token is needed")
+            raise CallerError(
+                f"--host {self.address.host} can be reached from other machines: a token is needed, give --token-file"
+            )
 
 
 @dataclass(frozen=True)

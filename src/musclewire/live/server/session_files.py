@@ -31,7 +31,9 @@ def named_file(folder: Path, name: str, suffixes: tuple[str, ...]) -> Path:
         path = folder / name
         if is_inside(path, folder):
             return path
-    raise CallerError(f"no file of that name with {' or '.join(suffixes)} in the session's folder")
+    raise CallerError(
+        f"no file of that name with {' or '.join(suffixes)} in the session's folder: choose one that is listed"
+    )
 
 
 def is_inside(path: Path, folder: Path) -> bool:

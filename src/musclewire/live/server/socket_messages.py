@@ -154,7 +154,7 @@ def read_message(data: object) -> FromPage:
 def one_line(error: Exception) -> str:
     """Return the first fault of a message: where, and what."""
     if not isinstance(error, ValidationError):
-        return "message: cannot be read"
+        return "message: cannot be read, send a JSON object"
     first = error.errors(include_url=False, include_input=False, include_context=False)[0]
     place = ".".join(str(part)[:40] for part in first["loc"][:6])
     return f"message{': ' + place if place else ''}: {first['msg']}"[:300]

@@ -34,7 +34,7 @@ __all__ = ["DisplacementInput", "ForceInput", "Inputs", "NiDaqConfiguration", "O
 def not_zero(value: float) -> float:
     """Refuse a scale of 0 per volt; a negative one reverses a sensor."""
     if value == 0.0:
-        raise ValueError("a scale of 0 per volt would measure nothing")
+        raise ValueError("a scale of 0 per volt would measure nothing: give the instrument's")
     return value
 
 
@@ -210,13 +210,14 @@ class NiDaqConfiguration(DeviceConfiguration, MountedWire):
         channels = [item.channel for item in self.inputs.wired().values()]
         twice = next((name for name in channels if channels.count(name) > 1), None)
         if twice:
-            raise ValueError(f"the channel {twice} is named for two inputs")
+            raise ValueError(f"the channel {twice} is named for two inputs: give each its own")
         rule = self.output.rule
         for voltage_v in (0.0, self.maximum_voltage):
             if abs(rule.voltage_v(voltage_v)) > self.output.range:
                 raise ValueError(
                     f"a drive of {voltage_v:g} V needs {rule.voltage_v(voltage_v):g} V at {self.output.channel}, "
-                    f"outside its range of {self.output.range:g} V to both sides"
+                    f"outside its range of {self.output.range:g} V to both sides: a larger range, or a lower "
+                    "maximum_voltage"
                 )
         return self
 

@@ -258,7 +258,7 @@ class NiDaqDevice:
 
     def _require_on(self) -> None:
         if self._off:
-            raise OffMeanwhileError("the output is closed")
+            raise OffMeanwhileError("the output is closed: open the rig again")
 
     def sense(self) -> bool:
         """Go to the sense voltage at once, and stop reading until the next sample is asked for."""

@@ -71,7 +71,9 @@ class GuardedOutput:
             except (OSError, TimeoutError):
                 self._process.kill()
                 self._process.wait()
-                raise GuardianLostError("the process that owns the card's output did not start") from None
+                raise GuardianLostError(
+                    "the process that owns the card's output did not start: is the machine overloaded? try again"
+                ) from None
         try:
             self._answers_due = 1
             self.clock_hz = self._answer() or None
@@ -151,7 +153,9 @@ class GuardedOutput:
         finally:
             output.close()
         self._off_confirmed = True
-        raise GuardianLostError("the process that owned the card's output has ended; this one has switched off")
+        raise GuardianLostError(
+            "the process that owned the card's output has ended; this one has switched off: open the rig again"
+        )
 
     def _let_go(self) -> None:
         self._closed = True

@@ -97,7 +97,10 @@ class InstrumentSettings(NamedTuple):
             )
         noises = (self.voltage_noise_v, self.displacement_noise_m, self.force_noise_n)
         if min(*noises, self.lead_resistance_ohm, self.contact_jump_ohm, self.clock_jitter) < 0.0:
-            raise CallerError("noise, leads, contact and jitter of instruments must be 0 or more")
+            raise CallerError(
+                f"noises {noises}, leads {self.lead_resistance_ohm:g} ohm, contact {self.contact_jump_ohm:g} ohm and "
+                f"jitter {self.clock_jitter:g} of instruments must be 0 or more"
+            )
         if self.clock_jitter > 0.2:
             raise CallerError(f"clock_jitter {self.clock_jitter:g} must be at most 0.2 of the period")
         return self

@@ -235,7 +235,10 @@ def mixture_distribution(parts: Sequence[NormalMixture]) -> Distribution:
     """
     weights = [part.weight for part in parts]
     if not parts or min(weights) <= 0.0 or abs(sum(weights) - 1.0) > 1e-9 or min(part.deviation for part in parts) <= 0:
-        raise CallerError("a mixture needs populations whose weights are above 0 and add up to 1, deviations above 0")
+        raise CallerError(
+            "a mixture needs populations whose weights are above 0 and add up to 1, deviations above 0, not "
+            f"{list(parts)}"
+        )
     low = min(part.mean - REACH * part.deviation for part in parts)
     high = max(part.mean + REACH * part.deviation for part in parts)
     offset = np.linspace(low, high, TABLE_POINTS)

@@ -62,7 +62,7 @@ class Board:
         """
         with self._sending:
             if self._only_off and kind is not MessageKind.OFF:
-                raise OffMeanwhileError("the line is to be closed")
+                raise OffMeanwhileError("the line is to be closed: open the rig again")
             if sequence is not None:
                 self.repeated_commands += 1
             number = self.new_sequence() if sequence is None else sequence
@@ -119,7 +119,10 @@ class Board:
         now_s = self._clock_s()
         self._broken_at_s.extend([now_s] * min(newly_broken, STORM_FRAMES))
         if newly_broken and len(self._broken_at_s) == STORM_FRAMES and now_s - self._broken_at_s[0] <= STORM_S:
-            raise LinkStormError(f"{STORM_FRAMES} broken frames within {STORM_S:g} s on {self._line.name}")
+            raise LinkStormError(
+                f"{STORM_FRAMES} broken frames within {STORM_S:g} s on {self._line.name}: check baud rate, cable and "
+                "ground"
+            )
 
     def command(self, kind: MessageKind, payload: bytes, patience_s: float, attempts: int) -> Acknowledgement | None:
         """Send a command until it is acknowledged; None if it never was. Other messages are dropped."""

@@ -115,7 +115,7 @@ class SerialDevice:
         if round(ticks) < 1 or abs(ticks - round(ticks)) > 1e-6 * ticks:
             raise CallerError(
                 f"sample_period {wanted.sample_period:g} s is not a whole number of the board's ticks of "
-                f"{board.tick_period_s:g} s"
+                f"{board.tick_period_s:g} s: choose a multiple"
             )
         if wanted.sample_period * 1e3 >= board.expiry_ms:
             raise CallerError(
@@ -216,7 +216,7 @@ class SerialDevice:
 
     def _require_on(self) -> None:
         if self._board.only_off:
-            raise OffMeanwhileError("the line is to be closed")
+            raise OffMeanwhileError("the line is to be closed: open the rig again")
 
     def _send(self, command: Command, sequence: int | None = None) -> int:
         """Send a command and return its sequence number; with a ``sequence`` it is the same command again."""

@@ -107,7 +107,7 @@ class ParticleSettings:
         if any(len(row) != len(UNKNOWNS) or min(row) < 0.0 for row in rows):
             raise CallerError(f"a particle filter needs {len(UNKNOWNS)} numbers of 0 or more for {', '.join(UNKNOWNS)}")
         if abs(sum(self.chance) - 1.0) > 1e-9:
-            raise CallerError(f"the chances of the unknowns add up to {sum(self.chance):g}, not to 1")
+            raise CallerError(f"the chances of the unknowns add up to {sum(self.chance):g}: they must add up to 1")
         positive = (
             self.hypotheses - 9,
             self.snapshot,
@@ -120,7 +120,7 @@ class ParticleSettings:
             self.largest_std,
         )
         if not min(positive) > 0.0:
-            raise CallerError("a particle filter needs 10 hypotheses or more, and errors and times above 0")
+            raise CallerError(f"a particle filter needs 10 hypotheses or more, and errors and times above 0: {self}")
 
     def tables(self, explanation: str) -> FloatArray:
         """Return the three rows of the unknowns for an explanation as one table, (3, n_unknowns)."""

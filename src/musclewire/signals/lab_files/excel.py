@@ -71,7 +71,10 @@ def _rows(sheet: Any, path: Path) -> Iterator[tuple[Any, ...]]:
     sheet.reset_dimensions()
     for number, row in enumerate(sheet.iter_rows(values_only=True), start=1):
         if number > MAX_ROWS or len(row) > MAX_COLUMNS:
-            raise RecordingError(f"{path}: sheet '{one_line(sheet.title)}' has rows or columns that Excel cannot have")
+            raise RecordingError(
+                f"{path}: sheet '{one_line(sheet.title)}' has rows or columns that Excel cannot have; save it again, "
+                "or as CSV"
+            )
         yield row
 
 

@@ -166,7 +166,7 @@ def _separator(line: str, lines: _Lines) -> str:
     rest = line.removeprefix("Separator")
     by_name = _SEPARATORS.get(rest.strip("\t,; ").lower())
     if by_name is None:
-        raise lines.problem("names a separator that is not known: Tab, Comma or Semicolon")
+        raise lines.problem("names a separator that is not known: save it with Tab, Comma or Semicolon")
     return by_name
 
 

@@ -52,5 +52,8 @@ def _check_member(workbook: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path
             # Without zeros UTF-16 reads like ASCII, so that no encoding hides the word.
             text = (tail + piece).replace(b"\0", b"")
             if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
-                raise RecordingError(f"{path}: '{member.filename}' declares a document type, which no workbook has")
+                raise RecordingError(
+                    f"{path}: '{member.filename}' declares a document type, which no workbook has; save it again in "
+                    "Excel"
+                )
             tail = piece[-32:]

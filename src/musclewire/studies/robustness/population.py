@@ -141,7 +141,9 @@ def drawn(
     found: dict[str, float] = {}
     for name, spread in spreads.items():
         if name not in nominal:
-            raise CallerError(f"robustness: the population of {base.wire} spreads '{name}', which no wire has")
+            raise CallerError(
+                f"robustness: the population of {base.wire} spreads '{name}', which no wire has: leave it out"
+            )
         normal = float(np.clip(generator.standard_normal(), -CUT_OFF, CUT_OFF))
         relative = spread.endswith("%")
         size = float(spread.rstrip("% ")) * (0.01 * abs(nominal[name]) if relative else 1.0)

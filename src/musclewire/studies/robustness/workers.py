@@ -138,7 +138,7 @@ def ask(process: subprocess.Popen[bytes], line: str) -> None:
         process.stdin.write(line.encode() + b"\n")
         process.stdin.flush()
     except OSError:
-        raise NumericsError("a worker of the benchmark has died; what was finished is kept") from None
+        raise NumericsError("a worker of the benchmark has died: run it again, what was finished is kept") from None
 
 
 def answered(process: subprocess.Popen[bytes]) -> Answer:
@@ -146,7 +146,9 @@ def answered(process: subprocess.Popen[bytes]) -> Answer:
     assert process.stdout is not None
     line = process.stdout.readline()
     if not line:
-        raise NumericsError("a worker of the benchmark has died: is there enough memory? what was finished is kept")
+        raise NumericsError(
+            "a worker of the benchmark has died: is there enough memory? run it again, what was finished is kept"
+        )
     data = json.loads(line)
     if isinstance(data, str):
         raise NumericsError(f"a worker of the benchmark has failed: {data}")
