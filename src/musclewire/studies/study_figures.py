@@ -87,7 +87,7 @@ def distributions(result: StudyResult, *, style: str = "screen") -> Figure:
     """
     names = numbers_of(result)
     if not names:
-        raise CallerError("there is nothing to plot: no run of this study gave a number")
+        raise CallerError(f"there is nothing to plot: none of {len(result)} runs gave a number, look at its errors")
     figure, axes = panel_grid(style, len(names), COLUMNS)
     with figure.styled(), mpl.rc_context({"axes.formatter.limits": LOOK["axes.formatter.limits"]}):
         draw_distributions(axes, result, names, 3)
