@@ -62,7 +62,14 @@ def branches_table(readings: Sequence[IsobarReading]) -> str:
         for each in readings
     ]
     left = [f"{100.0 * part:.0f} % left, K" for part in SHOWN_LEFT]
-    header = ["isobar", "stroke, %", *left, "linear strain, 1e-6/K", "stroke without it, %", "half without it, K"]
+    header = [
+        "isobar",
+        "stroke, %",
+        *left,
+        "linear strain, 1e-6/K",
+        "stroke without it, %",
+        "half the distance without it, K",
+    ]
     return table(header, rows)
 
 
