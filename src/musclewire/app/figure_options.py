@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -42,4 +43,7 @@ class FigureOptions:
 
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SubstituteFontWarning)  # already said by check()
-            save_figure(drawing(style=self.plot_style), self.plot)
+            drawn = drawing(style=self.plot_style)
+            save_figure(drawn, self.plot)
+        if pyplot := sys.modules.get("matplotlib.pyplot"):
+            pyplot.close(drawn.figure)  # it would keep every figure of a process that calls many commands
