@@ -81,8 +81,9 @@ const looks = {
       return isShown(one) && width > 2 && bottom > 0 && top < innerHeight;
     };
     const texts = [...document.querySelectorAll("h1, h2, h3, button, summary, label, legend, .key, .plot-title, [role=img]")].filter(inSight)
-      .map((one) => (one.getAttribute("aria-label") ?? one.innerText ?? "").replace(/\s+/g, " ").trim())
-      .map((text) => text.replace(/[-\u2212]?\d+([.,]\d+)?|\u2013/g, "#"));
+      .map((one) => one.getAttribute("aria-label") ?? one.innerText ?? "")
+      // Numbers, and the dash for a value that has not come yet, are left out.
+      .map((text) => text.replace(/[-\u2212]?\d+([.,]\d+)?|\u2013/g, "").replace(/\s+/g, " ").trim());
     return [...new Set(texts.filter(Boolean))];
   },
 

@@ -18,6 +18,7 @@ __all__ = ["FOLDER", "LANDMARKS", "Pictures"]
 
 FOLDER = Path(__file__).parents[3] / "docs" / "images" / "live_page"
 LANDMARKS = FOLDER / "landmarks.json"
+SETTLES_S = 10  # a busy machine draws the page's parts one after the other
 COLOURS = 96  # a page of text and lines needs no more, and each picture stays near 100 kB
 
 
@@ -32,7 +33,8 @@ class Pictures:
 
     def see(self, page: Any, name: str) -> None:
         """Take a picture of what is in sight, or assert that the committed one shows the same."""
-        shown = page.evaluate("looks.landmarks()")
+        page.evaluate("scrollTo(0, 0)")  # a click may have scrolled, or not
+        shown = page.evaluate("looks.landmarks()") if self.takes else self._settled(page, name)
         self.seen.add(name)
         if self.takes:
             self._shown[name] = shown
@@ -46,3 +48,13 @@ class Pictures:
         added = [one for one in shown if one not in self._shown[name]]
         assert not gone, f"{name}: no longer on the page: {gone}; {new}"
         assert not added, f"{name}: new on the page: {added}; {new}"
+
+    def _settled(self, page: Any, name: str) -> list[str]:
+        """Return what is on the page, as soon as that is what the picture shows, or after a while."""
+        shown: list[str] = page.evaluate("looks.landmarks()")
+        for _ in range(SETTLES_S * 10):
+            if set(shown) == set(self._shown[name]):
+                break
+            page.wait_for_timeout(100.0)
+            shown = page.evaluate("looks.landmarks()")
+        return shown
