@@ -78,7 +78,7 @@ def tests_of(group: str, processes: str) -> list[str]:
     parallel = ["-n", "1" if group == "browser" else processes, "--dist", "worksteal"]
     if group == "without_compilation":
         suite = SETTINGS[group]
-        return [*parallel, *suite["tests"], *(f"--deselect={name}" for name in suite["deselect"])]
+        return [*parallel, *suite["tests"], *(f"--deselect={left_out['test']}" for left_out in suite["deselect"])]
     return [*parallel, *([] if group == "default" else ["-m", group])]
 
 

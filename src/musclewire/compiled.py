@@ -146,7 +146,7 @@ class Callback(numba.types.WrapperAddressProtocol):
 
 
 @cache
-def callback(function: Any, n_arrays: int) -> Callback:
+def callback(function: Any, n_arrays: int) -> Any:
     """Return a compiled function of some arrays of floats, which returns nothing, as a :class:`Callback`.
 
     Parameters
@@ -159,13 +159,16 @@ def callback(function: Any, n_arrays: int) -> Callback:
 
     Returns
     -------
-    The callback; the same object for the same arguments.
+    The callback; the same object for the same arguments. With compilation off (``NUMBA_DISABLE_JIT``) the function
+    itself, which plain Python calls as well.
 
     Raises
     ------
     TypeError
         For a function that is not compiled or returns something.
     """
+    if numba_config.DISABLE_JIT:
+        return function
     arrays = (numba.types.float64[::1],) * n_arrays
     if not hasattr(function, "get_compile_result"):
         raise TypeError(f"{function!r} is not compiled: decorate it with musclewire.compiled.compiled")

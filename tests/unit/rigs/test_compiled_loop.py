@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from musclewire.controllers import staircase
+from musclewire.experiment.many_loops import control_many
 from musclewire.parameters.library import load_bench
 from musclewire.rigs.compiled_loop.running import uncompiled
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.simulated import Instruments, read_sample
+from musclewire.sensing import SensingModel
 
 
 @pytest.mark.parametrize("at_endpoint", [False, True])
@@ -33,3 +37,33 @@ def test_what_has_no_compiled_form_says_why() -> None:
         assert "being driven" in uncompiled(fresh)
         fresh.make_safe()
         assert uncompiled(fresh) == ""
+
+
+# 4 % at 13.5 ohm, nothing at 17.5 ohm: any wire will do for a few samples.
+MODEL = SensingModel(13.5, 17.5, (0.0405, -0.04), (0.0395, -0.04), 0.05, 0.95, resistance_noise_ohm=0.005)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("estimator", ["polynomial", "gated"])
+def test_a_few_samples_of_a_compiled_loop_are_those_in_python(estimator: str) -> None:
+    """Short enough to be run without compilation, too (checks/branch_coverage.toml)."""
+    reference = staircase(start=0.015, stop=0.018, hold_s=0.2)
+    fast, slow = (
+        control_many(
+            RigConfiguration(surroundings={"draught": 0.1}),
+            MODEL,
+            reference,
+            seeds=[7],
+            estimator=estimator,
+            approach_s=0.3,
+            keep_recordings=True,
+            in_python=in_python,
+        ).outcomes[0]
+        for in_python in (False, True)
+    )
+    assert (fast.compiled, slow.compiled) == (True, False)
+    assert fast.ended == slow.ended
+    assert fast.run is not None
+    assert slow.run is not None
+    for name, column in slow.run.columns.items():
+        np.testing.assert_array_equal(fast.run.columns[name], column, err_msg=name)
