@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from musclewire.controllers import staircase
+from musclewire.errors import RigError
+from musclewire.experiment.drive import drive_wire
 from musclewire.experiment.many_loops import control_many
 from musclewire.parameters.library import load_bench
 from musclewire.rigs.compiled_loop.running import uncompiled
 from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.simulated import Instruments, read_sample
 from musclewire.sensing import SensingModel
+from musclewire.signals.recording import Recording
 
 
 @pytest.mark.parametrize("at_endpoint", [False, True])
@@ -43,16 +50,25 @@ def test_what_has_no_compiled_form_says_why() -> None:
 MODEL = SensingModel(13.5, 17.5, (0.0405, -0.04), (0.0395, -0.04), 0.05, 0.95, resistance_noise_ohm=0.005)
 
 
+OTHER_WIRE = replace(MODEL, resistance_min_ohm=30.0, resistance_max_ohm=40.0)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("estimator", ["polynomial", "gated"])
-def test_a_few_samples_of_a_compiled_loop_are_those_in_python(estimator: str) -> None:
+@pytest.mark.parametrize(
+    ("model", "limits"),
+    [(MODEL, {}), (OTHER_WIRE, {}), (MODEL, {"maximum_current": 0.05}), (MODEL, {"maximum_temperature": 299.0})],
+    ids=["to its end", "a wire that is not the model's", "over-current", "too warm"],
+)
+def test_a_few_samples_of_a_compiled_loop_are_those_in_python(
+    model: SensingModel, limits: dict[str, float], estimator: str
+) -> None:
     """Short enough to be run without compilation, too (checks/branch_coverage.toml)."""
-    reference = staircase(start=0.015, stop=0.018, hold_s=0.2)
     fast, slow = (
         control_many(
-            RigConfiguration(surroundings={"draught": 0.1}),
-            MODEL,
-            reference,
+            RigConfiguration(surroundings={"draught": 0.1}, limits=limits),
+            model,
+            staircase(start=0.015, stop=0.018, hold_s=0.2),
             seeds=[7],
             estimator=estimator,
             approach_s=0.3,
@@ -61,9 +77,33 @@ def test_a_few_samples_of_a_compiled_loop_are_those_in_python(estimator: str) ->
         ).outcomes[0]
         for in_python in (False, True)
     )
-    assert (fast.compiled, slow.compiled) == (True, False)
-    assert fast.ended == slow.ended
+    assert (fast.ended, slow.compiled) == (slow.ended, False)
+    assert fast.compiled is (model is MODEL and not limits)
     assert fast.run is not None
     assert slow.run is not None
-    for name, column in slow.run.columns.items():
-        np.testing.assert_array_equal(fast.run.columns[name], column, err_msg=name)
+    for name in slow.run.columns:
+        np.testing.assert_array_equal(fast.run.columns[name], slow.run.columns[name], err_msg=name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("limits", [{}, {"maximum_current": 0.05}])
+def test_a_few_samples_of_a_known_drive_are_those_in_python(limits: dict[str, float]) -> None:
+    rigs = [open_rig(RigConfiguration(limits=limits)) for _ in range(2)]
+
+    def driven(rig: GuardedRig, **how: Any) -> Recording:
+        with rig:
+            return drive_wire(rig, on_s=0.3, duration_s=0.5, supply_v=3.0, **how)
+
+    runs = []
+    for rig, how in zip(rigs, ({}, {"on_sample": lambda _row: None}), strict=True):
+        try:
+            runs.append(driven(rig, **how))
+        except RigError as error:
+            runs.append(str(error))
+    assert all(isinstance(run, str) for run in runs) is bool(limits)
+    if limits:
+        assert runs[0] == runs[1]
+    else:
+        for name in runs[1].columns:
+            np.testing.assert_array_equal(runs[0].columns[name], runs[1].columns[name], err_msg=name)
+    assert rigs[0].protection == rigs[1].protection
