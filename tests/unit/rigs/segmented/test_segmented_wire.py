@@ -262,6 +262,20 @@ def test_a_slack_wire_carries_nothing_and_finds_back() -> None:
     assert wire.state.stress_pa == pytest.approx(1.9 / wire.section_m2, rel=0.06)
 
 
+def test_three_segments_carry_one_force_jump_with_the_load_and_go_slack_together() -> None:
+    """Few segments and samples, so that it can be run without compilation, too (checks/branch_coverage.toml)."""
+    wire = paper(WireStructure(3, classes=CLASSES, grains=GRAINS))
+    for force_n in (0.0, 1.0, -2.5, 0.0, 1.5):
+        wire.surround(Conditions(load_force_n=force_n))
+        for _ in range(3):
+            means = wire.advance(2.8, SAMPLE_S)
+        carried_n = wire.state.stress_pa * wire.section_m2
+        assert carried_n == pytest.approx(wire.state.force_n, abs=1e-9)
+        assert carried_n == pytest.approx(max(1.9 + force_n, 0.0), abs=0.9)
+        assert means.force_n >= 0.0
+        assert (wire.state.stress_pa == 0.0) is (force_n < -1.9)
+
+
 def test_ageing_grows_with_the_logarithm_of_the_cycles() -> None:
     ageing = Ageing(cycles_scale=10.0, residual_strain=1e-3, resistance=0.01, temperature_k=2.0)
     strain, factor, shift_k = ageing.effects(10.0 * (math.e - 1.0))
