@@ -31,8 +31,12 @@ def student_version(solutions: dict[str, Any]) -> dict[str, Any]:
         if cell["cell_type"] == "code":
             solved = text.startswith(MARK)
             cell["source"] = ["# your code"] if solved else cell["source"]
-        elif solved and not text.startswith("## "):
-            continue  # what a solution is commented with
+        elif solved:
+            # What a solution is commented with stays with the lecturer; the next question begins with its heading.
+            _, heading, question = f"\n{text}".partition("\n## ")
+            if not heading:
+                continue
+            cell["source"] = f"## {question}".splitlines(keepends=True)
         cells.append(cell)
     cells[0]["source"] = [f"{TITLE}\n", "\n", INTRODUCTION]
     return {**notebook, "cells": cells}

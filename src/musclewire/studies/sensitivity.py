@@ -5,13 +5,15 @@ other sample gives the first index, from means over classes of a parameter, and 
 changes a distribution without its mean. With few runs the classes are few, and a wavy dependence looks weaker than it
 is. RBD-FAST is for random samples only: in a quasi-random sequence it takes one parameter for another. A grid is
 complete, so that its first indices are variances of means: nothing is estimated.
+
+Where some parameters are on a grid and others sampled, all indices are fractions of one variance, that of all runs.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -100,7 +102,7 @@ def sensitivity_of(design: Design, columns: Mapping[str, FloatArray], seed: int)
         return found
     for quantity, values in columns.items():
         if values.ndim == 1 and varies(values):
-            found += of_grid(design, quantity, values)
+            found += of_grid(design, quantity, values, seed)
             found += of_samples(design, quantity, values, seed)
     return found
 
@@ -111,45 +113,39 @@ def varies(values: FloatArray) -> bool:
     return bool(finite.size and np.ptp(finite) > MIN_VARIATION * float(np.abs(finite).max()))
 
 
-def of_grid(design: Design, quantity: str, values: FloatArray) -> list[Sensitivity]:
-    """Return the first index of each axis of a grid: the variance of the means over all else, relative to the whole."""
+def of_grid(design: Design, quantity: str, values: FloatArray, seed: int) -> list[Sensitivity]:
+    """Return the first index of each axis of a grid: the variance of the means over all else, relative to the whole.
+
+    Means over sampled parameters are estimates; their interval is that of drawing the samples again.
+    """
     if not np.isfinite(values).all():
         return []
-    shape = (*(len(axis.values) for axis in design.axes), len(design.samples))
-    cube, whole = values.reshape(shape), float(values.var())
-    found = []
-    for place, axis in enumerate(design.axes):
-        means = cube.mean(axis=tuple(other for other in range(cube.ndim) if other != place))
-        found.append(Sensitivity(quantity, axis.name, GRID, first=float(means.var()) / whole, first_error=0.0))
-    return found
+    cube = values.reshape((*(len(axis.values) for axis in design.axes), len(design.samples)))
+    exact = first_of_axes(cube)
+    errors = np.zeros(len(design.axes))
+    if design.sampled:
+        draws = np.random.default_rng(seed).integers(cube.shape[-1], size=(RESAMPLES, cube.shape[-1]))
+        errors = 1.96 * np.std([first_of_axes(cube[..., draw]) for draw in draws], axis=0)
+    return [
+        Sensitivity(quantity, axis.name, GRID, first=float(exact[place]), first_error=float(errors[place]))
+        for place, axis in enumerate(design.axes)
+    ]
+
+
+def first_of_axes(cube: FloatArray) -> FloatArray:
+    """Return the first index of every axis of a cube but the last, which is over samples."""
+    whole, axes = float(cube.var()), range(cube.ndim)
+    means = [cube.mean(axis=tuple(other for other in axes if other != place)) for place in axes[:-1]]
+    return np.array([mean.var() / whole for mean in means])
 
 
 def of_samples(design: Design, quantity: str, values: FloatArray, seed: int) -> list[Sensitivity]:
-    """Return the indices of the sampled parameters; at several points of a grid the means over these."""
+    """Return the indices of the sampled parameters, relative to the variance of all runs, over all points of a grid."""
     if not design.sampled:
         return []
     rows = values.reshape(design.points, len(design.samples))
     analyse = saltelli if design.method == "saltelli" else given_data
-    tables = [analyse(design, quantity, row, seed) for row in rows]
-    if any(not table for table in tables):
-        return []
-    return [mean_of(same) for same in zip(*tables, strict=True)]
-
-
-def mean_of(rows: Sequence[Sensitivity]) -> Sensitivity:
-    """Return the mean of the same indices at several points of a grid."""
-
-    def over(pick: Callable[[Sensitivity], float | None]) -> float | None:
-        values = [value for row in rows if (value := pick(row)) is not None]
-        return float(np.mean(values)) if values else None
-
-    return rows[0]._replace(
-        first=over(lambda row: row.first),
-        first_error=over(lambda row: row.first_error),
-        total=over(lambda row: row.total),
-        total_error=over(lambda row: row.total_error),
-        pawn=over(lambda row: row.pawn),
-    )
+    return analyse(design, quantity, rows, seed)
 
 
 def problem_of(design: Design) -> dict[str, Any]:
@@ -158,46 +154,62 @@ def problem_of(design: Design) -> dict[str, Any]:
     return {"num_vars": len(design.sampled), "names": [name for name, _ in design.sampled], "bounds": ends}
 
 
-def saltelli(design: Design, quantity: str, values: FloatArray, seed: int) -> list[Sensitivity]:
-    """Return first and total Sobol indices; the design needs every run."""
+def saltelli(design: Design, quantity: str, rows: FloatArray, seed: int) -> list[Sensitivity]:
+    """Return first and total Sobol indices; the design needs every run. ``rows`` [point of the grid, sample]."""
     from SALib.analyze import sobol
 
-    if not np.isfinite(values).all():
+    if not np.isfinite(rows).all():
         return []
-    found = sobol.analyze(problem_of(design), values, calc_second_order=False, seed=seed)
+    problem, whole = problem_of(design), float(rows.var())
+
+    def indices(values: FloatArray) -> dict[str, FloatArray]:
+        """Return SALib's indices as parts of the variance of all runs."""
+        part = float(values.var()) / whole
+        found = sobol.analyze(problem, values, calc_second_order=False, seed=seed) if varies(values) else {}
+        return {name: part * np.asarray(found.get(name, 0.0)) for name in ("S1", "S1_conf", "ST", "ST_conf")}
+
+    # A parameter explains by itself what the mean over the grid shows; in total, what is left at each point of it.
+    of_mean, at_points = indices(rows.mean(axis=0)), [indices(row) for row in rows]
+    total = {
+        name: np.mean([np.broadcast_to(one[name], len(design.sampled)) for one in at_points], axis=0)
+        for name in of_mean
+    }
+    first = {name: np.broadcast_to(value, len(design.sampled)) for name, value in of_mean.items()}
     return [
         Sensitivity(
             quantity,
             name,
             "Sobol (Saltelli)",
-            first=float(found["S1"][place]),
-            first_error=float(found["S1_conf"][place]),
-            total=float(found["ST"][place]),
-            total_error=float(found["ST_conf"][place]),
+            first=float(first["S1"][place]),
+            first_error=float(first["S1_conf"][place]),
+            total=float(total["ST"][place]),
+            total_error=float(total["ST_conf"][place]),
         )
         for place, (name, _) in enumerate(design.sampled)
     ]
 
 
-def given_data(design: Design, quantity: str, values: FloatArray, seed: int) -> list[Sensitivity]:
-    """Return first index and PAWN's from any sample; runs that failed are left out."""
+def given_data(design: Design, quantity: str, rows: FloatArray, seed: int) -> list[Sensitivity]:
+    """Return first index and PAWN's from any sample; samples with a failed run are left out. ``rows`` as above."""
     from SALib.analyze import delta, pawn
 
-    usable = np.isfinite(values)
-    if usable.sum() < MIN_RUNS or not varies(values):
+    usable = np.isfinite(rows).all(axis=0)
+    if usable.sum() < MIN_RUNS or not varies(rows[:, usable]):
         return []
-    problem, inputs, outputs = problem_of(design), design.samples[usable], values[usable]
+    problem, inputs, outputs = problem_of(design), design.samples[usable], rows[:, usable]
     # SALib refuses some endings of names.
     numbered = {**problem, "names": [f"x{place}" for place in range(problem["num_vars"])]}
-    first = delta.analyze(numbered, inputs, outputs, num_resamples=RESAMPLES, seed=seed, method="sobol")
-    slices = pawn.analyze(problem, inputs, outputs, S=PAWN_SLICES, seed=seed)
+    of_mean = outputs.mean(axis=0)
+    part = float(of_mean.var() / outputs.var())
+    first = delta.analyze(numbered, inputs, of_mean, num_resamples=RESAMPLES, seed=seed, method="sobol")
+    slices = pawn.analyze(problem, np.tile(inputs, (len(outputs), 1)), outputs.ravel(), S=PAWN_SLICES, seed=seed)
     return [
         Sensitivity(
             quantity,
             name,
             "classes, PAWN",
-            first=float(first["S1"][place]),
-            first_error=float(first["S1_conf"][place]),
+            first=part * float(first["S1"][place]),
+            first_error=part * float(first["S1_conf"][place]),
             pawn=float(slices["median"][place]),
         )
         for place, (name, _) in enumerate(design.sampled)

@@ -68,6 +68,26 @@ def test_the_indices_of_a_grid_are_exact() -> None:
     assert [row.first for row in rows] == pytest.approx([parts[0] / sum(parts), parts[1] / sum(parts)])
 
 
+@pytest.mark.parametrize("method", ["saltelli", "sobol"])
+def test_over_a_grid_all_indices_are_of_one_variance(method: str) -> None:
+    """Of 3 g + 2 x + g x with g of -1, 0, 1 and x uniform from -1 to 1; y does nothing."""
+    sampled = [Sampled(name, "1", lambda probability: 2.0 * probability - 1.0) for name in "xy"]
+    design = design_of([Axis("g", "1", (-1.0, 0.0, 1.0)), *sampled], method, 1024, 1)
+    g, x = np.array([-1.0, 0.0, 1.0])[:, None], design.samples[:, 0]
+    rows = sensitivity_of(design, {"f": (3.0 * g + 2.0 * x + g * x).ravel()}, 1)
+    of_g, of_x, together = 6.0, 4.0 / 3.0, 2.0 / 9.0
+    whole = of_g + of_x + together
+    assert [row.parameter for row in rows] == ["g", "x", "y"]
+    assert [row.first for row in rows] == pytest.approx([of_g / whole, of_x / whole, 0.0], abs=0.02)
+    if method == "saltelli":
+        assert [row.total for row in rows] == [
+            None,
+            pytest.approx((of_x + together) / whole, abs=0.02),
+            pytest.approx(0.0, abs=0.02),
+        ]
+    assert 0.0 < float(rows[0].first_error or 0.0) < 0.05
+
+
 def test_failed_runs_are_left_out_of_a_sample_and_end_a_complete_design() -> None:
     design = three("sobol", 4096)
     values = ishigami(design)
