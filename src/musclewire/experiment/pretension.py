@@ -37,7 +37,7 @@ DEFAULT_POINTS = 8
 SETTING_RATIOS = (0.25, 2.0)
 # Where the vendor's stress ends the range, it begins at most at this fraction of that pretension.
 MIN_OF_LARGEST = 0.35
-COLOURS = {"strain": "#1f6f8b", "force": "#c8553d", "displacement": "#4f7d3a"}
+COLOURS = {"strain": "#1f6f8b", "force": "#c8553d", "displacement": "#1f6f8b"}
 
 
 @dataclass(frozen=True)
