@@ -30,7 +30,7 @@ COMMANDS = {
         ("characterize", "simulated", "--seed", "5", "--cycles", "1", "--period", "12", "-o", "loop.h5", "--json"),
         ("calibrate", "loop.h5", "-o", "mine.toml", "--effort", "quick", "--report", "report.html", "--json"),
     ],
-    "sweep": [("sweep", "study.toml", "-o", ".", "--workers", "1", "--json")],
+    "sweep": [("sweep", "study.toml", "-o", "out", "--workers", "1", "--json")],
 }
 # Sizes of the figures that are shown, and what sticks out sideways of the page without being in a frame that scrolls.
 SHOWN = """() => [...document.querySelectorAll("svg")].map(s => s.getBoundingClientRect())
@@ -71,7 +71,7 @@ def report(request: pytest.FixtureRequest, browser: Any, tmp_path_factory: pytes
             check=False, capture_output=True, text=True, timeout=600, cwd=folder,
         )  # fmt: skip
         assert done.returncode in {0, 1}, done.stderr  # 1 where a row of the paper fails; the page is there
-    return request.param, next(folder.glob("re*.html"))
+    return request.param, next(folder.rglob("re*.html"))
 
 
 @contextmanager
