@@ -92,7 +92,8 @@ def svg_in_frame(figure: Figure, name: str) -> str:
     -------
     HTML of the frame with the figure as :func:`svg` writes it.
     """
-    return f'<div class="scroll broad">{svg(figure, name)}</div>'
+    drawn_px = 96.0 * figure.get_figwidth()
+    return f'<div class="scroll broad" style="--drawn: {drawn_px:.0f}px">{svg(figure, name)}</div>'
 
 
 class Card(NamedTuple):
