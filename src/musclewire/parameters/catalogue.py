@@ -6,6 +6,7 @@ The numbers are in ``data/catalogue/flexinol.toml`` in the vendor's units; here 
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from functools import cache
 from importlib.resources import files
@@ -159,16 +160,12 @@ def catalogue_row(name: str) -> CatalogueRow:
 
 
 def same_size_hint(name: str) -> str:
-    """Return a hint at the catalogue's spelling of a size ('flexinol-0.1-lt' is spelt 0.10), or ""."""
-    parts = name.split("-")
-    try:
-        size_mm = float(parts[1])
-    except (IndexError, ValueError):
-        return ""
-    found = [row.name for row in load_catalogue().row if row.diameter_mm == size_mm]
+    """Return a hint at the catalogue's spelling of a size ('Flexinol 0.1mm' is spelt flexinol-0.10-ht), or ""."""
+    size = re.search(r"\d*\.\d+", name)
+    found = [row.name for row in load_catalogue().row if size and row.diameter_mm == float(size[0])]
     if not found:
         return ""
-    wire_class = parts[-1] if parts[-1] in CLASSES else "ht"
+    wire_class = next((one for one in CLASSES if re.search(rf"(?i)(?<![a-z]){one}\b", name)), "ht")
     return f"; did you mean 'flexinol-{found[0]}-{wire_class}'?"
 
 

@@ -326,7 +326,7 @@ def _check_fall(curves: SmoothedRecording, quantity: str) -> None:
     span = f"{SPANS[quantity]} of {_shown(float(np.ptp(strain)), quantity)}"
     if sign > CERTAIN_SIGN and change >= THERMAL_FRACTION:
         backwards = "pulling must read" if quantity == "force" else "contraction must be"
-        option = "" if quantity == "force" else " (--invert)"
+        option = "" if quantity == "force" else " ('musclewire import ... --invert --zero')"
         raise RecordingError(
             f"{quantity} of the wrong sign: over {span} the resistance rises with it by {100 * change:.1f} %: "
             f"{backwards} positive, negate the {quantity}{option}"

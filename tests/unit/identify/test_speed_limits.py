@@ -108,7 +108,13 @@ def test_a_fast_one_is_named_with_what_would_help() -> None:
     assert {one.direction for one in limits.findings} == {"cooling", "heating"}
     assert limits.possible_amplitude < 0.9 * limits.asked_amplitude
     cooling, heating = limits.warnings
-    for word in ("cools", "moving air", "um (loss over capacity", "times slower", "Amplitude possible"):
+    for word in (
+        "cools",
+        "moving air",
+        "um (loss over capacity",
+        "times slower",
+        "the wire itself allows an amplitude of",
+    ):
         assert word in cooling
     assert "times the maximum voltage" in heating
 

@@ -31,6 +31,8 @@ MAX_PERIODS = 40_000
 PERIODS_FOR_HELP = 3000
 # A reference that turns at least so often is periodic: its first half, which begins at rest, is left out of amplitudes.
 FEWEST_TURNS = 4
+# From this fraction of the amplitude on the wire misses only where the reference begins.
+IN_STEP = 0.95
 
 
 class TooFast(NamedTuple):
@@ -111,13 +113,14 @@ class SpeedLimits:
         times = "" if len(found) == 1 else f", and {len(found) - 1} times more"
         verb, limit = ("falls", "cools") if direction == "cooling" else ("rises", "heats at its maximum voltage")
         possible, asked = factor * self.possible_amplitude, factor * self.asked_amplitude
+        in_step = " once it is in step" if possible >= IN_STEP * asked else ""
         asked_rate, rate = factor * worst.asked_per_s, factor * worst.possible_per_s
         return (
             f"the reference {verb} faster than the wire {limit}: from {found[0].start_s:.3g} s on{times} it will miss "
             f"its target, by up to {factor * worst.missed:.2g} {unit}; it is to move at {asked_rate:.2g} {unit}/s, and "
             f"it moves at {rate:.2g} {unit}/s there and stands still for {worst.turn_s:.2g} s where it turns. "
-            f"Amplitude possible at this speed: {possible:.2g} of {asked:.2g} {unit}. "
-            f"What would help: {self.help.text(direction)}"
+            f"At this speed the wire itself allows an amplitude of {possible:.2g} of {asked:.2g} {unit}{in_step}, "
+            f"and a controller less. What would help: {self.help.text(direction)}"
         )
 
 
