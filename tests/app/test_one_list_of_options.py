@@ -144,6 +144,7 @@ def test_a_period_outside_what_is_allowed_is_wrong_input(musclewire: Callable[..
     assert (answer.code, answer.err) == (2, "musclewire: --period: 0.1 s is outside 1 to 86400 s\n")
 
 
+@pytest.mark.slow
 def test_a_design_reads_its_options_from_a_file_and_the_command_line_takes_precedence(
     musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:

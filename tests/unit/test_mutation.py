@@ -80,6 +80,7 @@ def test_every_mutant_of_the_rooms_is_a_program_of_as_many_lines_and_another_one
     assert len({one.key for one in every}) == len(every)
 
 
+@pytest.mark.slow
 def test_a_sample_is_the_same_for_one_seed_and_has_its_part_of_each_room_and_operator() -> None:
     every = every_mutant()
     sample = sample_of(every, 300, 1)
