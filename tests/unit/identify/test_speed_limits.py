@@ -113,7 +113,7 @@ def test_a_fast_one_is_named_with_what_would_help() -> None:
         "moving air",
         "um (loss over capacity",
         "times slower",
-        "the wire itself allows an amplitude of",
+        "wire itself allows an amplitude of",
     ):
         assert word in cooling
     assert "times the maximum voltage" in heating

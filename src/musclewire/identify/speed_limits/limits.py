@@ -119,8 +119,8 @@ class SpeedLimits:
             f"the reference {verb} faster than the wire {limit}: from {found[0].start_s:.3g} s on{times} it will miss "
             f"its target, by up to {factor * worst.missed:.2g} {unit}; it is to move at {asked_rate:.2g} {unit}/s, and "
             f"it moves at {rate:.2g} {unit}/s there and stands still for {worst.turn_s:.2g} s where it turns. "
-            f"At this speed the wire itself allows an amplitude of {possible:.2g} of {asked:.2g} {unit}{in_step}, "
-            f"and a controller less. What would help: {self.help.text(direction)}"
+            f"The wire itself allows an amplitude of {possible:.2g} of {asked:.2g} {unit}{in_step}, "
+            f"a controller less. What would help: {self.help.text(direction)}"
         )
 
 
