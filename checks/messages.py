@@ -22,6 +22,7 @@ from functools import cached_property
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+SHARED = (ast.expr_context, ast.operator, ast.unaryop, ast.boolop, ast.cmpop)
 SOURCES = ROOT / "src" / "musclewire"
 LIST = Path(__file__).with_suffix(".toml")
 # Who can do something about it. Errors of other names inherit from one of these, in the file that defines them.
@@ -74,8 +75,10 @@ class Source:
         """The syntax tree, in which each node knows the one around it."""
         tree = ast.parse(self.path.read_text("utf-8"))
         for node in ast.walk(tree):
+            # Loads, stores and operators are one object each for every tree of the process: they get no note.
             for child in ast.iter_child_nodes(node):
-                child.__dict__["around"] = node
+                if not isinstance(child, SHARED):
+                    child.__dict__["around"] = node
         return tree
 
     @property

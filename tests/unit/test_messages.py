@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 
 import pytest
@@ -94,3 +95,10 @@ def test_what_breaks_a_rule_is_found(text: str, reason: str) -> None:
 )
 def test_what_keeps_the_rules_is_no_finding(text: str) -> None:
     assert broken(text) == []
+
+
+def test_reading_messages_leaves_the_trees_of_others_alone(tmp_path: Path) -> None:
+    """Python has one ``ast.Load()`` for all trees: a note on it would be copied with every node of any other tree."""
+    messages(tmp_path, "raise CallerError(f'{name} is {-value + 1} mm: give more')")
+    other = ast.parse("a = -b + c")
+    assert not any(hasattr(node, "around") for node in ast.walk(other))
