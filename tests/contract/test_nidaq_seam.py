@@ -25,6 +25,7 @@ from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs.nidaq import device as device_module
 
 NAMES = ("ni-pci-6229", "ni-usb-6001")
+ATTEMPTS = 5
 
 
 def output_v(rig: GuardedRig) -> float:
@@ -55,11 +56,22 @@ def test_a_sample_is_the_mean_of_the_readings_of_its_period(name: str) -> None:
 @pytest.mark.emulated
 @pytest.mark.parametrize("name", NAMES)
 def test_no_reading_of_a_sample_was_taken_under_another_drive(name: str) -> None:
-    """Wire and shunt add up to the drive in the first sample after a step, to a millivolt."""
-    with at_seam(name, paced=True) as rig:
-        for drive_v in (0.3, 2.0, 0.5, 3.0, 0.3):
-            sample = rig.exchange(drive_v)
-            assert sample.wire_voltage_v + sample.shunt_voltage_v == pytest.approx(drive_v, abs=1e-3)
+    """Wire and shunt add up to the drive in the first sample after a step, to a millivolt.
+
+    The card keeps real time: on a machine that is busy with other programs samples may come so late that the protection
+    switches off, as it must, which says nothing about the samples. Then the steps are taken again.
+    """
+    for _ in range(ATTEMPTS):
+        try:
+            with at_seam(name, paced=True) as rig:
+                for drive_v in (0.3, 2.0, 0.5, 3.0, 0.3):
+                    sample = rig.exchange(drive_v)
+                    assert sample.wire_voltage_v + sample.shunt_voltage_v == pytest.approx(drive_v, abs=1e-3)
+        except ProtectionTripError as trip:
+            assert trip.event in (Event.SAMPLE_LATE, Event.COMMAND_MISSING), trip
+        else:
+            return
+    pytest.fail(f"the samples came too late in each of {ATTEMPTS} attempts")
 
 
 @pytest.mark.parametrize("name", NAMES)
