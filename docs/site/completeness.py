@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
-from typing import Any
 from urllib.parse import unquote, urlsplit
 
 import rig_keys_page
 import toml_keys_page
-import typer
 from api_pages import public_names
 from pydantic import BaseModel
 
-from musclewire.app.main import app
+from musclewire.app.command_line import every_command
 from musclewire.rigs.air import Surroundings
 from musclewire.rigs.configuration import RigConfiguration
 from musclewire.rigs.kinds import DEVICES
@@ -86,16 +84,9 @@ def names_without_page(pages: dict[Path, Page], site: Path) -> Iterator[str]:
 def command_words() -> set[str]:
     """Return every command, as it is typed, and every option."""
     words: set[str] = set()
-
-    def add(command: Any, name: str) -> None:
-        below = getattr(command, "commands", None)
-        for short, one in (below or {}).items():
-            add(one, f"{name} {short}")
-        if below is None:
-            options = [item for item in command.params if item.param_type_name == "option"]
-            words.update({name}, *(set(item.opts) - {"-h", "--help"} for item in options))
-
-    add(typer.main.get_command(app), "musclewire")
+    for name, command in every_command().items():
+        options = [item for item in command.params if item.param_type_name == "option"]
+        words.update({f"musclewire {name}"}, *(set(item.opts) - {"-h", "--help"} for item in options))
     return words
 
 

@@ -31,25 +31,20 @@ if TYPE_CHECKING:
     from musclewire.experiment.many_loops import control_many
     from musclewire.experiment.open_loop import characterize
     from musclewire.experiment.pretension import pretension_sweep
-    from musclewire.experiment.reproduce import reproduce
     from musclewire.experiment.speed_limits import speed_limits
     from musclewire.experiment.training import train
     from musclewire.experiment.zero_tendon import zero_tendon
-    from musclewire.export.fmu import export_fmu
     from musclewire.identify import estimate, fit
     from musclewire.identify.physical.calibrate import calibrate
     from musclewire.identify.resistance_alone.fitting import fit_resistance
     from musclewire.identify.resistance_alone.marks import Marks
     from musclewire.identify.tuning import tune
-    from musclewire.live.client import LiveClient
     from musclewire.rigs.configuration import open_rig
     from musclewire.rigs.kinds import DEVICES
     from musclewire.rigs.load_kinds import LOAD_PARTS
     from musclewire.sensing import ESTIMATORS, SensingModel, load_model
     from musclewire.signals import Recording, read_recording
     from musclewire.signals.runs_on_disk import recover_recording
-    from musclewire.studies import RUN_KINDS, read_study, read_study_data, sweep
-    from musclewire.studies.study_page import write_study
 
 __all__ = [
     "open_rig",
@@ -112,12 +107,6 @@ _HOMES = {
     "tune": "musclewire.identify.tuning",
     "load_gains": "musclewire.controllers.gains",
     "calibrate": "musclewire.identify.physical.calibrate",
-    "reproduce": "musclewire.experiment.reproduce",
-    "sweep": "musclewire.studies",
-    "read_study": "musclewire.studies",
-    "write_study": "musclewire.studies.study_page",
-    "read_study_data": "musclewire.studies",
-    "export_fmu": "musclewire.export.fmu",
     "read_recording": "musclewire.signals",
     "recover_recording": "musclewire.signals.runs_on_disk",
     "load_model": "musclewire.sensing",
@@ -128,8 +117,6 @@ _HOMES = {
     "ESTIMATORS": "musclewire.sensing",
     "DEVICES": "musclewire.rigs.kinds",
     "LOAD_PARTS": "musclewire.rigs.load_kinds",
-    "RUN_KINDS": "musclewire.studies",
-    "LiveClient": "musclewire.live.client",
     "MusclewireError": "musclewire.errors",
 }
 
@@ -140,11 +127,20 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("musclewire")
-    if name not in _HOMES:
-        raise AttributeError(f"module 'musclewire' has no attribute '{name}'")
-    value = getattr(import_module(_HOMES[name]), name)
+    value = getattr(import_module(_HOMES[name]), name) if name in _HOMES else _name_of_a_part(name)
     globals()[name] = value
     return value
+
+
+def _name_of_a_part(name: str) -> Any:
+    """Return a name that a part outside the core offers; AttributeError tells of a part that is not there."""
+    from musclewire.manifest import absent_part, loaded, offered
+
+    place = offered("names").get(name)
+    if place is not None:
+        return loaded(place)
+    absent = absent_part("names", name)
+    raise AttributeError(str(absent) if absent else f"module 'musclewire' has no attribute '{name}'")
 
 
 def __dir__() -> list[str]:

@@ -2,7 +2,8 @@
 
 Numba's own cache notices an edit of the file that defines a function, but not of another file whose function it
 calls (numba issue 1833): the old machine code keeps running. Here the cache folder is named by a hash over every
-Python source of the package that may hold compiled code, so that an edit anywhere starts a new folder.
+Python source of the package that may hold compiled code, so that an edit anywhere starts a new folder. Parts outside
+the core have folders of their own, named by the core's sources and theirs.
 """
 
 from __future__ import annotations
@@ -10,13 +11,16 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
 from numba.core import config
+
+from musclewire.manifest import manifests
 
 numba_config: Any = config  # its options are set at run time, where mypy cannot see them
 
@@ -25,29 +29,39 @@ __all__ = ["Callback", "callback", "compiled", "compiled_inline"]
 Function = TypeVar("Function", bound=Callable[..., Any])
 ROOMS_WITH_KERNELS = ("physics", "wire", "simulate", "controllers", "sensing", "rigs/compiled_loop")
 # Of a room of which few files hold kernels only these count, so that an edit of the others costs no compilation.
-FILES_WITH_KERNELS = (
-    "rigs/simulated.py",
-    "rigs/segmented/kernel.py",
-    "rigs/segmented/solution.py",
-    "rigs/segmented/state.py",
-    "interfaces/control_systems/heating.py",
-    "interfaces/environments/kernels.py",
-    "random_numbers.py",
-    "speed/compiled_wires.py",
-    "speed/machine.py",
-)
+FILES_WITH_KERNELS = ("rigs/simulated.py", "random_numbers.py", "speed/compiled_wires.py", "speed/machine.py")
 
 
 @cache
 def kernel_source_hash() -> str:
     """Return a short hash over every source file that may hold compiled code."""
     package = Path(__file__).parent
-    digest = hashlib.sha256()
     in_rooms = (path for room in ROOMS_WITH_KERNELS for path in sorted((package / room).rglob("*.py")))
-    for path in (*in_rooms, *(package / name for name in FILES_WITH_KERNELS)):
-        digest.update(path.relative_to(package).as_posix().encode())
+    files = (*in_rooms, *(package / name for name in FILES_WITH_KERNELS))
+    return hash_over({path.relative_to(package).as_posix(): path for path in files})
+
+
+def hash_over(files: Mapping[str, Path], before: str = "") -> str:
+    """Return a short hash over the names and contents of files, and over a hash of what they call."""
+    digest = hashlib.sha256(before.encode())
+    for name, path in files.items():
+        digest.update(name.encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
+
+
+@cache
+def part_source_hash(part: str) -> str:
+    """Return a short hash over the kernels of a part outside the core, and those of the core, which they call."""
+    modules = next(manifest.kernels for manifest in manifests() if manifest.name == part)
+    found = {module: find_spec(module) for module in modules}
+    files = {module: Path(spec.origin) for module, spec in found.items() if spec is not None and spec.origin}
+    return hash_over(files, kernel_source_hash())
+
+
+def part_of(module: str) -> str | None:
+    """Return the part outside the core whose kernels a module holds, None for any other module."""
+    return next((manifest.name for manifest in manifests() if module in manifest.kernels), None)
 
 
 def cache_root() -> Path:
@@ -62,9 +76,12 @@ def cache_root() -> Path:
 
 
 @cache
-def cache_folder() -> str | None:
-    """Return this version's kernel folder, or None if nothing can be written (compiling still works)."""
-    folder = cache_root() / kernel_source_hash()
+def cache_folder(part: str | None = None) -> str | None:
+    """Return this version's kernel folder, or None if nothing can be written (compiling still works).
+
+    A part outside the core has folders of its own, so that the core's cache stays when the part is edited or deleted.
+    """
+    folder = cache_root() / (kernel_source_hash() if part is None else part_source_hash(part))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -74,7 +91,7 @@ def cache_folder() -> str | None:
 
 def _compile(function: Function, **options: Any) -> Function:
     """Return the function compiled by Numba, with this version's cache folder."""
-    folder = cache_folder()
+    folder = cache_folder(part_of(function.__module__))
     before = numba_config.CACHE_DIR
     # Numba chooses the folder while it decorates, so the setting is ours for that moment only.
     numba_config.CACHE_DIR = folder or before

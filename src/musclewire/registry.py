@@ -1,18 +1,18 @@
 """Kinds of estimators, controllers, devices and load parts by name: our own, and those that others add.
 
-Each registry lists the names of its kinds and where they are defined, and imports a kind only when it is looked up. A
-package from outside adds a kind by one call, ``ESTIMATORS.register("name", factory)``, or without any call by an entry
-point of the registry's group.
+Each registry lists the names of its kinds and where they are defined, and imports a kind only when it is looked up. The
+extras add theirs by their manifests. A package from outside adds a kind by its manifest, by one call,
+``ESTIMATORS.register("name", factory)``, or without any call by an entry point of the registry's group.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Generic, TypeVar, cast
 
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.manifest import absent_part, loaded, offered
 
 __all__ = ["Registry"]
 
@@ -27,7 +27,8 @@ class Registry(Generic[Kind]):
     what
         Word for a kind in messages, "estimator" for example.
     group
-        Group of the entry points under which other packages offer theirs, "musclewire.estimators" for example.
+        Group of the entry points under which other packages offer theirs, "musclewire.estimators" for example. Its last
+        word is the field of a manifest that offers such kinds.
     built_in
         Our own kinds by name, each as "module:attribute". A module is imported when its kind is first looked up.
     """
@@ -36,7 +37,8 @@ class Registry(Generic[Kind]):
         """Take our own kinds; those of other packages are looked up when a name is needed."""
         self.what = what
         self.group = group
-        self._places = dict(built_in)
+        self._field = group.rpartition(".")[2]
+        self._built_in = dict(built_in)
         self._registered: dict[str, Kind] = {}
 
     def register(self, name: str, kind: Kind) -> None:
@@ -59,13 +61,18 @@ class Registry(Generic[Kind]):
             raise CallerError(f"there is already {self.article()} {self.what} named '{name}': give yours another name")
         self._registered[name] = kind
 
+    @property
+    def _places(self) -> dict[str, str]:
+        """The kinds of the core, then those of the parts that are there: name to place."""
+        return {**offered(self._field), **self._built_in}
+
     def own_names(self) -> tuple[str, ...]:
-        """Return the names of musclewire's own kinds."""
-        return tuple(self._places)
+        """Return the names of musclewire's own kinds, and of those that manifests offer."""
+        return tuple(dict.fromkeys([*self._built_in, *self._places]))
 
     def names(self) -> tuple[str, ...]:
         """Return all known names: our own first, then registered ones, then those of entry points."""
-        return tuple(dict.fromkeys([*self._places, *self._registered, *self._offered()]))
+        return tuple(dict.fromkeys([*self.own_names(), *self._registered, *self._offered()]))
 
     def find(self, name: str) -> Kind:
         """Return the kind of a name.
@@ -86,14 +93,11 @@ class Registry(Generic[Kind]):
         """
         if name in self._registered:
             return self._registered[name]
-        if name in self._places:
-            module, _, attribute = self._places[name].partition(":")
-            return cast(Kind, getattr(import_module(module), attribute))
-        offered = self._offered()
-        if name in offered:
-            module, _, attribute = offered[name].partition(":")
-            return cast(Kind, getattr(import_module(module), attribute))
-        raise CallerError(f"there is no {self.what} '{name}'{nearest_hint(name, self.names())}")
+        place = self._places.get(name) or self._offered().get(name)
+        if place is not None:
+            return cast(Kind, loaded(place))
+        absent = absent_part(self._field, name)
+        raise absent or CallerError(f"there is no {self.what} '{name}'{nearest_hint(name, self.names())}")
 
     def article(self) -> str:
         """Return "a" or "an", whichever the word needs."""

@@ -8,27 +8,41 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-import typer
 
-from musclewire.app.main import app
-from musclewire.app.panels import PANELS
+from musclewire.app.command_line import every_command, listed_commands
+from musclewire.app.core_commands import COMMANDS, PANELS
+
+# As a reader meets the commands of the core; those of the parts stand among them.
+BASIC_LOOP = ("characterize", "fit", "tune", "control", "home", "grip")
 
 
-def test_every_command_is_in_one_panel_and_shown_there() -> None:
-    listed = [name for names in PANELS.values() for name in names]
-    shown = typer.main.get_command(app).commands  # type: ignore[attr-defined]
-    assert sorted(listed) == sorted(shown)
-    assert {name: command.rich_help_panel for name, command in shown.items()} == {
-        name: title for title, names in PANELS.items() for name in names
-    }
+def test_every_command_is_in_a_known_panel() -> None:
+    assert {command.rich_help_panel for command in listed_commands().values()} <= set(PANELS)
+    assert {command.name for command in COMMANDS} <= listed_commands().keys()
 
 
 def test_help_has_the_panels_in_their_order(musclewire: Callable[..., Any]) -> None:
     text = musclewire("--help").out
     places = [text.index(title) for title in PANELS]
     assert places == sorted(places)
-    basic = [text.index(f"\u2502 {name} ") for name in PANELS["The basic loop: record, fit, move"]]
+    basic = [text.index(f"\u2502 {name} ") for name in BASIC_LOOP]
     assert basic == sorted(basic)
+
+
+def first_paragraph(text: str) -> str:
+    """The first paragraph of a help as one line."""
+    return " ".join(text.split("\n\n")[0].split())
+
+
+def test_the_list_says_of_each_command_what_the_command_says_of_itself() -> None:
+    """The list is static, so that ``--help`` imports no command; it must not tell something else."""
+    listed = {}
+    for name, command in listed_commands().items():
+        members = getattr(command, "commands", None)
+        listed |= {name: command} if members is None else {f"{name} {key}": one for key, one in members.items()}
+    assert {name: command.help for name, command in listed.items()} == {
+        name: first_paragraph(command.help) for name, command in every_command().items()
+    }
 
 
 @pytest.mark.parametrize(

@@ -7,19 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import typer
 
-from musclewire.app.main import app
+from musclewire.app.command_line import every_command
 from musclewire.app.options import OLD_NAMES, OPTIONS
 from musclewire.errors import CallerError
-
-
-def leaves(command: Any, name: str = "") -> dict[str, Any]:
-    """Every command that runs something, by its full name."""
-    below = getattr(command, "commands", None)
-    if below is None:
-        return {name.strip(): command}
-    return {full: leaf for part, one in below.items() for full, leaf in leaves(one, f"{name} {part}").items()}
 
 
 def kind_of(option: Any) -> tuple[Any, bool]:
@@ -27,7 +18,7 @@ def kind_of(option: Any) -> tuple[Any, bool]:
     return option.type_descriptor.annotation, option.is_flag
 
 
-COMMANDS = leaves(typer.main.get_command(app))
+COMMANDS = every_command()
 USES = [
     pytest.param(option, id=f"{name} {option.opts[0]}")
     for name, command in COMMANDS.items()

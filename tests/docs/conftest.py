@@ -14,17 +14,6 @@ sys.path.insert(0, str(Path(__file__).parent))
 @pytest.fixture(scope="session")
 def commands() -> dict[str, Any]:
     """The commands of the command line by name; those of a group by both names, 'design finger'."""
-    import typer
+    from musclewire.app.command_line import every_command
 
-    from musclewire.app.main import app
-
-    return leaves(typer.main.get_command(app).commands)
-
-
-def leaves(commands: dict[str, Any], before: str = "") -> dict[str, Any]:
-    """Every command that runs something, by its full name."""
-    found: dict[str, Any] = {}
-    for name, command in commands.items():
-        below = getattr(command, "commands", None)
-        found |= {before + name: command} if below is None else leaves(below, f"{before}{name} ")
-    return found
+    return every_command()

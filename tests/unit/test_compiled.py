@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,10 @@ from musclewire.compiled import (
     compiled,
     compiled_inline,
     kernel_source_hash,
+    part_of,
+    part_source_hash,
 )
+from musclewire.manifest import Manifest, manifests
 
 PACKAGE = Path(module.__file__).parent
 
@@ -23,10 +27,10 @@ PACKAGE = Path(module.__file__).parent
 @pytest.fixture(autouse=True)
 def _forget_folders() -> Iterator[None]:
     """Both answers are remembered for the life of a process; here each test asks afresh."""
-    for remembered in (cache_folder, kernel_source_hash):
+    for remembered in (cache_folder, kernel_source_hash, part_source_hash):
         remembered.cache_clear()
     yield
-    for remembered in (cache_folder, kernel_source_hash):
+    for remembered in (cache_folder, kernel_source_hash, part_source_hash):
         remembered.cache_clear()
 
 
@@ -92,7 +96,34 @@ def test_no_other_room_holds_compiled_code() -> None:
         if re.search(r"from musclewire\.compiled import .*\bcompiled(_inline)?\b", path.read_text("utf-8"))
     }
     covered = tuple(f"{room}/" for room in ROOMS_WITH_KERNELS)
-    assert not [name for name in users if not name.startswith(covered) and name not in FILES_WITH_KERNELS]
+    of_parts = {
+        f"{name.removeprefix('musclewire.').replace('.', '/')}.py" for each in manifests() for name in each.kernels
+    }
+    assert not [name for name in users - of_parts if not name.startswith(covered) and name not in FILES_WITH_KERNELS]
+
+
+def test_the_kernels_of_a_part_have_a_folder_of_their_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """So an edit of a part, or its absence, leaves the core's cache alone; an edit of the core starts both anew."""
+    kernel = tmp_path / "kernel.py"
+    kernel.write_text("x = 1\n", "utf-8")
+    monkeypatch.setattr(module, "manifests", lambda: (Manifest("robots", kernels=("robots.kernel",)),))
+    monkeypatch.setattr(module, "find_spec", lambda _: ModuleSpec("robots.kernel", None, origin=str(kernel)))
+    monkeypatch.setattr(module, "cache_root", lambda: tmp_path / "cache")
+    core, part = cache_folder(), cache_folder(part_of("robots.kernel"))
+    assert (part_of("robots.kernel"), part_of("musclewire.wire.step")) == ("robots", None)
+    assert core != part
+    part_source_hash.cache_clear()
+    cache_folder.cache_clear()
+    kernel.write_text("x = 2\n", "utf-8")
+    assert cache_folder() == core
+    assert cache_folder("robots") != part
+    part_source_hash.cache_clear()
+    cache_folder.cache_clear()
+    changed = cache_folder("robots")
+    part_source_hash.cache_clear()
+    cache_folder.cache_clear()
+    monkeypatch.setattr(module, "kernel_source_hash", lambda: "another core")
+    assert cache_folder("robots") != changed
 
 
 def test_where_nothing_can_be_written_compiling_still_works(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

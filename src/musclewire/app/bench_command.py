@@ -6,9 +6,6 @@ import time
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from musclewire.app.commands import add_command
 from musclewire.app.options import ONLY, QUICK, Json
 from musclewire.app.output import emit_json, say, show
 
@@ -16,12 +13,7 @@ if TYPE_CHECKING:
     from musclewire.speed.bench import Benchmark
     from musclewire.speed.machine import Machine
 
-__all__ = ["add_bench_command"]
-
-
-def add_bench_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, bench)
+__all__ = ["bench"]
 
 
 def bench(

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_free
 from musclewire.app.options import (
@@ -42,15 +41,10 @@ if TYPE_CHECKING:
     from musclewire.identify.physical.search import Settings
     from musclewire.signals.recording import Recording
 
-__all__ = ["add_calibrate_command"]
+__all__ = ["calibrate"]
 
 JOURNAL_SUFFIX = ".search"
 OWN_FORMAT = (".h5", ".hdf5")
-
-
-def add_calibrate_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, calibrate)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_recording_file
 from musclewire.app.home_command import HomeOptions
@@ -50,18 +49,13 @@ if TYPE_CHECKING:
     from musclewire.sensing.known_load import KnownSpring
     from musclewire.sensing.model import SensingModel
 
-__all__ = ["add_control_command", "metrics_json"]
+__all__ = ["control", "metrics_json"]
 
 # Steps as a text: "2.5 mm to 6 mm by 0.5 mm".
 STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
 # The paper's controller, whose rule base --rules names.
 FUZZY_PID, DEFAULT_RULES = "fuzzy-pid", "zhao-1993"
 NO_RULES = "--rules belong to the controller fuzzy-pid, not to {}: leave one of them out"
-
-
-def add_control_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, control)
 
 
 @dataclass(frozen=True)
@@ -111,7 +105,7 @@ def control(
         run_many_loops(rig, seed, many, {"model": loaded, **chosen}, follows, json)
         return
     check_files(figure, output, overwrite)
-    follow = loop_of(loaded, controller, settings, load, loop)
+    follow = loop_of(controller, settings, load, loop)
     home_answer: dict[str, Any] | None = None
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         refused = timing.apply(opened)
@@ -205,9 +199,7 @@ def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> d
     }
 
 
-def loop_of(
-    model: SensingModel, controller: str, settings: Any, load: KnownSpring | None, loop: LoopOptions
-) -> Callable[..., ControlRun]:
+def loop_of(controller: str, settings: Any, load: KnownSpring | None, loop: LoopOptions) -> Callable[..., ControlRun]:
     """Return what runs the closed loop: on the host, or on the board that was built for this model and controller.
 
     Raises CallerError for options that change the host's numbers if the firmware's are to run.
@@ -230,13 +222,9 @@ def loop_of(
     if load is not None:
         raise CallerError("--on-board runs by the firmware's own numbers: leave out --known-stiffness")
     from musclewire.experiment.on_board import control_on_board
-    from musclewire.export.c import loop_checksum
-    from musclewire.identify.use_of_model import settings_for
     from musclewire.sensing.estimator import PAPER_ESTIMATOR
 
-    board = loop.estimator or PAPER_ESTIMATOR
-    checksum = loop_checksum(model, settings_for(model, settings), estimator=board)
-    return partial(control_on_board, checksum=checksum)
+    return partial(control_on_board, settings=settings, estimator=loop.estimator or PAPER_ESTIMATOR)
 
 
 def estimator_of(loop: LoopOptions) -> str:

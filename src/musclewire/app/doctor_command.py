@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.options import HOLD, METER_SHUNT, METER_WIRE, REAL_TIME, SEED, WRITE, Json, RigName, in_si
 from musclewire.app.output import emit_json, progress_bar, show
 from musclewire.app.stopping import stops_between_samples
@@ -21,12 +20,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.doctor.probing import OnProbe
     from musclewire.signals.exchange import RawSample
 
-__all__ = ["add_doctor_command"]
-
-
-def add_doctor_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, doctor)
+__all__ = ["doctor"]
 
 
 @dataclass(frozen=True)

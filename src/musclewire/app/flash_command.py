@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.options import DRY_RUN, OLD_BOOTLOADER, SERIAL_PORT, WIRE, Json
 from musclewire.app.output import emit_json, show
 
@@ -14,15 +13,10 @@ if TYPE_CHECKING:
     from musclewire.rigs.serial.flash import Loader
     from musclewire.rigs.serial.images import FirmwareImage
 
-__all__ = ["add_flash_command"]
+__all__ = ["flash"]
 
 # What stands for the port in a command that is only shown.
 NO_PORT = "PORT"
-
-
-def add_flash_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, flash)
 
 
 def flash(

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_folder, require_recording_file
 from musclewire.app.options import (
@@ -38,15 +37,10 @@ if TYPE_CHECKING:
     from musclewire.rigs.configuration import RigConfiguration
     from musclewire.wire.loads import ElasticObject
 
-__all__ = ["add_grip_command"]
+__all__ = ["grip"]
 
 # The gripper is trained on another day than it grips, with other noise and air.
 LEARNING_SEED_STEP = 1000
-
-
-def add_grip_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, grip)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_model_file, require_recording_file
 from musclewire.app.options import (
@@ -36,14 +35,9 @@ if TYPE_CHECKING:
     from musclewire.rigs.guarded import GuardedRig
     from musclewire.sensing.model import SensingModel
 
-__all__ = ["HomeOptions", "add_home_command"]
+__all__ = ["HomeOptions", "home"]
 
 WHEN = ("start", "idle", "never")
-
-
-def add_home_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, home)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_free
 from musclewire.app.options import (
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
     from musclewire.signals.joining import JoinedRecordings
     from musclewire.signals.understanding import Understanding
 
-__all__ = ["add_import_command"]
+__all__ = ["import_recordings"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,11 +54,6 @@ class TableOptions:
             drop_missing=self.drop_missing,
         )
         return mapping.joined(options)
-
-
-def add_import_command(app: typer.Typer) -> None:
-    """Add the command."""
-    add_command(app, import_recordings, "import")
 
 
 def import_recordings(

@@ -7,11 +7,14 @@ import platform
 import re
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
+from typing import Any
 
-__all__ = ["Installation", "installation", "installation_text"]
+from musclewire.manifest import loaded, offered
+
+__all__ = ["Installation", "installation", "installation_json", "installation_text"]
 
 # Name at the beginning of a requirement, and the extra at its end.
 REQUIREMENT = re.compile(r"([\w.-]+).*?(?:;.*\bextra\s*==\s*['\"]([\w.-]+)['\"])?$")
@@ -23,7 +26,10 @@ COMPILER = "llvmlite"
 
 @dataclass(frozen=True)
 class Installation:
-    """What is installed: our version, and of each package that we need; None for what is not there."""
+    """What is installed: our version, and of each package that we need; None for what is not there.
+
+    ``parts`` are versions that parts outside the core state of themselves, as the firmware's protocol.
+    """
 
     version: str
     commit: str | None
@@ -32,13 +38,11 @@ class Installation:
     processors: int | None
     packages: dict[str, str | None]
     extras: dict[str, bool]
-    firmware_protocol: int
+    parts: dict[str, int | str]
 
 
 def installation() -> Installation:
     """Look up what is installed; none of the packages is imported for it."""
-    from musclewire.rigs.serial.message_types import PROTOCOL_VERSION
-
     needed = requirements()
     packages = {name: installed_version(name) for names in [*needed.values(), [COMPILER]] for name in names}
     extras = {extra: all(packages[name] for name in names) for extra, names in sorted(needed.items()) if extra}
@@ -50,7 +54,7 @@ def installation() -> Installation:
         processors=os.cpu_count(),
         packages=packages,
         extras=extras,
-        firmware_protocol=PROTOCOL_VERSION,
+        parts={key: loaded(place) for key, place in offered("versions").items()},
     )
 
 
@@ -94,6 +98,12 @@ def system_text() -> str:
     return f"{release}, {sys.platform}, {platform.machine()}"
 
 
+def installation_json(found: Installation) -> dict[str, Any]:
+    """Return what is installed under the keys of the interface."""
+    document = asdict(found)
+    return {**document, **document.pop("parts")}
+
+
 def installation_text(found: Installation) -> str:
     """Return what is installed as lines for people, the version alone in the first."""
     missing = [name for name, there in found.extras.items() if not there]
@@ -104,6 +114,6 @@ def installation_text(found: Installation) -> str:
         "packages": ", ".join(f"{name} {number}" for name, number in found.packages.items() if number),
         "extras": ", ".join(name for name, there in found.extras.items() if there) or "none",
         "not there": ", ".join(missing),
-        "firmware": f"protocol {found.firmware_protocol}",
+        **{key.partition("_")[0]: f"{key.partition('_')[2]} {number}" for key, number in found.parts.items()},
     }
     return "\n".join([f"musclewire {found.version}", *(f"{name:11}{text}" for name, text in rows.items() if text)])

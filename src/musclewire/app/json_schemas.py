@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, TypeAdapter
@@ -17,6 +17,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.manifest import folder_of, loaded, manifests, offered
 from musclewire.parameters.tagged_tables import TaggedTable
 
 __all__ = ["json_schema", "schema_names"]
@@ -63,24 +64,24 @@ def file_models() -> dict[str, type[Any]]:
     from musclewire.parameters.wire_file import WireFile
     from musclewire.rigs.kinds import DEVICES
     from musclewire.sensing.model_file import ModelFile
-    from musclewire.studies.study_file import StudyFile
 
     rigs = {f"{RIG}{kind}": DEVICES.find(kind).configuration for kind in DEVICES.own_names()}
     return {
         "model": ModelFile,
         "wire": WireFile,
-        "study": StudyFile,
         "gripper": GripperKnowledge,
         "finger": FingerFile,
         "pretensioner": PretensionerFile,
         "material": Material,
+        **{name: loaded(place) for name, place in offered("schemas").items()},
         **rigs,
     }
 
 
-def output_folder() -> Any:
-    """Return the folder of the schemas of what commands print."""
-    return files("musclewire.app") / "data" / "outputs"
+def output_files() -> dict[str, Path]:
+    """Return the schemas of what commands print, by command: of the core, and of the parts that are there."""
+    folders = ["musclewire.app:data/outputs", *(manifest.outputs for manifest in manifests() if manifest.outputs)]
+    return {file.stem: file for folder in folders for file in folder_of(folder).glob("*.json")}
 
 
 @cache
@@ -91,10 +92,7 @@ def schema_names() -> tuple[str, ...]:
     -------
     Names for :func:`json_schema`, such as "model", "rig-serial" and "output-control".
     """
-    outputs = sorted(
-        item.name.removesuffix(".json") for item in output_folder().iterdir() if item.name.endswith(".json")
-    )
-    return (*file_models(), *(f"{OUTPUT}{name}" for name in outputs))
+    return (*file_models(), *(f"{OUTPUT}{name}" for name in sorted(output_files())))
 
 
 def json_schema(name: str) -> dict[str, Any]:
@@ -118,7 +116,7 @@ def json_schema(name: str) -> dict[str, Any]:
     if name not in schema_names():
         raise CallerError(f"there is no schema '{name}'{nearest_hint(name, schema_names())}")
     if name.startswith(OUTPUT):
-        found: dict[str, Any] = json.loads((output_folder() / f"{name.removeprefix(OUTPUT)}.json").read_text("utf-8"))
+        found: dict[str, Any] = json.loads(output_files()[name.removeprefix(OUTPUT)].read_text("utf-8"))
         return found
     return {"$schema": DIALECT, **of_model(name, file_models()[name])}
 

@@ -6,9 +6,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.options import DISPLACEMENT, SENSED_BY, Json, RigName, in_si
 from musclewire.app.output import emit_json, show
@@ -16,14 +13,9 @@ from musclewire.app.output import emit_json, show
 if TYPE_CHECKING:
     from musclewire.interfaces.control_systems import Linearisation, LinearisedLoop, OperatingPoint
 
-__all__ = ["add_linearise_command"]
+__all__ = ["linearise"]
 
 ZERO_DEGC_K = 273.15
-
-
-def add_linearise_command(app: typer.Typer) -> None:
-    """Add the command."""
-    add_command(app, linearise)
 
 
 def linearise(

@@ -7,36 +7,13 @@ made safe; 130 and 143 interrupted by Ctrl-C and SIGTERM, rig made safe.
 from __future__ import annotations
 
 import sys
-from dataclasses import asdict
 from typing import Annotated, Any
 
 import typer
 
-from musclewire.app.bench_command import add_bench_command
-from musclewire.app.calibrate_command import add_calibrate_command
-from musclewire.app.control_command import add_control_command
-from musclewire.app.design import add_design_commands
-from musclewire.app.doctor_command import add_doctor_command
-from musclewire.app.export_command import add_export_commands
-from musclewire.app.flash_command import add_flash_command
-from musclewire.app.grip_command import add_grip_command
-from musclewire.app.home_command import add_home_command
-from musclewire.app.import_command import add_import_command
-from musclewire.app.linearise_command import add_linearise_command
-from musclewire.app.model_commands import add_model_commands
+from musclewire.app.command_line import CommandLine
 from musclewire.app.output import emit_json, say, show
-from musclewire.app.panels import arrange
-from musclewire.app.paper_commands import add_paper_commands
-from musclewire.app.protection_command import add_protection_command
-from musclewire.app.recover_command import add_recover_command
-from musclewire.app.rig_commands import add_rig_commands
-from musclewire.app.robustness_command import add_robustness_command
-from musclewire.app.schema_command import add_schema_command
-from musclewire.app.serve_command import add_serve_command
 from musclewire.app.stopping import STOPPED, Stopped, ignore_signals, listen_for_signals
-from musclewire.app.sweep_command import add_sweep_command
-from musclewire.app.tune_command import add_tune_command
-from musclewire.app.wire_commands import add_wire_commands
 from musclewire.errors import CallerError, MusclewireError
 
 __all__ = ["app", "main"]
@@ -47,6 +24,7 @@ UsageProblem: Any = typer.BadParameter.__mro__[2]
 
 app = typer.Typer(
     name="musclewire",
+    cls=CommandLine,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -63,10 +41,10 @@ def options(
 ) -> None:
     """Position a shape-memory-alloy wire by its own electrical resistance, without a sensor."""
     if version:
-        from musclewire.app.installation import installation, installation_text
+        from musclewire.app.installation import installation, installation_json, installation_text
 
         found = installation()
-        emit_json(asdict(found)) if json else show(installation_text(found))
+        emit_json(installation_json(found)) if json else show(installation_text(found))
         raise typer.Exit
     if json:
         raise CallerError(
@@ -74,31 +52,6 @@ def options(
         )
     if context.invoked_subcommand is None:
         raise CallerError("no command was given: 'musclewire --help' lists them, give one")
-
-
-add_rig_commands(app)
-add_control_command(app)
-add_home_command(app)
-add_doctor_command(app)
-add_flash_command(app)
-add_import_command(app)
-add_model_commands(app)
-add_tune_command(app)
-add_recover_command(app)
-add_grip_command(app)
-add_wire_commands(app)
-add_linearise_command(app)
-add_paper_commands(app)
-add_calibrate_command(app)
-add_sweep_command(app)
-add_robustness_command(app)
-add_design_commands(app)
-add_export_commands(app)
-add_protection_command(app)
-add_bench_command(app)
-add_serve_command(app)
-add_schema_command(app)
-arrange(app)
 
 
 def main() -> None:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_free, require_model_file
 from musclewire.app.options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, QUANTITY, WIRE_FILE, Json
@@ -19,7 +18,7 @@ from musclewire.errors import CallerError
 if TYPE_CHECKING:
     from musclewire.identify.sensing_model import EstimateReport
 
-__all__ = ["add_model_commands"]
+__all__ = ["cite", "estimate", "fit", "rules"]
 
 RecordingPath = Annotated[
     str,
@@ -27,12 +26,6 @@ RecordingPath = Annotated[
         metavar="RECORDING", help="Recording of ours or of another program, or 'lan-fan-2010-table-2', the paper's."
     ),
 ]
-
-
-def add_model_commands(app: typer.Typer) -> None:
-    """Add the commands of this file."""
-    for command in (fit, estimate, rules, cite):
-        add_command(app, command)
 
 
 def fit(

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.options import FIRST_SEED, ONLY, OUTPUT, SEED, SEEDS, WORKERS, Json
 from musclewire.app.output import emit_json, run_bar, say, show
 from musclewire.app.paper_text import print_rows, print_summary
@@ -20,12 +19,7 @@ from musclewire.errors import CallerError
 if TYPE_CHECKING:
     from musclewire.experiment.reproduce import Reproduction, ReproductionRow
 
-__all__ = ["add_paper_commands"]
-
-
-def add_paper_commands(app: typer.Typer) -> None:
-    """Add the commands of this file."""
-    add_command(app, reproduce)
+__all__ = ["reproduce"]
 
 
 @dataclass(frozen=True)

@@ -6,22 +6,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.options import Json
 from musclewire.app.output import emit_json, show
 
 if TYPE_CHECKING:
     from musclewire.controllers.protection import ProtectionLimits, ProtectionTable
 
-__all__ = ["add_protection_command"]
+__all__ = ["protection"]
 
 # Ends of the limits' names and the unit they stand for.
 UNITS = {"_v": "V", "_a": "A", "_w": "W", "_ohm": "ohm", "_k": "K", "_j_per_k": "J/K", "_w_per_k": "W/K"}
-
-
-def add_protection_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, protection)
 
 
 def protection(

@@ -7,17 +7,11 @@ from typing import Annotated
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.options import OUTPUT, OVERWRITE, Json
 from musclewire.app.output import emit_json, show
 
-__all__ = ["add_recover_command"]
-
-
-def add_recover_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, recover)
+__all__ = ["recover"]
 
 
 def recover(

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.control_command import metrics_json
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_model_file, require_recording_file
@@ -41,7 +40,7 @@ if TYPE_CHECKING:
     from musclewire.rigs.guarded import GuardedRig
     from musclewire.signals.recording import Recording
 
-__all__ = ["add_rig_commands"]
+__all__ = ["characterize", "demo", "pretension", "train"]
 
 # What a recording without displacement is good for, which on a board is every recording.
 NO_INSTRUMENT = (
@@ -49,12 +48,6 @@ NO_INSTRUMENT = (
     "add a column displacement_m from an instrument of your own (a caliper, a ruler, a video), or control with a model "
     "fitted elsewhere to the same wire and length, as on the simulated rig"
 )
-
-
-def add_rig_commands(app: typer.Typer) -> None:
-    """Add the commands of this file."""
-    for command in (demo, characterize, pretension, train):
-        add_command(app, command)
 
 
 def demo(

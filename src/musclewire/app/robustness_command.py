@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.options import (
     CONDITION,
@@ -34,12 +33,7 @@ if TYPE_CHECKING:
 
     from musclewire.studies.robustness import Robustness, Selection
 
-__all__ = ["add_robustness_command"]
-
-
-def add_robustness_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, robustness)
+__all__ = ["robustness"]
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,10 @@ from typing import Annotated
 import typer
 
 from musclewire.app import completion
-from musclewire.app.commands import add_command
 from musclewire.app.options import Json
 from musclewire.app.output import emit_json, show
 
-__all__ = ["add_schema_command"]
+__all__ = ["schema"]
 
 SchemaName = Annotated[
     str | None,
@@ -22,11 +21,6 @@ SchemaName = Annotated[
         autocompletion=completion.schemas,
     ),
 ]
-
-
-def add_schema_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, schema)
 
 
 def schema(name: SchemaName = None, json: Json = False) -> None:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from musclewire.app import completion
-from musclewire.app.commands import add_command
 from musclewire.app.options import CPU, HOST, OPEN, OUTPUT, PORT, REAL_TIME_PRIORITY, SEED, TOKEN_FILE
 from musclewire.app.output import say, show
 from musclewire.app.stopping import Stopped
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from musclewire.live.bench_handle import BenchHandle
     from musclewire.live.server.running import Running, ServerSettings
 
-__all__ = ["add_serve_command"]
+__all__ = ["serve"]
 
 Rigs = Annotated[
     list[str] | None,
@@ -34,11 +33,6 @@ Rigs = Annotated[
         autocompletion=completion.rigs,
     ),
 ]
-
-
-def add_serve_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, serve)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.options import (
     LIST,
@@ -33,12 +32,7 @@ if TYPE_CHECKING:
     from musclewire.studies.plan import Plan
     from musclewire.studies.study import StudyResult, Workers
 
-__all__ = ["add_sweep_command"]
-
-
-def add_sweep_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, sweep)
+__all__ = ["sweep"]
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_free
 from musclewire.app.model_commands import RecordingPath
@@ -15,12 +14,7 @@ from musclewire.app.options import CLOSED_LOOP_TIME, CONTROLLER, OUTPUT, OVERWRI
 from musclewire.app.output import emit_json, show
 from musclewire.app.recording_options import ReadingOptions
 
-__all__ = ["add_tune_command"]
-
-
-def add_tune_command(app: typer.Typer) -> None:
-    """Add the command of this file."""
-    add_command(app, tune)
+__all__ = ["tune"]
 
 
 def tune(

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app.commands import add_command
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.files import require_recording_file
 from musclewire.app.options import (
@@ -44,13 +43,7 @@ if TYPE_CHECKING:
 
     from musclewire.experiment.supply_sizing import SupplyRequest, SupplySizing
 
-__all__ = ["add_wire_commands"]
-
-
-def add_wire_commands(app: typer.Typer) -> None:
-    """Add the commands of this file."""
-    for command in (simulate, catalogue):
-        add_command(app, command)
+__all__ = ["catalogue", "simulate"]
 
 
 @dataclass(frozen=True)

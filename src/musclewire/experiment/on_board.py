@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from musclewire.controllers.fuzzy_pid import FuzzyPidSettings
 from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError
 from musclewire.experiment.closed_loop import APPROACH_S, check_same_wire
@@ -18,9 +19,11 @@ from musclewire.experiment.speed_limits import speed_metadata
 from musclewire.experiment.staircases import staircase_within
 from musclewire.experiment.target_range import check_targets
 from musclewire.identify.recordings import COLUMN_SUFFIX
+from musclewire.identify.use_of_model import settings_for
 from musclewire.rigs.abilities import on_board_loop_of
 from musclewire.rigs.device import HasOnBoardLoop
 from musclewire.rigs.protocol import Rig
+from musclewire.sensing.estimator import PAPER_ESTIMATOR
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.exchange import Command, RawSample, Target
 
@@ -81,7 +84,8 @@ def control_on_board(
     model: SensingModel,
     reference: Reference | None = None,
     *,
-    checksum: int,
+    settings: FuzzyPidSettings | None = None,
+    estimator: str = PAPER_ESTIMATOR,
     approach_s: float = APPROACH_S,
     path: str | Path | None = None,
     overwrite: bool = False,
@@ -97,8 +101,10 @@ def control_on_board(
         The model that the firmware was built with.
     reference
         Targets in the model's quantity; if None the paper's staircase within the model's range.
-    checksum
-        Checksum of the model and its controller as they are exported (``musclewire.export.c.loop_checksum``).
+    settings
+        Settings of the fuzzy PID that the firmware was built with; by default those of the model's quantity.
+    estimator
+        Name of the estimator that it was built with.
     approach_s
         Time [s] for which the reference's start is held before the reference begins.
     path
@@ -121,6 +127,7 @@ def control_on_board(
     loop = on_board_loop_of(rig)
     if loop is None:
         raise CallerError("only a board with musclewire's firmware closes the loop itself: this rig has none")
+    checksum = loop.checksum_of(model, settings_for(model, settings or FuzzyPidSettings()), estimator)
     if loop.model_checksum != checksum:
         raise CallerError(
             f"the board's firmware was built for another model or controller (checksum "

@@ -6,13 +6,13 @@ from importlib.resources import files
 from pathlib import Path
 
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.manifest import absent_part, folder_of, manifests, offered
 from musclewire.parameters.seeds import require_seed
 from musclewire.parameters.toml_file import read_toml
 from musclewire.parameters.validation import validated
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.kinds import DEVICES, DeviceConfiguration
 from musclewire.rigs.outside import imported_kind, is_outside, known_kind
-from musclewire.rigs.serial.boards import BOARD_NAMES
 from musclewire.rigs.simulated_configuration import RigConfiguration
 
 __all__ = [
@@ -27,6 +27,12 @@ __all__ = [
 SIMULATED = "simulated"
 # Rig files that ship with musclewire, each known by its name.
 FOLDER = Path(str(files("musclewire.parameters"))) / "data" / "rigs"
+
+
+def shipped_rig_files() -> dict[str, Path]:
+    """Return the rig files of the core, then those of the parts that are there, by name."""
+    folders = [FOLDER, *(folder_of(manifest.rig_files) for manifest in manifests() if manifest.rig_files)]
+    return {file.stem: file for folder in reversed(folders) for file in sorted(folder.glob("*.toml"))}
 
 
 def read_rig_file(path: str | Path, *, may_import: bool = False) -> DeviceConfiguration:
@@ -49,7 +55,7 @@ def read_rig_file(path: str | Path, *, may_import: bool = False) -> DeviceConfig
 
 def rig_names() -> list[str]:
     """Return the names of the rig files that ship with musclewire, after the word for the paper's bench."""
-    return [SIMULATED, *(item.stem for item in sorted(FOLDER.glob("*.toml")))]
+    return [SIMULATED, *sorted(shipped_rig_files())]
 
 
 def simulated_configuration(rig: str | Path | RigConfiguration) -> tuple[RigConfiguration, str]:
@@ -75,10 +81,12 @@ def rig_configuration(
         return rig, "rig"
     if str(rig) == SIMULATED:
         return RigConfiguration(), SIMULATED
-    named = BOARD_NAMES.get(str(rig), str(rig))
-    if named in rig_names() and (named == str(rig) or not Path(rig).exists()):
-        return read_rig_file(FOLDER / f"{named}.toml"), f"rig {named}"
+    named, shipped = offered("rig_names").get(str(rig), str(rig)), shipped_rig_files()
+    if named in shipped and (named == str(rig) or not Path(rig).exists()):
+        return read_rig_file(shipped[named]), f"rig {named}"
     if Path(rig).suffix != ".toml" and not Path(rig).exists():
+        if (absent := absent_part("rig_files", str(rig))) is not None:
+            raise absent
         hint = nearest_hint(str(rig), rig_names())
         or_file = " Otherwise give" if hint.endswith("?") else ", or give"
         raise CallerError(f"there is no rig '{rig}'{hint}{or_file} the path of a TOML rig file")

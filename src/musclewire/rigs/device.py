@@ -9,8 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
+from musclewire.controllers.fuzzy_pid import FuzzyPidSettings
 from musclewire.controllers.protection import Event, ProtectionLimits
 from musclewire.rigs.protocol import Metadata
+from musclewire.sensing.model import SensingModel
 from musclewire.signals.exchange import Command, RawSample
 
 __all__ = [
@@ -289,7 +291,11 @@ class HasOnBoardLoop(Protocol):
 
     @property
     def model_checksum(self) -> int:
-        """Checksum of the model and controller that the device was built with (``export.c.loop_checksum``)."""
+        """Checksum of the model and controller that the device was built with."""
+        ...
+
+    def checksum_of(self, model: SensingModel, settings: FuzzyPidSettings, estimator: str) -> int:
+        """Return the checksum that the device would have if it were built with a model and controller."""
         ...
 
     @property

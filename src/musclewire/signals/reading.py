@@ -9,6 +9,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.manifest import absent_part, loaded, manifests
 from musclewire.signals.headers import missing_from, numbered_headers
 from musclewire.signals.import_mapping import ImportMapping, load_mapping
 from musclewire.signals.importing import ImportPlan, Tally, checked_blocks, plan_import
@@ -20,6 +21,10 @@ from musclewire.signals.understanding import Understanding, understanding_of
 from musclewire.signals.writing import require_streamable, write_blocks
 
 __all__ = ["has_headers", "import_recording", "mappings_of_files", "read_hdf5", "read_recording", "understand"]
+
+
+# Suffixes that need no part outside the core.
+OWN_SUFFIXES = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".dat", ".asc")
 
 
 def read_recording(
@@ -244,21 +249,32 @@ def _table(path: Path, group: str | None) -> SourceTable:
 
 def _reader_for(path: Path) -> Callable[[Path, str | None], SourceTable]:
     # Imported here: h5py and the readers of other formats are slow to load, and most commands read no file.
-    from musclewire.signals.lab_files.formats import LAB_SUFFIXES, lab_file_reader
-
     suffix = path.suffix.lower()
     if is_journal(path) or unfinished(path):
         return lambda file, group: _own_table(_without_groups(file, group))
-    if (read := lab_file_reader(path)) is not None:
-        return read
     if suffix in {".h5", ".hdf5"}:
         return _hdf5_table
+    if (read := _offered_reader(path)) is not None:
+        return read
     if suffix in {".csv", ".tsv", ".txt", ".dat", ".asc"}:
         from musclewire.signals.text_tables import read_text_table
 
         return lambda file, group: read_text_table(_without_groups(file, group))
-    known = f".h5, .hdf5, .csv, .tsv, .txt, .dat, .asc, {', '.join(LAB_SUFFIXES[:-1])} or {LAB_SUFFIXES[-1]}"
+    if (absent := absent_part("suffixes", suffix)) is not None:
+        raise absent
+    *others, last = [*OWN_SUFFIXES, *(each for manifest in manifests() for each in manifest.suffixes_read)]
+    known = f"{', '.join(others)} or {last}"
     raise RecordingError(f"{path}: files ending in '{suffix}' are not read; export it as {known}")
+
+
+def _offered_reader(path: Path) -> Callable[[Path, str | None], SourceTable] | None:
+    """Return what a part outside the core reads a file with, None if no part knows the file."""
+    for manifest in manifests():
+        for place in manifest.readers:
+            read: Callable[[Path, str | None], SourceTable] | None = loaded(place)(path)
+            if read is not None:
+                return read
+    return None
 
 
 def _without_groups(path: Path, group: str | None) -> Path:
@@ -272,9 +288,11 @@ def _hdf5_table(path: Path, group: str | None) -> SourceTable:
     from musclewire.signals.hdf5 import is_recording
 
     if not is_recording(path):
-        from musclewire.signals.lab_files.foreign_hdf5 import read_hdf5_of_others
-
-        return read_hdf5_of_others(path, group)
+        read = _offered_reader(path)
+        if read is None:
+            raise RecordingError(f"{path}: is no recording of musclewire, and the part that reads HDF5 of others "
+                                 "(lab_files) is not there; export it as CSV")  # fmt: skip
+        return read(path, group)
     return _own_table(_without_groups(path, group))
 
 

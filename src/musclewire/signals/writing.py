@@ -4,19 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
+from musclewire.manifest import absent_part, loaded, offered
 from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.whole_files import write_whole
 
-__all__ = ["require_streamable", "write_blocks", "write_columns"]
+__all__ = ["FileWriter", "require_streamable", "write_blocks", "write_columns"]
 
 Columns = Mapping[str, FloatArray]
 Metadata = Mapping[str, MetadataValue]
 Blocks = Iterable[tuple[FloatArray, ...]]
+
+
+class FileWriter(NamedTuple):
+    """What writes files of a suffix.
+
+    ``fill`` takes a version of the format, None for the usual one, and returns a function of columns, metadata and
+    path; ``fill_blocks`` takes names, blocks, metadata and path, and is None for a format that cannot grow.
+    """
+
+    fill: Callable[[str | None], Callable[[Columns, Metadata, Path], None]]
+    fill_blocks: Callable[[Sequence[str], Blocks, Metadata, Path], None] | None = None
 
 
 def write_columns(columns: Columns, metadata: Metadata, path: Path, matlab_version: str | None = None) -> None:
@@ -62,11 +75,8 @@ def _block_format_of(path: Path) -> Callable[[Sequence[str], Blocks, Metadata, P
         from musclewire.signals.text_tables import fill_csv_blocks
 
         return fill_csv_blocks
-    if suffix == ".parquet":
-        from musclewire.signals.parquet import fill_parquet_blocks
-
-        return fill_parquet_blocks
-    return None
+    writer = _offered_writer(path)
+    return None if writer is None else writer.fill_blocks
 
 
 def _format_of(path: Path, matlab_version: str | None) -> Callable[[Columns, Metadata, Path], None]:
@@ -82,16 +92,15 @@ def _format_of(path: Path, matlab_version: str | None) -> Callable[[Columns, Met
         from musclewire.signals.text_tables import fill_csv
 
         return fill_csv
-    if suffix == ".parquet":
-        from musclewire.signals.parquet import fill_parquet
+    if (writer := _offered_writer(path)) is not None:
+        return writer.fill(matlab_version)
+    *others, last = [".h5", ".hdf5", ".csv", *offered("writers")]
+    raise absent_part("suffixes", suffix) or CallerError(
+        f"{path}: cannot save as '{suffix}'; end the name in {', '.join(others)} or {last}"
+    )
 
-        return fill_parquet
-    if suffix == ".mat":
-        from musclewire.signals.lab_files.matlab_export import fill_of_version
 
-        return fill_of_version(matlab_version)
-    if suffix == ".xlsx":
-        from musclewire.signals.lab_files.excel_export import fill_excel
-
-        return fill_excel
-    raise CallerError(f"{path}: cannot save as '{suffix}'; end the name in .h5, .hdf5, .csv, .parquet, .mat or .xlsx")
+def _offered_writer(path: Path) -> FileWriter | None:
+    """Return what a part outside the core writes a suffix with, None if no part knows it."""
+    place = offered("writers").get(path.suffix.lower())
+    return None if place is None else loaded(place)

@@ -22,6 +22,7 @@ from musclewire.experiment.doctor.evidence import Evidence, evidence_of
 from musclewire.experiment.doctor.findings import Findings, RigCheck, SkippedCheck
 from musclewire.experiment.doctor.probing import LOW_FRACTIONS, Level, OnProbe, Probe
 from musclewire.experiment.doctor.sense_checks import clock_findings, protection_findings, warmth_findings
+from musclewire.manifest import loaded, manifests
 from musclewire.parameters.library import load_wire
 from musclewire.parameters.parameter_groups import Wire
 from musclewire.rigs.abilities import keeps_real_time, protection_limits_of
@@ -108,10 +109,20 @@ def examine(
     try:
         evidence, at_sense, seen = probed(probe, subject, findings, hold_s)
         findings += seen
+        findings += checks_of_parts(rig)
     finally:
         rig.make_safe()
     found = calibrations(evidence, at_sense, meter_wire_v, meter_shunt_v) if evidence is not None else ()
     return Examination(findings, found, subject.metadata, probe.highest_v, probe.trouble)
+
+
+def checks_of_parts(rig: Rig) -> Findings:
+    """Return what the checks find that parts outside the core offer; each takes the rig and returns findings."""
+    findings = Findings(())
+    for manifest in manifests():
+        for place in manifest.doctor_checks:
+            findings += loaded(place)(rig)
+    return findings
 
 
 def trip_findings(trouble: RigError | None) -> Findings:

@@ -10,6 +10,7 @@ from math import isfinite
 from threading import RLock
 from typing import NoReturn
 
+from musclewire.controllers.fuzzy_pid import FuzzyPidSettings
 from musclewire.controllers.protection import Event, State
 from musclewire.errors import CallerError, RigError
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault
@@ -28,6 +29,7 @@ from musclewire.rigs.serial.messages import (
     MessageKind,
     payload_of,
 )
+from musclewire.sensing.model import SensingModel
 from musclewire.signals.exchange import Command, RawSample, Target
 
 __all__ = ["SERIAL", "SerialDevice"]
@@ -137,6 +139,26 @@ class SerialDevice:
     def identity(self) -> Identity:
         """Identity that the board has reported."""
         return self._identity
+
+    def checksum_of(self, model: SensingModel, settings: FuzzyPidSettings, estimator: str) -> int:
+        """Return the checksum that firmware reports which was built with a model and controller.
+
+        Parameters
+        ----------
+        model
+            The model.
+        settings
+            Settings of the fuzzy PID.
+        estimator
+            Name of the estimator.
+
+        Returns
+        -------
+        The checksum.
+        """
+        from musclewire.export.c.library import loop_checksum
+
+        return loop_checksum(model, settings, estimator=estimator)
 
     @property
     def model_checksum(self) -> int:

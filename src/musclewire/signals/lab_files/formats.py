@@ -32,12 +32,16 @@ _NEIGHBOURS = {
 
 
 def lab_file_reader(path: Path) -> _Reader | None:
-    """Return the reader of LabVIEW's, MATLAB's, Excel's or Parquet files, None for any other suffix.
+    """Return the reader of LabVIEW's, MATLAB's, Excel's, Parquet and others' HDF5 files, None for any other suffix.
 
     A reader takes the path and the name of a group or sheet, None for the only one. LabVIEW's text files are known by
     their first line, whatever they are called. Raises RecordingError for formats whose program can save a better one.
     """
     suffix = path.suffix.lower()
+    if suffix in {".h5", ".hdf5"}:
+        from musclewire.signals.lab_files.foreign_hdf5 import read_hdf5_of_others
+
+        return read_hdf5_of_others
     if suffix in _NEIGHBOURS:
         raise RecordingError(f"{path}: files ending in '{suffix}' are not read; {_NEIGHBOURS[suffix]}")
     if suffix == ".lvm" or (suffix in _TEXT and path.is_file() and _is_labview_text(path)):

@@ -1,0 +1,36 @@
+"""Boards and cards that drive a real wire, and the controller in C for them."""
+
+from __future__ import annotations
+
+from musclewire.manifest import Command, Manifest
+
+__all__ = ["MANIFEST"]
+
+MANIFEST = Manifest(
+    name="board",
+    commands=(
+        Command(
+            "flash",
+            "musclewire.app.flash_command:flash",
+            "Put the built firmware for a wire on a board, and ask the board whether it runs.",
+            panel="A wire on a bench",
+            before="doctor",
+        ),
+        Command(
+            "c",
+            "musclewire.app.export_c_command:export_c",
+            "Model, controller, limits and protection as a self-contained C99 library, with its own test vectors.",
+            group="export",
+        ),
+    ),
+    devices={"nidaq": "musclewire.rigs.nidaq.device:NIDAQ", "serial": "musclewire.rigs.serial.device:SERIAL"},
+    rig_names={
+        "uno": "arduino-uno",
+        "nano": "arduino-uno",
+        "arduino-nano": "arduino-uno",
+        "uno-r3": "arduino-uno",
+        "black-pill": "stm32f411",
+        "blackpill": "stm32f411",
+    },
+    versions={"firmware_protocol": "musclewire.rigs.serial.message_types:PROTOCOL_VERSION"},
+)

@@ -1,0 +1,1 @@
+"""Sizing of what a wire pulls: pretensioner and finger."""

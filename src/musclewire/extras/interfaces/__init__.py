@@ -1,0 +1,1 @@
+"""The simulated wire for programs that others already use: Gymnasium, python-control, FMI."""

@@ -1,0 +1,18 @@
+"""Recordings in the files of LabVIEW, MATLAB and Excel, and in HDF5 and Parquet of others."""
+
+from __future__ import annotations
+
+from musclewire.manifest import Manifest
+
+__all__ = ["MANIFEST"]
+
+MANIFEST = Manifest(
+    name="lab_files",
+    readers=("musclewire.signals.lab_files.formats:lab_file_reader",),
+    suffixes_read=(".tdms", ".lvm", ".mat", ".xlsx", ".parquet"),
+    writers={
+        ".mat": "musclewire.signals.lab_files.writers:MATLAB",
+        ".parquet": "musclewire.signals.lab_files.writers:PARQUET",
+        ".xlsx": "musclewire.signals.lab_files.writers:EXCEL",
+    },
+)

@@ -1,0 +1,1 @@
+"""A rig operated live from a page in a browser or from a program."""

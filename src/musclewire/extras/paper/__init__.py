@@ -1,0 +1,1 @@
+"""The printed numbers and figures of the paper next to ours."""

@@ -1,0 +1,21 @@
+"""The printed numbers and figures of the paper next to ours."""
+
+from __future__ import annotations
+
+from musclewire.manifest import Command, Manifest
+
+__all__ = ["MANIFEST"]
+
+MANIFEST = Manifest(
+    name="paper",
+    commands=(
+        Command(
+            "reproduce",
+            "musclewire.app.paper_commands:reproduce",
+            "Compare every printed number and figure of the paper with ours, in a folder; exit code 1 if a row fails.",
+            panel="Studies and the paper",
+            before="rules",
+        ),
+    ),
+    names={"reproduce": "musclewire.experiment.reproduce:reproduce"},
+)

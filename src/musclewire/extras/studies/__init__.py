@@ -1,0 +1,1 @@
+"""Studies of many wires, and estimators and controllers under disturbance."""

@@ -1,0 +1,242 @@
+"""What a part outside the core offers, and which parts are there.
+
+The core does not know its extras. Each folder of ``musclewire/extras`` holds a ``manifest.py`` with a
+:class:`Manifest`: plain data that names commands, readers, kinds of rigs and the like, and where each is defined.
+Nothing named in it is imported before it is used. Packages of others offer the same object through an entry point of
+the group ``musclewire.extras``.
+"""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from importlib.metadata import entry_points
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from musclewire.errors import CallerError
+
+__all__ = ["Command", "CommandGroup", "Manifest", "absent_part", "folder_of", "loaded", "manifests", "offered"]
+
+ENTRY_POINTS = "musclewire.extras"
+EXTRAS = Path(__file__).parent / "extras"
+PARTS = Path(__file__).parent / "parts.toml"
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command as ``musclewire --help`` lists it, and the function that it becomes.
+
+    Parameters
+    ----------
+    name
+        Its name.
+    function
+        "module:function", imported when the command is called.
+    help
+        First paragraph of its help, repeated here so that the list of all commands imports none of them.
+    panel
+        Title of the panel in which it is listed; of no use in a group.
+    group
+        Name of the group it belongs to, "export" for example; "" for none.
+    before
+        Command or group of the same panel before which it is listed; last of its panel if that one is not there.
+    """
+
+    name: str
+    function: str
+    help: str
+    panel: str = ""
+    group: str = ""
+    before: str = ""
+
+
+@dataclass(frozen=True)
+class CommandGroup:
+    """A group of commands, listed if any command is in it; ``panel`` and ``before`` are as in :class:`Command`."""
+
+    name: str
+    help: str
+    panel: str = ""
+    before: str = ""
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What a part offers. Every "place" is "module:attribute", imported when it is first needed.
+
+    Parameters
+    ----------
+    name
+        Its name: that of its folder, or of the entry point.
+    commands
+        Its commands.
+    groups
+        Groups of commands that are its own.
+    names
+        Names of ``import musclewire as mw`` by their places.
+    estimators, controllers, devices, load_parts, run_kinds
+        Kinds by name, each with its place, as the registries of the core take them. Devices are the kinds of rigs.
+    rig_files
+        "package:folder" with the rig files that come with it, "" for none; "package:" is the package's own folder.
+    rig_names
+        Other names of its rig files: name to file name without suffix.
+    readers
+        Places of functions that take a path and return what reads that file, or None for a file of no concern to them.
+    suffixes_read
+        Suffixes of the files that it reads, for messages.
+    writers
+        Places of :class:`musclewire.signals.writing.FileWriter` by the suffix that they write.
+    schemas
+        Kinds of files by name, each with the place of the model that checks it.
+    outputs
+        "package:folder" with the JSON Schemas of what its commands print, "" for none.
+    doctor_checks
+        Places of functions that the doctor calls with its examination of a rig.
+    kernels
+        Packages and modules that hold compiled functions: an edit of any starts a new cache for these, and for no
+        others.
+    versions
+        What ``musclewire --version`` tells of it: key to place of a number or text.
+    """
+
+    name: str
+    commands: tuple[Command, ...] = ()
+    groups: tuple[CommandGroup, ...] = ()
+    names: Mapping[str, str] = field(default_factory=dict)
+    estimators: Mapping[str, str] = field(default_factory=dict)
+    controllers: Mapping[str, str] = field(default_factory=dict)
+    devices: Mapping[str, str] = field(default_factory=dict)
+    load_parts: Mapping[str, str] = field(default_factory=dict)
+    run_kinds: Mapping[str, str] = field(default_factory=dict)
+    rig_files: str = ""
+    rig_names: Mapping[str, str] = field(default_factory=dict)
+    readers: tuple[str, ...] = ()
+    suffixes_read: tuple[str, ...] = ()
+    writers: Mapping[str, str] = field(default_factory=dict)
+    schemas: Mapping[str, str] = field(default_factory=dict)
+    outputs: str = ""
+    doctor_checks: tuple[str, ...] = ()
+    kernels: tuple[str, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+
+def folder_of(place: str) -> Path:
+    """Return a folder with data of a part.
+
+    Parameters
+    ----------
+    place
+        "package:folder".
+
+    Returns
+    -------
+    Its path.
+    """
+    package, _, folder = place.partition(":")
+    return Path(str(files(package))) / folder
+
+
+def loaded(place: str) -> Any:
+    """Return what stands at a place.
+
+    Parameters
+    ----------
+    place
+        "module:attribute".
+
+    Returns
+    -------
+    The attribute; its module is imported now if it was not before.
+    """
+    module, _, attribute = place.partition(":")
+    return getattr(import_module(module), attribute)
+
+
+@cache
+def manifests() -> tuple[Manifest, ...]:
+    """Return the manifests of all parts that are there: our extras in the order of their names, then those of others.
+
+    A package of others whose manifest cannot be imported is named on stderr, and offers nothing.
+    """
+    return (*own_manifests(), *manifests_of_others())
+
+
+def own_manifests() -> Iterator[Manifest]:
+    """Yield the manifests of the folders of ``extras``."""
+    for folder in sorted(EXTRAS.iterdir()) if EXTRAS.is_dir() else ():
+        if (folder / "manifest.py").is_file():
+            yield import_module(f"musclewire.extras.{folder.name}.manifest").MANIFEST
+
+
+def manifests_of_others() -> Iterator[Manifest]:
+    """Yield the manifests that installed packages offer."""
+    for point in entry_points(group=ENTRY_POINTS):
+        try:
+            manifest = point.load()
+        except Exception as error:  # a stranger's package must not take every command with it
+            complain(point.name, f"its manifest {point.value} cannot be imported: {type(error).__name__}: {error}")
+            continue
+        if isinstance(manifest, Manifest):
+            yield manifest
+        else:
+            complain(point.name, f"{point.value} is no musclewire.manifest.Manifest")
+
+
+def complain(name: str, what: str) -> None:
+    """Say that a package's offers are not there, and what to do."""
+    sys.stderr.write(f"musclewire: package '{name}' adds nothing: {what}; update or uninstall it\n")
+
+
+def offered(kind: str) -> dict[str, str]:
+    """Return what all parts offer of a kind, by name.
+
+    Parameters
+    ----------
+    kind
+        A field of :class:`Manifest` that maps names to places: "devices" for example. No part offers any other kind.
+
+    Returns
+    -------
+    Name to place. Of two offers of one name the first counts: our own before those of others.
+    """
+    found: dict[str, str] = {}
+    for manifest in manifests():
+        for name, place in getattr(manifest, kind, {}).items():
+            found.setdefault(name, place)
+    return found
+
+
+@cache
+def parts() -> Mapping[str, Mapping[str, Any]]:
+    """Return what our own parts offer by name, whether they are there or not (``parts.toml``)."""
+    return tomllib.loads(PARTS.read_text(encoding="utf-8"))
+
+
+def absent_part(kind: str, name: str) -> CallerError | None:
+    """Return the error that tells of a name whose part is not there, None if no part has such a name.
+
+    Parameters
+    ----------
+    kind
+        "commands", "names", "devices", "run_kinds" or "suffixes": a key of ``parts.toml``.
+    name
+        What was asked for.
+
+    Returns
+    -------
+    The error, to be raised or shown.
+    """
+    there = {manifest.name for manifest in manifests()}
+    for part, offer in parts().items():
+        if part not in there and name in offer.get(kind, ()):
+            return CallerError(
+                f"'{name}' belongs to the part '{part}' ({offer['what']}), which this installation does not have: put "
+                f"the folder musclewire/extras/{part} back, or install musclewire again"
+            )
+    return None
