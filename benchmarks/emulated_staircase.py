@@ -23,9 +23,9 @@ from musclewire.controllers.references import Staircase, staircase
 from musclewire.experiment.closed_loop import control
 from musclewire.experiment.metrics import ControlRun, control_metrics, determined
 from musclewire.experiment.on_board import control_on_board
-from musclewire.export.c import loop_checksum
+from musclewire.extras.board.c import loop_checksum
+from musclewire.extras.board.serial.configuration import SerialConfiguration
 from musclewire.rigs.configuration import open_rig, rig_configuration
-from musclewire.rigs.serial.configuration import SerialConfiguration
 from musclewire.sensing.model import SensingModel, load_model
 from musclewire.signals.recording import Recording
 

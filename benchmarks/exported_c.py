@@ -38,11 +38,11 @@ from emulation.exported_library.targets import TARGETS, missing_tool
 
 import musclewire as mw
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
-from musclewire.export.c import write_library
-from musclewire.export.c.exercise import exercise
-from musclewire.export.c.golden import golden_ticks
-from musclewire.export.c.library import Library
-from musclewire.export.c.reference import ReferenceTick
+from musclewire.extras.board.c import write_library
+from musclewire.extras.board.c.exercise import exercise
+from musclewire.extras.board.c.golden import golden_ticks
+from musclewire.extras.board.c.library import Library
+from musclewire.extras.board.c.reference import ReferenceTick
 
 FULL_SAMPLES, QUICK_SAMPLES = 1_000_000, 20_000
 FULL_RANDOM, QUICK_RANDOM = 200_000, 10_000

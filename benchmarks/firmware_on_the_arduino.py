@@ -19,9 +19,9 @@ from pathlib import Path
 from emulation.board import EmulatedBoard, firmware_for
 from firmware.build import size_of
 
-from musclewire.rigs.serial.board import Board
-from musclewire.rigs.serial.line import open_line
-from musclewire.rigs.serial.messages import MessageKind
+from musclewire.extras.board.serial.board import Board
+from musclewire.extras.board.serial.line import open_line
+from musclewire.extras.board.serial.messages import MessageKind
 
 BAUD = 250_000
 EVERY_S = 0.05

@@ -39,6 +39,9 @@ import numpy as np
 
 import musclewire as mw
 from musclewire.errors import MusclewireError
+from musclewire.extras.studies.robustness.plant import open_plant
+from musclewire.extras.studies.robustness.population import drawn_wire as population_wire
+from musclewire.extras.studies.robustness.population import tuning_seeds
 from musclewire.identify.physical.candidates import Candidates, WireValues
 from musclewire.identify.recordings import resistance_reading
 from musclewire.parameters import load_alloy, load_bench, load_wire
@@ -50,9 +53,6 @@ from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.rigs.simulated_building import Spool
 from musclewire.sensing.segments import find_loops
 from musclewire.signals.recording import Recording
-from musclewire.studies.robustness.plant import open_plant
-from musclewire.studies.robustness.population import drawn_wire as population_wire
-from musclewire.studies.robustness.population import tuning_seeds
 
 WIRE, FIRST_SEED, WIRES, QUICK_WIRES = "paper-100um", 1001, 30, 4
 BARS_PCT = {"name alone": 6.0, "marks of 1 %": 2.5}

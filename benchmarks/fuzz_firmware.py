@@ -25,8 +25,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from musclewire.rigs.serial.frames import MAXIMUM_BODY_BYTES, Frame, FrameParser, encode_frame
-from musclewire.rigs.serial.messages import MessageKind, read_message
+from musclewire.extras.board.serial.frames import MAXIMUM_BODY_BYTES, Frame, FrameParser, encode_frame
+from musclewire.extras.board.serial.messages import MessageKind, read_message
 
 ROOT = Path(__file__).resolve().parent.parent
 BOARD = "mps2-an386"

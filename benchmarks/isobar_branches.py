@@ -41,7 +41,7 @@ from benchmarks.measured_isobars import (
 )
 
 from musclewire.experiment.open_loop import PAPER_PERIOD_S, slow_sine
-from musclewire.experiment.reproduce.measures import outside_band
+from musclewire.extras.paper.reproduce.measures import outside_band
 from musclewire.identify.isobaric_loops import Isobar, simulated_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.library import read_published

@@ -8,9 +8,9 @@ the paper's staircase after the approach. The reference is the plant's true stra
 
     python benchmarks/own_plant.py [RIG ...]    rig files; by default the wire of another family in examples/plants
 
-A device whose attribute ``conditions`` takes a function of time to ``musclewire.rigs.segmented.Conditions`` is put
-through all conditions, any other only through "none". A dash is where the rig's highest drive no longer warms the wire
-into the range that counts. Nothing is judged: the bars are those of musclewire robustness.
+A device whose attribute ``conditions`` takes a function of time to ``Conditions`` of the segmented wire is put through
+all conditions, any other only through "none". A dash is where the rig's highest drive no longer warms the wire into the
+range that counts. Nothing is judged: the bars are those of musclewire robustness.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ import numpy as np
 import musclewire as mw
 from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError
+from musclewire.extras.studies.segmented import Conditions
 from musclewire.rigs.abilities import true_state_of
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.segmented import Conditions
 from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel
 from musclewire.sensing.slow_corrections import estimates
 from musclewire.signals.exchange import RawSample, wire_sample

@@ -34,12 +34,12 @@ from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
 
 from musclewire.errors import CallerError, RigError
+from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
+from musclewire.extras.board.serial.configuration import SerialConfiguration
+from musclewire.extras.board.serial.device import SerialDevice
+from musclewire.extras.board.serial.messages import MessageKind
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
-from musclewire.rigs.serial.configuration import SerialConfiguration
-from musclewire.rigs.serial.device import SerialDevice
-from musclewire.rigs.serial.messages import MessageKind
 
 BAR_MS = 20.0
 # A stop comes at a random moment of a sample period, after a few samples.

@@ -24,10 +24,10 @@ import numba
 import numpy as np
 
 from musclewire.experiment.open_loop import characterize
+from musclewire.extras.interfaces.environments import ENVIRONMENT, WireVectorEnv
+from musclewire.extras.interfaces.environments.lanes import MAX_STEP_S
+from musclewire.extras.interfaces.simulated_wire import simulated_wire
 from musclewire.identify import fit
-from musclewire.interfaces.environments import ENVIRONMENT, WireVectorEnv
-from musclewire.interfaces.environments.lanes import MAX_STEP_S
-from musclewire.interfaces.simulated_wire import simulated_wire
 from musclewire.rigs.configuration import open_rig
 from musclewire.simulate.paths import drive_path
 from musclewire.simulate.stepping import fixed_steps

@@ -20,9 +20,9 @@ from time import thread_time
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.extras.studies.segmented import NormalMixture, SegmentedWire, WireStructure, mixture_distribution
+from musclewire.extras.studies.segmented.structure import fin_length_m
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.rigs.segmented import NormalMixture, SegmentedWire, WireStructure, mixture_distribution
-from musclewire.rigs.segmented.structure import fin_length_m
 from musclewire.simulate.stepping import Stepping
 from musclewire.simulate.wires import OneWire
 from musclewire.wire.building import constants_from

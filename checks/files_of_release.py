@@ -118,7 +118,7 @@ def numbers_of_rig(path: Path) -> Numbers:
 
 def numbers_of_study(path: Path) -> Numbers:
     """Return every key of a study."""
-    from musclewire.studies.study_file import read_study_file
+    from musclewire.extras.studies.study_file import read_study_file
 
     return plain(read_study_file(path).model_dump())
 

@@ -22,10 +22,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from musclewire.experiment.reproduce import DEFAULT_SEEDS, PaperCheck, ReproductionRow, all_checks, judged, selected
-from musclewire.experiment.reproduce.paper_checks import Measured, bars
-from musclewire.experiment.reproduce.seed_numbers import Watching, numbers_of_seeds
 from musclewire.experiment.worker_process import cores
+from musclewire.extras.paper.reproduce import DEFAULT_SEEDS, PaperCheck, ReproductionRow, all_checks, judged, selected
+from musclewire.extras.paper.reproduce.paper_checks import Measured, bars
+from musclewire.extras.paper.reproduce.seed_numbers import Watching, numbers_of_seeds
 from musclewire.signals.whole_files import write_text_whole
 
 AGREEING = 0.99

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from emulation.daq_card import Card, Model
 from musclewire.errors import CallerError
+from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
+from musclewire.extras.board.nidaq.device import COLUMNS
 from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
-from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
-from musclewire.rigs.nidaq.device import COLUMNS
 from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.signals.exchange import Drive, RawSample
 

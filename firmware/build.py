@@ -22,11 +22,11 @@ from typing import Any
 from musclewire.controllers import DriveLimits
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
-from musclewire.export.c import write_library
+from musclewire.extras.board.c import write_library
+from musclewire.extras.board.serial.boards import BOARD_NAMES
 from musclewire.identify.use_of_model import check_made_for, settings_for
 from musclewire.parameters.validation import validated
 from musclewire.rigs.mounted_wire import MountedWire
-from musclewire.rigs.serial.boards import BOARD_NAMES
 from musclewire.sensing.estimator import PAPER_ESTIMATOR
 from musclewire.sensing.model import SensingModel, load_model
 

@@ -47,7 +47,7 @@ import wire_row_page
 
 from musclewire.app.report.figures import STYLE, loops_figure, staircase_figure
 from musclewire.experiment.demo import run_demo
-from musclewire.interfaces.control_systems import bode_axes, linearise
+from musclewire.extras.interfaces.control_systems import bode_axes, linearise
 
 HERE = Path(__file__).parent
 PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"

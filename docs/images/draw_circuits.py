@@ -1,7 +1,7 @@
 """Draw the circuits of the wiring guides and write their tables: python docs/images/draw_circuits.py
 
 Each drawing is written into this folder, as .svg to build from and as .png to look at. Values, pin numbers and the
-tables in the pages come from the parts lists in ``musclewire/parameters/data/parts``, so drawing and list cannot
+tables in the pages come from the parts lists in ``musclewire/extras/board/parts_lists``, so drawing and list cannot
 differ. Needs schemdraw (extra ``dev``).
 """
 

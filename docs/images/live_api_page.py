@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from musclewire.live.server.api_pages import markdown_page
-from musclewire.live.server.application import Limits, make_app
-from musclewire.live.server.documents import openapi_document
-from musclewire.live.server.session import Session
+from musclewire.extras.live.server.api_pages import markdown_page
+from musclewire.extras.live.server.application import Limits, make_app
+from musclewire.extras.live.server.documents import openapi_document
+from musclewire.extras.live.server.session import Session
 
 HEAD = """# The live API
 

@@ -10,9 +10,9 @@ import re
 from collections import Counter
 from typing import get_args
 
-from musclewire.experiment.reproduce import PaperCheck, all_checks, selected
-from musclewire.experiment.reproduce.paper_checks import Origin
-from musclewire.parameters.known_failures import known_failures
+from musclewire.extras.paper.known_failures import known_failures
+from musclewire.extras.paper.reproduce import PaperCheck, all_checks, selected
+from musclewire.extras.paper.reproduce.paper_checks import Origin
 
 ROWS, COMPARED = "Rows", "Compared"
 NOTHING = "not compared"

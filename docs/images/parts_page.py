@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from musclewire.app.wire_table_text import table_text
+from musclewire.extras.board.parts import load_parts
 from musclewire.identify.catalogue_check import PULL_STRESS_PA
 from musclewire.identify.wire_table import wire_table
-from musclewire.parameters.parts import load_parts
 
 __all__ = ["WIRES", "block"]
 

@@ -7,11 +7,15 @@ from typing import get_args
 from key_tables import default_of, first_line, meanings, section, type_in_words, unit_in
 from pydantic import BaseModel
 
-from musclewire.rigs.mounted_wire import LimitsTable, MountedWire
-from musclewire.rigs.nidaq.configuration import DisplacementInput, ForceInput, NiDaqConfiguration, Output, VoltageInput
-from musclewire.rigs.pulse_width import PulseWidth
-from musclewire.rigs.replay import ReplayConfiguration
-from musclewire.rigs.segmented.configuration import (
+from musclewire.extras.board.nidaq.configuration import (
+    DisplacementInput,
+    ForceInput,
+    NiDaqConfiguration,
+    Output,
+    VoltageInput,
+)
+from musclewire.extras.board.serial.configuration import SerialConfiguration
+from musclewire.extras.studies.segmented.configuration import (
     AgeingTable,
     BarrierTable,
     ConditionsTable,
@@ -19,7 +23,9 @@ from musclewire.rigs.segmented.configuration import (
     InstrumentsTable,
     SegmentedConfiguration,
 )
-from musclewire.rigs.serial.configuration import SerialConfiguration
+from musclewire.rigs.mounted_wire import LimitsTable, MountedWire
+from musclewire.rigs.pulse_width import PulseWidth
+from musclewire.rigs.replay import ReplayConfiguration
 from musclewire.rigs.simulated_faults import SimulatedFault
 
 HEAD = """# Rig files of real hardware

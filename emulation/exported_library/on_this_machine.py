@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from musclewire.errors import NumericsError
-from musclewire.export.c.exercise import Tick
-from musclewire.export.c.reference import Outcome, ReferenceTick
+from musclewire.extras.board.c.exercise import Tick
+from musclewire.extras.board.c.reference import Outcome, ReferenceTick
 
 __all__ = ["MAX_DIFFERENCE", "HostLibrary", "built", "host_hash", "largest_differences"]
 

@@ -18,6 +18,8 @@ from numba import njit
 from pydantic import Field
 
 from musclewire.errors import NumericsError
+from musclewire.extras.studies.segmented import Conditions, InstrumentSettings, steady
+from musclewire.extras.studies.segmented.instruments import RunningInstruments
 from musclewire.physics.heat import (
     air_thermal_conductivity_w_per_m_k,
     nusselt_morgan,
@@ -27,8 +29,6 @@ from musclewire.rigs.device import SWITCHED_OFF, DeviceFacts
 from musclewire.rigs.kinds import DeviceConfiguration
 from musclewire.rigs.mounted_wire import MountedWire
 from musclewire.rigs.quantities import measured_in
-from musclewire.rigs.segmented import Conditions, InstrumentSettings, steady
-from musclewire.rigs.segmented.instruments import RunningInstruments
 from musclewire.signals.exchange import RawSample, drive_voltage_of
 
 ZERO_C = 273.15

@@ -1,6 +1,6 @@
 """Write schematic, board and what is made from it, and let KiCad 9 judge: python3 make.py
 
-- board.kicad_sch, board.kicad_pcb: from ../../src/musclewire/parameters/data/parts/board.toml and placement.toml
+- board.kicad_sch, board.kicad_pcb: from ../../src/musclewire/extras/board/parts_lists/board.toml and placement.toml
 - checks/netlist.xml: what KiCad reads from the schematic
 - checks/erc.json, checks/drc.json: KiCad's rule checks, the second with parity of schematic and board
 - fabrication/: Gerbers, drill file, bill of materials, schematic to print
@@ -23,7 +23,7 @@ from s_expressions import Tree, load, written
 from schematic import identity, reference, schematic
 
 HERE = Path(__file__).resolve().parent
-PARTS = HERE.parents[1] / "src/musclewire/parameters/data/parts/board.toml"
+PARTS = HERE.parents[1] / "src/musclewire/extras/board/parts_lists/board.toml"
 SCHEMATIC, BOARD = HERE / "board.kicad_sch", HERE / "board.kicad_pcb"
 CHECKS, MADE = HERE / "checks", HERE / "fabrication"
 BILL = MADE / "bom.csv"

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 __all__ = ["FAULTS", "Case", "Steady", "circuit", "ripple_v", "steady"]
 
-PARTS = Path(__file__).resolve().parents[2] / "src/musclewire/parameters/data/parts/board.toml"
+PARTS = Path(__file__).resolve().parents[2] / "src/musclewire/extras/board/parts_lists/board.toml"
 UNITS = {"ohm": 1.0, "kohm": 1e3, "nF": 1e-9, "uF": 1e-6}
 WIRE_OHM, OPEN_OHM, SHORT_OHM = 17.6, 1e9, 0.02  # 14 cm of 0.10 mm wire, cold
 MODELS = """

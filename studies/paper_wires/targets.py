@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from musclewire.experiment.reproduce.force_ratios import FORCE_RATIOS
-from musclewire.experiment.reproduce.measures import lowest_place
+from musclewire.extras.paper.reproduce.force_ratios import FORCE_RATIOS
+from musclewire.extras.paper.reproduce.measures import lowest_place
 from musclewire.identify.isobaric_loops import half_transformation_slope_pa_per_k, simulated_isobar, summarize_isobar
 from musclewire.parameters.library import read_published
 from paper_wires.loops import Loop

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from musclewire.design.finger.chain import finger_chain
-from musclewire.design.finger.curve import beam_stress_pa
-from musclewire.design.finger.geometry import FingerGeometry
-from musclewire.design.finger.statics import equilibria
+from musclewire.extras.design.finger.chain import finger_chain
+from musclewire.extras.design.finger.curve import beam_stress_pa
+from musclewire.extras.design.finger.geometry import FingerGeometry
+from musclewire.extras.design.finger.statics import equilibria
 from musclewire.parameters.materials import load_material
 
 ROOT = Path(__file__).parents[2]

@@ -12,8 +12,8 @@ import pytest
 
 from musclewire.app.main import run
 from musclewire.errors import RecordingError
-from musclewire.experiment import reproduce as reproduce_room
-from musclewire.experiment.reproduce import PaperCheck, Runs, reproduction
+from musclewire.extras.paper import reproduce as reproduce_room
+from musclewire.extras.paper.reproduce import PaperCheck, Runs, reproduction
 
 KEYS = {
     *("name", "paper", "ours", "low", "high", "median_low", "median_high", "seeds", "unit", "tolerance", "compare"),

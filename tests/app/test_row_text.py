@@ -6,10 +6,11 @@ import re
 
 import pytest
 
-from musclewire.app.report.paper_figures import FIGURES, drawn
-from musclewire.app.report.paper_page import PARTS, TITLES
-from musclewire.app.report.row_names import row_name, row_words
-from musclewire.app.report.row_text import (
+from musclewire.errors import RecordingError
+from musclewire.extras.paper.page.paper_figures import FIGURES, drawn
+from musclewire.extras.paper.page.paper_page import PARTS, TITLES
+from musclewire.extras.paper.page.row_names import row_name, row_words
+from musclewire.extras.paper.page.row_text import (
     limit_text,
     ours_text,
     paper_text,
@@ -18,9 +19,8 @@ from musclewire.app.report.row_text import (
     spread_text,
     verdict_text,
 )
-from musclewire.errors import RecordingError
-from musclewire.experiment.reproduce import Measured, PaperCheck, ReproductionRow, Runs, all_checks, judged
-from musclewire.experiment.reproduce.paper_checks import Compare, Kind, subject_of
+from musclewire.extras.paper.reproduce import Measured, PaperCheck, ReproductionRow, Runs, all_checks, judged
+from musclewire.extras.paper.reproduce.paper_checks import Compare, Kind, subject_of
 
 
 def row(

@@ -137,7 +137,7 @@ def test_without_the_extra_python_runs_studies_all_the_same(study: Path) -> None
 
 
 def test_a_cluster_without_the_extra_is_said(study: Path) -> None:
-    code = "import musclewire as mw\nfrom musclewire.studies import Workers\n"
+    code = "import musclewire as mw\nfrom musclewire.extras.studies import Workers\n"
     done = without_extra(study.parent, code + "mw.sweep('study.toml', workers=Workers(scheduler='tcp://x:1'))")
     assert "a Dask cluster needs the extra 'sweep'" in done.stderr
 

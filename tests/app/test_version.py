@@ -13,7 +13,7 @@ import pytest
 
 import musclewire as mw
 from musclewire.app.installation import REQUIREMENT, commit_of
-from musclewire.rigs.serial.message_types import PROTOCOL_VERSION
+from musclewire.extras.board.serial.message_types import PROTOCOL_VERSION
 
 
 def test_the_first_line_is_the_version_alone(musclewire: Callable[..., Any]) -> None:

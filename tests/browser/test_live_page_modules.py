@@ -11,7 +11,7 @@ import pytest
 
 pytestmark = pytest.mark.browser
 
-FOLDER = Path(str(files("musclewire.live"))) / "page"
+FOLDER = Path(str(files("musclewire.extras.live"))) / "page"
 TYPES = {".js": "text/javascript", ".html": "text/html"}
 
 

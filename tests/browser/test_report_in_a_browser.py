@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from tests.browser.live.opened import SIZES
 
-from musclewire.app.report.paper_figures import FIGURES
+from musclewire.extras.paper.page.paper_figures import FIGURES
 
 STUDY = """
 format = "musclewire-study"

@@ -11,12 +11,12 @@ from collections.abc import Callable
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
 
+from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
+from musclewire.extras.board.nidaq.device import NiDaqDevice, Silence
+from musclewire.extras.board.nidaq.output import GuardedOutput
 from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.device import Answer, DeviceFacts
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
-from musclewire.rigs.nidaq.device import NiDaqDevice, Silence
-from musclewire.rigs.nidaq.output import GuardedOutput
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.exchange import Command
 

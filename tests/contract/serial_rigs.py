@@ -15,9 +15,9 @@ from typing import Any
 from emulation.board import EmulatedBoard, firmware_for
 from tests.tools import require_tool
 
+from musclewire.extras.board.serial.configuration import SerialConfiguration
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.serial.configuration import SerialConfiguration
 
 __all__ = ["SERIAL_COLD_OHM", "SERIAL_RIGS", "built_firmware", "mounted", "on_board"]
 

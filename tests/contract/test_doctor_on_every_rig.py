@@ -13,9 +13,9 @@ from tests.contract.serial_rigs import SERIAL_RIGS
 
 from musclewire.experiment.doctor import Examination, examine
 from musclewire.experiment.doctor.rig_file import write_calibration
+from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
 from musclewire.rigs.configuration import FOLDER, read_rig_file
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
 
 RIGS = {**NIDAQ_RIGS, **SERIAL_RIGS}
 # In these tests time passes by reading, or in lockstep with commands: no clock of the host stands beside it.

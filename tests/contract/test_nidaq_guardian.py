@@ -18,9 +18,9 @@ from tests.contract.nidaq_rigs import at_seam, wiring_of
 
 from musclewire.controllers.protection import Event
 from musclewire.errors import RigError
+from musclewire.extras.board.nidaq.output import GuardedOutput
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs.nidaq.output import GuardedOutput
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="not run: signals as POSIX has them")
 

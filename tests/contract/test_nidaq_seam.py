@@ -20,9 +20,9 @@ from tests.contract.nidaq_rigs import at_seam, wiring_of
 
 from musclewire.controllers.protection import Event
 from musclewire.errors import MissingExtraError, RigError
+from musclewire.extras.board.nidaq import device as device_module
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs.nidaq import device as device_module
 
 NAMES = ("ni-pci-6229", "ni-usb-6001")
 ATTEMPTS = 5

@@ -18,11 +18,11 @@ from tests.contract.replay_rigs import REPLAY_COLD_OHM, REPLAY_RIGS, replayed
 from tests.contract.serial_rigs import SERIAL_COLD_OHM, SERIAL_RIGS
 
 from musclewire.errors import CallerError, RigError
+from musclewire.extras.studies.segmented.configuration import SegmentedConfiguration
 from musclewire.rigs.abilities import stage_of
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.protocol import Rig
-from musclewire.rigs.segmented.configuration import SegmentedConfiguration
 from musclewire.signals.exchange import REFERENCE_COLUMNS, RawSample
 
 

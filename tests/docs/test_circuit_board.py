@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from doc_pages import ROOT
 
-from musclewire.parameters.parts import load_parts
+from musclewire.extras.board.parts import load_parts
 
 BOARD = ROOT / "hardware/board"
 PARTS = {part.label: part for part in load_parts("board").part if part.symbol}

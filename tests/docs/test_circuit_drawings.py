@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from doc_pages import ROOT
 
-from musclewire.parameters.parts import PartsList, load_parts, parts_names
+from musclewire.extras.board.parts import PartsList, load_parts, parts_names
 
 sys.path.insert(0, str(ROOT / "docs/images"))
 import board_circuit

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from doc_pages import ROOT
 
-from musclewire.studies import read_study
+from musclewire.extras.studies import read_study
 
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from doc_pages import ROOT, code_words, resolve, tables_of
 
-from musclewire.experiment.reproduce import all_checks, selected
+from musclewire.extras.paper.reproduce import all_checks, selected
 
 ROWS = [
     row

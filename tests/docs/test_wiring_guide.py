@@ -7,7 +7,7 @@ import sys
 import pytest
 from doc_pages import ROOT
 
-from musclewire.parameters.parts import parts_names
+from musclewire.extras.board.parts import parts_names
 
 sys.path.insert(0, str(ROOT / "docs/images"))
 import parts_page

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
-from musclewire.export.c import Library, write_library
-from musclewire.export.c.reference import ReferenceTick
+from musclewire.extras.board.c import Library, write_library
+from musclewire.extras.board.c.reference import ReferenceTick
 from musclewire.sensing.model import SensingModel
 from tools import require_tool
 

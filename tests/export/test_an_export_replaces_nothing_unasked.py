@@ -9,7 +9,7 @@ from export_parts import drive_limits, limits_for, usual_model
 
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError
-from musclewire.export.c import Library, write_library
+from musclewire.extras.board.c import Library, write_library
 
 LIMITS = limits_for(usual_model())
 

@@ -13,7 +13,7 @@ import pytest
 from export_parts import export, usual_model
 
 from musclewire.app.main import run
-from musclewire.export.c import write_arduino_zip
+from musclewire.extras.board.c import write_arduino_zip
 from musclewire.sensing.model_file import save_model
 
 FIELDS = ("name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures")

@@ -15,8 +15,8 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from musclewire.controllers import infer_surface, load_rule_base
-from musclewire.export.c.exercise import FAULTS, exercise
-from musclewire.export.c.golden import golden_ticks
+from musclewire.extras.board.c.exercise import FAULTS, exercise
+from musclewire.extras.board.c.golden import golden_ticks
 from musclewire.physics.resistance import wire_resistance
 
 Libraries = Callable[[str], Exported]

@@ -19,10 +19,10 @@ from fmu_parts import ERROR, WARNING, Slave
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.controllers.protection import Event, State
 from musclewire.errors import CallerError
-from musclewire.export.c.exercise import exercise
-from musclewire.export.c.reference import Outcome, ReferenceTick
-from musclewire.export.fmu import Fmu, export_fmu
-from musclewire.export.rig_limits import limits_of_rig
+from musclewire.extras.board.c.exercise import exercise
+from musclewire.extras.board.c.reference import Outcome, ReferenceTick
+from musclewire.extras.board.rig_limits import limits_of_rig
+from musclewire.extras.interfaces.fmu import Fmu, export_fmu
 from musclewire.identify.use_of_model import settings_for
 from tools import require_tool
 

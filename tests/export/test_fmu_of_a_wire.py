@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
-from musclewire.export.fmu import Fmu, export_fmu
+from musclewire.extras.interfaces.fmu import Fmu, export_fmu
 from musclewire.parameters import load_alloy
 from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.mechanism import Tendon

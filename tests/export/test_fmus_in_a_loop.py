@@ -9,9 +9,9 @@ from export_parts import drive_limits
 from fmu_parts import Slave
 
 import musclewire as mw
-from musclewire.export.c.reference import ReferenceTick
-from musclewire.export.fmu import export_fmu
-from musclewire.export.rig_limits import limits_of_rig
+from musclewire.extras.board.c.reference import ReferenceTick
+from musclewire.extras.board.rig_limits import limits_of_rig
+from musclewire.extras.interfaces.fmu import export_fmu
 from musclewire.identify.use_of_model import settings_for
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.rigs.simulated_opening import open_simulated

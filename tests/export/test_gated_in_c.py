@@ -10,9 +10,9 @@ from export_parts import drive_limits, limits_for, usual_model
 
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError
-from musclewire.export.c import loop_checksum, write_library
-from musclewire.export.c.exercise import exercise
-from musclewire.export.c.golden import golden_ticks
+from musclewire.extras.board.c import loop_checksum, write_library
+from musclewire.extras.board.c.exercise import exercise
+from musclewire.extras.board.c.golden import golden_ticks
 from tools import require_tool
 
 LIMITS = limits_for(usual_model())

@@ -18,10 +18,10 @@ from hypothesis import strategies as st
 
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.errors import CallerError
-from musclewire.export.c import write_library
-from musclewire.export.c.header import _comment
-from musclewire.export.c.numbers import check_single, literal
-from musclewire.export.c.precision import single_estimates
+from musclewire.extras.board.c import write_library
+from musclewire.extras.board.c.header import _comment
+from musclewire.extras.board.c.numbers import check_single, literal
+from musclewire.extras.board.c.precision import single_estimates
 from musclewire.sensing.model import load_model
 from musclewire.sensing.model_file import save_model
 from tools import require_tool

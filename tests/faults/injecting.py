@@ -21,12 +21,12 @@ from tests.faults.table import FaultRow
 
 from musclewire.errors import MusclewireError, RecordingError
 from musclewire.experiment.run import Decision, run_on_rig
+from musclewire.extras.board.serial.configuration import SerialConfiguration
+from musclewire.extras.board.serial.device import SerialDevice
+from musclewire.extras.board.serial.frames import Frame, encode_frame
+from musclewire.extras.board.serial.messages import MessageKind
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs.serial.configuration import SerialConfiguration
-from musclewire.rigs.serial.device import SerialDevice
-from musclewire.rigs.serial.frames import Frame, encode_frame
-from musclewire.rigs.serial.messages import MessageKind
 from musclewire.signals.exchange import Command, Drive, RawSample, Target
 from musclewire.signals.reading import read_hdf5
 from musclewire.signals.recording import Recording
@@ -204,7 +204,7 @@ def flood(rig: GuardedRig) -> None:
 
 def rig_text(port: str, row: FaultRow) -> str:
     """Return a rig file as a user would write it."""
-    shipped = (Path(__file__).parents[2] / "src/musclewire/parameters/data/rigs/serial-board.toml").read_text()
+    shipped = (Path(__file__).parents[2] / "src/musclewire/extras/board/rig_files/serial-board.toml").read_text()
     limits = "".join(f"{key} = {value}\n" for key, value in row.limits.items())
     return shipped.replace('"/dev/ttyACM0"', f'"{port}"') + (f"\n[limits]\n{limits}" if limits else "")
 

@@ -17,10 +17,10 @@ from tests.faults.injecting import SOUND_SAMPLES, Outcome, command_run, judged_s
 from tests.faults.table import FaultRow, fault_matrix
 
 from musclewire.errors import RigError
+from musclewire.extras.board.serial import board as board_module
+from musclewire.extras.board.serial import frames
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.guarded import ProtectionTripError
-from musclewire.rigs.serial import board as board_module
-from musclewire.rigs.serial import frames
 from musclewire.signals import read_recording
 
 MATRIX = fault_matrix()

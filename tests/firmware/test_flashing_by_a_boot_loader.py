@@ -13,8 +13,8 @@ from emulation.boot_loaders import FOLDER
 from tests.tools import require_tool
 
 from musclewire.app.main import run
-from musclewire.rigs.serial.flash import greet
-from musclewire.rigs.serial.images import find_image
+from musclewire.extras.board.serial.flash import greet
+from musclewire.extras.board.serial.images import find_image
 
 pytestmark = pytest.mark.emulated
 

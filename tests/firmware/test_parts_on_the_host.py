@@ -11,10 +11,10 @@ import pytest
 from firmware.build import FIRMWARE, MODEL, WIRE, write_sources
 from tests.tools import require_tool
 
-from musclewire.rigs.serial.frames import Frame, FrameParser, encode_frame
+from musclewire.extras.board.serial.frames import Frame, FrameParser, encode_frame
 
 TESTS = Path(__file__).with_name("host_tests.c")
-HEADER = FIRMWARE.parent / "src/musclewire/export/c_library/mw_protect.h"
+HEADER = FIRMWARE.parent / "src/musclewire/extras/board/c_library/mw_protect.h"
 STRUCTURE = re.compile(r"typedef struct \{(.*?)\} mw_protection;", re.S)
 SANITIZED = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 

@@ -14,10 +14,10 @@ from tests.firmware.test_the_small_cortex import said
 from tests.tools import require_tool
 
 from musclewire.experiment.open_loop import characterize
+from musclewire.extras.board.serial import flash
+from musclewire.extras.board.serial.frames import Frame
+from musclewire.extras.board.serial.images import FirmwareImage, find_image, firmware_images
 from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.serial import flash
-from musclewire.rigs.serial.frames import Frame
-from musclewire.rigs.serial.images import FirmwareImage, find_image, firmware_images
 
 pytestmark = pytest.mark.emulated
 

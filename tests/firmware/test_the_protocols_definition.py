@@ -12,9 +12,9 @@ from firmware.protocol import DEFINITION, Protocol, page_text, protocol, written
 from pydantic import ValidationError
 
 from musclewire.controllers.protection import Event, State
-from musclewire.rigs.serial.frames import Frame
-from musclewire.rigs.serial.message_types import LAYOUTS
-from musclewire.rigs.serial.messages import BoardEvent, MessageKind, read_message
+from musclewire.extras.board.serial.frames import Frame
+from musclewire.extras.board.serial.message_types import LAYOUTS
+from musclewire.extras.board.serial.messages import BoardEvent, MessageKind, read_message
 
 FILES = written()
 # Version 1 as boards in use speak it: these never change.

@@ -17,7 +17,7 @@ from emulation.board import firmware_for
 from tests.firmware.conftest import PATIENCE_S
 from tests.tools import require_tool
 
-from musclewire.rigs.serial.frames import Frame, FrameParser, encode_frame
+from musclewire.extras.board.serial.frames import Frame, FrameParser, encode_frame
 
 pytestmark = pytest.mark.emulated
 

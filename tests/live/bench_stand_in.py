@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from musclewire.live.messages import Answer
-from musclewire.live.ring import Rows
+from musclewire.extras.live.messages import Answer
+from musclewire.extras.live.ring import Rows
 
 COLUMNS = ("time_s", "run_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
 

@@ -17,8 +17,8 @@ sys.path.insert(0, str(Path(__file__).parent))  # for bench_stand_in
 
 from bench_stand_in import BenchStandIn
 
-from musclewire.live.server.application import Limits
-from musclewire.live.server.running import Address, Ended, Running, ServerSettings, serve_until
+from musclewire.extras.live.server.application import Limits
+from musclewire.extras.live.server.running import Address, Ended, Running, ServerSettings, serve_until
 
 READY_S = 60.0
 

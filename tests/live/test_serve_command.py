@@ -13,8 +13,8 @@ import pytest
 from benchmarks import live_stop, malformed_messages
 from benchmarks.live_server import running_server
 
-from musclewire.app.serve_command import identifiers
-from musclewire.live.client import LiveClient
+from musclewire.extras.live.client import LiveClient
+from musclewire.extras.live.serve_command import identifiers
 
 
 def test_each_rig_has_a_name_of_its_own_that_fits_into_addresses() -> None:

@@ -14,10 +14,10 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from musclewire.errors import CallerError
-from musclewire.live.server.access import read_token
-from musclewire.live.server.application import Limits
-from musclewire.live.server.json_texts import MAX_BYTES
-from musclewire.live.server.running import Address, ServerSettings
+from musclewire.extras.live.server.access import read_token
+from musclewire.extras.live.server.application import Limits
+from musclewire.extras.live.server.json_texts import MAX_BYTES
+from musclewire.extras.live.server.running import Address, ServerSettings
 
 pytestmark = pytest.mark.slow
 

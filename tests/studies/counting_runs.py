@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from musclewire.errors import NumericsError
-from musclewire.studies import KindOptions, Outcome, Quantity, Run, RunKind, Runs, each
+from musclewire.extras.studies import KindOptions, Outcome, Quantity, Run, RunKind, Runs, each
 
 
 class CountingOptions(KindOptions):

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from musclewire.experiment.reproduce.all_checks import all_checks
-from musclewire.experiment.reproduce.origins import matching, rows_named
+from musclewire.extras.paper.reproduce.all_checks import all_checks
+from musclewire.extras.paper.reproduce.origins import matching, rows_named
 from musclewire.parameters.library import read_published
 
 STUDIES = Path(__file__).resolve().parents[2] / "studies"

@@ -114,7 +114,8 @@ def every_command() -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, listed in listed_commands().items():
         if isinstance(listed, TyperGroup):
-            found |= {f"{name} {member}": command.loaded() for member, command in listed.commands.items()}
+            members: dict[str, Any] = dict(listed.commands)
+            found |= {f"{name} {member}": command.loaded() for member, command in members.items()}
         else:
             found[name] = listed.loaded()
     return found

@@ -110,9 +110,9 @@ DEVICES: Registry[DeviceKind[Any]] = Registry(
     "musclewire.devices",
     {
         "simulated": "musclewire.rigs.simulated_opening:SIMULATED",
-        "segmented": "musclewire.rigs.segmented.configuration:SEGMENTED",
+        "segmented": "musclewire.extras.studies.segmented.configuration:SEGMENTED",
         "replay": "musclewire.rigs.replay:REPLAY",
-        "nidaq": "musclewire.rigs.nidaq.device:NIDAQ",
-        "serial": "musclewire.rigs.serial.device:SERIAL",
+        "nidaq": "musclewire.extras.board.nidaq.device:NIDAQ",
+        "serial": "musclewire.extras.board.serial.device:SERIAL",
     },
 )

@@ -86,7 +86,7 @@ def closed_loop_sides(quick: bool) -> tuple[Side, Side]:
 
 def environment_sides(quick: bool) -> tuple[Side, Side]:
     """Return both sides of environments; a unit is a step of one environment."""
-    from musclewire.interfaces.environments import WireVectorEnv
+    from musclewire.extras.interfaces.environments import WireVectorEnv
 
     wires, steps = (QUICK_WIRES, QUICK_STEPS) if quick else (WIRES, STEPS)
     actions = np.random.default_rng(1).uniform(-1.0, 1.0, (steps, wires, 1))

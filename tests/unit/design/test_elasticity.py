@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
-from musclewire.design.elasticity import BodyLoad, PotentialChange, load_path, solve_large, solve_linear
-from musclewire.design.plane_body import PlaneBody
 from musclewire.errors import CallerError, NumericsError
+from musclewire.extras.design.elasticity import BodyLoad, PotentialChange, load_path, solve_large, solve_linear
+from musclewire.extras.design.plane_body import PlaneBody
 
 LENGTH, DEPTH, MODULUS = 0.1, 0.01, 2e9
 

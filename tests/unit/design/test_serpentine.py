@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.design.frame import chain_stiffness_n_per_m
-from musclewire.design.serpentine.closed_form import (
+from musclewire.errors import CallerError
+from musclewire.extras.design.frame import chain_stiffness_n_per_m
+from musclewire.extras.design.serpentine.closed_form import (
     corner_stress_factor,
     guided_factor,
     nominal_stress_pa,
@@ -19,9 +20,8 @@ from musclewire.design.serpentine.closed_form import (
     stiffness_n_per_m,
     width_parameter,
 )
-from musclewire.design.serpentine.geometry import Arc, SerpentineGeometry, Straight
-from musclewire.design.serpentine.strip import MESHES, ForceCurve, force_curve, linear_answer
-from musclewire.errors import CallerError
+from musclewire.extras.design.serpentine.geometry import Arc, SerpentineGeometry, Straight
+from musclewire.extras.design.serpentine.strip import MESHES, ForceCurve, force_curve, linear_answer
 from musclewire.parameters.materials import load_material
 
 MODULUS = 2.6e9

@@ -6,10 +6,10 @@ from functools import cache
 
 import pytest
 
-from musclewire.design.serpentine.analysis import DesignCheck, Duty, PretensionerDesign, analyse
-from musclewire.design.serpentine.geometry import Envelope, SerpentineGeometry
-from musclewire.design.serpentine.sizing import PretensionerRequest, design_pretensioner
 from musclewire.errors import CallerError
+from musclewire.extras.design.serpentine.analysis import DesignCheck, Duty, PretensionerDesign, analyse
+from musclewire.extras.design.serpentine.geometry import Envelope, SerpentineGeometry
+from musclewire.extras.design.serpentine.sizing import PretensionerRequest, design_pretensioner
 from musclewire.parameters.materials import load_material
 
 PAPER = Envelope(24.6e-3, 27.6e-3, 10e-3)

@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from musclewire.design.drawing import polyline_m
-from musclewire.design.finger.finger_file_text import finger_geometry
-from musclewire.design.finger.geometry import FingerGeometry
-from musclewire.design.finger.solid import finger_solid
-from musclewire.design.serpentine.geometry import SerpentineGeometry
-from musclewire.design.serpentine.outline import serpentine_drawing
-from musclewire.design.solid import Solid, require_cad, write_solid
 from musclewire.errors import CallerError, MissingExtraError
+from musclewire.extras.design.drawing import polyline_m
+from musclewire.extras.design.finger.finger_file_text import finger_geometry
+from musclewire.extras.design.finger.geometry import FingerGeometry
+from musclewire.extras.design.finger.solid import finger_solid
+from musclewire.extras.design.serpentine.geometry import SerpentineGeometry
+from musclewire.extras.design.serpentine.outline import serpentine_drawing
+from musclewire.extras.design.solid import Solid, require_cad, write_solid
 from musclewire.parameters.finger_file import load_finger
 
 # Loading two CAD kernels takes seconds.

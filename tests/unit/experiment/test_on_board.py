@@ -10,9 +10,9 @@ from tests.unit.rigs.serial.board_in_memory import BoardInMemory, rig_on
 
 from musclewire.errors import CallerError
 from musclewire.experiment.run import Decision, run_on_rig
+from musclewire.extras.board.serial.frames import Frame
+from musclewire.extras.board.serial.messages import MessageKind
 from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.serial.frames import Frame
-from musclewire.rigs.serial.messages import MessageKind
 from musclewire.signals.exchange import Command, RawSample, Target
 from musclewire.signals.journal import journal_of
 

@@ -13,7 +13,7 @@ from musclewire.controllers.controller import ControllerSetup
 from musclewire.controllers.drive_limits import DriveLimits
 from musclewire.controllers.pid import PidSettings, pid_controller
 from musclewire.errors import CallerError
-from musclewire.interfaces.control_systems import (
+from musclewire.extras.interfaces.control_systems import (
     LinearWire,
     OperatingPoint,
     branch_system,
@@ -26,9 +26,9 @@ from musclewire.interfaces.control_systems import (
     sampled_system,
     wire_system,
 )
-from musclewire.interfaces.control_systems.linearisation import Motion
-from musclewire.interfaces.control_systems.operating_points import Branch
-from musclewire.interfaces.simulated_wire import simulated_wire
+from musclewire.extras.interfaces.control_systems.linearisation import Motion
+from musclewire.extras.interfaces.control_systems.operating_points import Branch
+from musclewire.extras.interfaces.simulated_wire import simulated_wire
 from musclewire.rigs.configuration import open_rig
 from musclewire.signals.exchange import Drive, QuantityEstimate
 from musclewire.simulate.wires import advance

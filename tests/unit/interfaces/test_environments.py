@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from musclewire.controllers.protection import Event, State, allowed_drive_v, armed, protect_command, protect_reading
 from musclewire.errors import CallerError, NumericsError
 from musclewire.experiment.open_loop import characterize
+from musclewire.extras.interfaces.environments import ENVIRONMENT, Episode, WireEnv, WireVectorEnv
+from musclewire.extras.interfaces.environments.kernels import MEMORY, empty_ends, read_lanes
+from musclewire.extras.interfaces.environments.vector import facts_of
+from musclewire.extras.interfaces.environments.watch import Watch
+from musclewire.extras.interfaces.simulated_wire import simulated_wire
 from musclewire.identify import fit
-from musclewire.interfaces.environments import ENVIRONMENT, Episode, WireEnv, WireVectorEnv
-from musclewire.interfaces.environments.kernels import MEMORY, empty_ends, read_lanes
-from musclewire.interfaces.environments.vector import facts_of
-from musclewire.interfaces.environments.watch import Watch
-from musclewire.interfaces.simulated_wire import simulated_wire
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.sensing import SensingModel
 

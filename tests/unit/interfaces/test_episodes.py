@@ -7,7 +7,7 @@ import pytest
 
 from musclewire.controllers.references import staircase
 from musclewire.errors import CallerError
-from musclewire.interfaces.environments.episodes import Episode, episode_from
+from musclewire.extras.interfaces.environments.episodes import Episode, episode_from
 
 
 def test_by_default_it_is_the_papers_staircase() -> None:

@@ -16,7 +16,7 @@ def test_the_message_names_the_extra(package: str, folder: str, extra: str) -> N
         f"import sys; sys.modules[{package!r}] = None\n"
         "from musclewire.errors import MissingExtraError\n"
         "try:\n"
-        f"    import musclewire.interfaces.{folder}\n"
+        f"    import musclewire.extras.interfaces.{folder}\n"
         "except MissingExtraError as error:\n"
         "    print(error)\n"
     )

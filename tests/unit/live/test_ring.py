@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from musclewire.live.ring import MAX_COLUMNS, SLOTS, Ring, create_ring
+from musclewire.extras.live.ring import MAX_COLUMNS, SLOTS, Ring, create_ring
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from musclewire.errors import CallerError
+from musclewire.extras.board.parts import load_parts, parts_names
 from musclewire.identify.catalogue_check import PULL_STRESS_PA
 from musclewire.identify.wire_table import wire_row
-from musclewire.parameters.parts import load_parts, parts_names
 
 SYMBOL = re.compile(r"^(?:[A-Z]\d|RCL|RS)$")
 

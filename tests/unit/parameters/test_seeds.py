@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.experiment.reproduce.reproduction import reproduce
 from musclewire.experiment.supply_sizing import SupplyRequest, plan_supply
+from musclewire.extras.paper.reproduce.reproduction import reproduce
 from musclewire.identify.physical.search import Settings
 from musclewire.parameters.seeds import require_seed
 from musclewire.rigs.configuration import RigConfiguration

@@ -14,10 +14,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import NumericsError
+from musclewire.extras.studies.segmented import Conditions
 from musclewire.parameters.catalogue import load_catalogue
 from musclewire.rigs.abilities import required_true_state
 from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.segmented import Conditions
 from musclewire.signals.exchange import Drive
 
 RIG_FILE = Path(__file__).resolve().parents[3] / "examples" / "plants" / "liang_rogers.toml"

@@ -276,7 +276,7 @@ def test_a_replay_that_names_a_plant_in_place_of_a_recording_imports_nothing(tmp
 
 
 def test_no_study_imports_a_plant(tmp_path: Path) -> None:
-    from musclewire.studies import read_study
+    from musclewire.extras.studies import read_study
 
     rig_file(tmp_path, "python:my_plant:Resistor")
     study = tmp_path / "study.toml"

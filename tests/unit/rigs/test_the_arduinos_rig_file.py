@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from musclewire.extras.board.serial.configuration import SerialConfiguration
 from musclewire.rigs.configuration import rig_configuration
-from musclewire.rigs.serial.configuration import SerialConfiguration
 
 FOLDER = Path(__file__).parents[3] / "firmware" / "boards" / "arduino-uno"
 CLOCK_HZ = 16e6

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.studies.design import METHODS, Design, design_of, run_seed, saltelli_points, unit_cube
-from musclewire.studies.varied_parameters import Axis, Sampled
+from musclewire.extras.studies.design import METHODS, Design, design_of, run_seed, saltelli_points, unit_cube
+from musclewire.extras.studies.varied_parameters import Axis, Sampled
 
 
 def plain(values: FloatArray) -> FloatArray:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.studies.distributions import quantile_function
-from musclewire.studies.varied_parameters import Axis, ParameterTable, Sampled, resolved
+from musclewire.extras.studies.distributions import quantile_function
+from musclewire.extras.studies.varied_parameters import Axis, ParameterTable, Sampled, resolved
 
 # Of the standard normal distribution, as every table prints it.
 NORMAL_975 = 1.959964

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from musclewire.arrays import FloatArray
-from musclewire.studies.design import Design, design_of
-from musclewire.studies.sensitivity import Sensitivity, sensitivity_of, sensitivity_text
-from musclewire.studies.varied_parameters import Axis, Sampled
+from musclewire.extras.studies.design import Design, design_of
+from musclewire.extras.studies.sensitivity import Sensitivity, sensitivity_of, sensitivity_text
+from musclewire.extras.studies.varied_parameters import Axis, Sampled
 
 A, B = 7.0, 0.1
 

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from study_parts import study_of
 
 from musclewire.errors import CallerError
+from musclewire.extras.studies.study import Workers, sweep
 from musclewire.identify import fit
 from musclewire.identify.loop_gaps import loop_gaps
 from musclewire.rigs.configuration import simulated_configuration
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.rigs.simulated_opening import parameters_of
 from musclewire.rigs.varied_rig import VariedRig, keys_of
-from musclewire.studies.study import Workers, sweep
 
 HERE = Workers(processes=1)
 NO_ERRORS = {
@@ -99,9 +99,9 @@ def test_ideal_readings_are_those_of_a_rig_without_errors(rig: str) -> None:
 
 
 def test_the_gaps_are_those_of_loop_gaps_and_the_fit_is_fits() -> None:
-    from musclewire.studies.characterize_runs import CharacterizeOptions, drive_v, loop_numbers
-    from musclewire.studies.ideal_runs import ideal_runs
-    from musclewire.studies.run_kind import Run, Runs
+    from musclewire.extras.studies.characterize_runs import CharacterizeOptions, drive_v, loop_numbers
+    from musclewire.extras.studies.ideal_runs import ideal_runs
+    from musclewire.extras.studies.run_kind import Run, Runs
 
     options = CharacterizeOptions(cycles=1, period=60.0, fit=True)
     rig = VariedRig(RigConfiguration(), "test", [])

@@ -11,19 +11,23 @@ MANIFEST = Manifest(
     commands=(
         Command(
             "flash",
-            "musclewire.app.flash_command:flash",
+            "musclewire.extras.board.flash_command:flash",
             "Put the built firmware for a wire on a board, and ask the board whether it runs.",
             panel="A wire on a bench",
             before="doctor",
         ),
         Command(
             "c",
-            "musclewire.app.export_c_command:export_c",
+            "musclewire.extras.board.export_c_command:export_c",
             "Model, controller, limits and protection as a self-contained C99 library, with its own test vectors.",
             group="export",
         ),
     ),
-    devices={"nidaq": "musclewire.rigs.nidaq.device:NIDAQ", "serial": "musclewire.rigs.serial.device:SERIAL"},
+    devices={
+        "nidaq": "musclewire.extras.board.nidaq.device:NIDAQ",
+        "serial": "musclewire.extras.board.serial.device:SERIAL",
+    },
+    rig_files="musclewire.extras.board:rig_files",
     rig_names={
         "uno": "arduino-uno",
         "nano": "arduino-uno",
@@ -32,5 +36,6 @@ MANIFEST = Manifest(
         "black-pill": "stm32f411",
         "blackpill": "stm32f411",
     },
-    versions={"firmware_protocol": "musclewire.rigs.serial.message_types:PROTOCOL_VERSION"},
+    outputs="musclewire.extras.board:outputs",
+    versions={"firmware_protocol": "musclewire.extras.board.serial.message_types:PROTOCOL_VERSION"},
 )

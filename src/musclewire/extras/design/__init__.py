@@ -1,1 +1,1 @@
-"""Sizing of what a wire pulls: pretensioner and finger."""
+"""Sizing the parts that a wire pulls: pretensioner and finger, by closed forms and finite elements."""

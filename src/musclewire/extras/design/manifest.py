@@ -16,15 +16,16 @@ MANIFEST = Manifest(
     commands=(
         Command(
             "pretensioner",
-            "musclewire.app.design.pretensioner_command:pretensioner",
+            "musclewire.extras.design.commands.pretensioner_command:pretensioner",
             "Size a serpentine pretensioner, or compute what one of given dimensions does.",
             group="design",
         ),
         Command(
             "finger",
-            "musclewire.app.design.finger_command:finger",
+            "musclewire.extras.design.commands.finger_command:finger",
             "Size a tendon-driven flexible finger, or compute what one of given dimensions does.",
             group="design",
         ),
     ),
+    outputs="musclewire.extras.design:outputs",
 )

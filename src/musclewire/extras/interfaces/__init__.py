@@ -1,1 +1,1 @@
-"""The simulated wire for programs that others already use: Gymnasium, python-control, FMI."""
+"""What programs of others already speak: Gymnasium environments and systems of python-control."""

@@ -1,1 +1,1 @@
-"""Recordings in the files of LabVIEW, MATLAB and Excel, and in HDF5 and Parquet of others."""
+"""Tables in files of laboratory programs: LabVIEW, MATLAB, Excel, and HDF5 and Parquet that others wrote."""

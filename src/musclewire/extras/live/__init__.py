@@ -1,1 +1,1 @@
-"""A rig operated live from a page in a browser or from a program."""
+"""A rig operated live: its process, the web server that shows it, the page, and a client for programs."""

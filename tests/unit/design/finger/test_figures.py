@@ -7,8 +7,8 @@ import re
 from fingers import CURVED
 from matplotlib.figure import Figure
 
-from musclewire.design.finger.figures import plot_finger
-from musclewire.design.finger.finger_study import FingerStudy, FingerStudyResult, study_finger
+from musclewire.extras.design.finger.figures import plot_finger
+from musclewire.extras.design.finger.finger_study import FingerStudy, FingerStudyResult, study_finger
 from musclewire.parameters.materials import load_material
 from musclewire.wire.loads import ElasticObject
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from fingers import CURVED, PLAIN
 
-from musclewire.design.finger.chain import finger_chain, place
-from musclewire.design.finger.curve import column_gap_m
-from musclewire.design.finger.drawing import finger_drawing
-from musclewire.design.finger.geometry import FingerGeometry
-from musclewire.design.finger.shape import finger_shape
-from musclewire.design.finger.statics import equilibria
 from musclewire.errors import CallerError
+from musclewire.extras.design.finger.chain import finger_chain, place
+from musclewire.extras.design.finger.curve import column_gap_m
+from musclewire.extras.design.finger.drawing import finger_drawing
+from musclewire.extras.design.finger.geometry import FingerGeometry
+from musclewire.extras.design.finger.shape import finger_shape
+from musclewire.extras.design.finger.statics import equilibria
 from musclewire.parameters.parameter_groups import Parameter
 
 

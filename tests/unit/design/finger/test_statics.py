@@ -8,9 +8,10 @@ from fingers import CURVED, PLAIN
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.design.finger.chain import cantilever_chain, finger_chain, place
-from musclewire.design.finger.closed_forms import pure_moment_stiffness_n_per_m
-from musclewire.design.finger.curve import (
+from musclewire.errors import CallerError, NumericsError
+from musclewire.extras.design.finger.chain import cantilever_chain, finger_chain, place
+from musclewire.extras.design.finger.closed_forms import pure_moment_stiffness_n_per_m
+from musclewire.extras.design.finger.curve import (
     beam_stress_pa,
     bent_per_m,
     finger_curve,
@@ -19,15 +20,14 @@ from musclewire.design.finger.curve import (
     touch_curve,
     travel_for_endpoint_m,
 )
-from musclewire.design.finger.geometry import FingerGeometry
-from musclewire.design.finger.statics import (
+from musclewire.extras.design.finger.geometry import FingerGeometry
+from musclewire.extras.design.finger.statics import (
     FingerProblem,
     equilibria,
     equilibrium,
     loaded_cantilever,
     sensitivity,
 )
-from musclewire.errors import CallerError, NumericsError
 from musclewire.wire.loads import ElasticObject
 
 TRAVELS = np.linspace(0.0, 1.05e-3, 22)

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from fingers import CURVED
 
-from musclewire.design.finger.chain import finger_chain
-from musclewire.design.finger.comparison import compare_schemes
-from musclewire.design.finger.curve import beam_stress_pa, max_free_travel_m
-from musclewire.design.finger.finger_file_text import finger_geometry, recomputed_curve
-from musclewire.design.finger.geometry import FingerGeometry
-from musclewire.design.finger.plane_stress import finger_body, plane_stress_path
-from musclewire.design.finger.statics import equilibria
-from musclewire.design.finger.wire import wire_on_finger
 from musclewire.errors import CallerError
+from musclewire.extras.design.finger.chain import finger_chain
+from musclewire.extras.design.finger.comparison import compare_schemes
+from musclewire.extras.design.finger.curve import beam_stress_pa, max_free_travel_m
+from musclewire.extras.design.finger.finger_file_text import finger_geometry, recomputed_curve
+from musclewire.extras.design.finger.geometry import FingerGeometry
+from musclewire.extras.design.finger.plane_stress import finger_body, plane_stress_path
+from musclewire.extras.design.finger.statics import equilibria
+from musclewire.extras.design.finger.wire import wire_on_finger
 from musclewire.parameters.finger_file import FingerCurve, load_finger
 
 FINGER = load_finger("lan-fan-2010")

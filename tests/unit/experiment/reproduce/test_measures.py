@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.stats import spearmanr
 
 from musclewire.errors import RecordingError
-from musclewire.experiment.reproduce.measures import (
+from musclewire.extras.paper.reproduce.measures import (
     falling_steps,
     largest_distance,
     lowest_place,

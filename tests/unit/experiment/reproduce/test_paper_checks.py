@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment.metrics import ControlMetrics, StepMetrics
-from musclewire.experiment.reproduce import Measured, PaperCheck, Runs, all_checks, measured, selected
-from musclewire.experiment.reproduce.paper_checks import Compare, holds, subject_of
-from musclewire.parameters.known_failures import known_failures, parsed_known_failures
+from musclewire.extras.paper.known_failures import known_failures, parsed_known_failures
+from musclewire.extras.paper.reproduce import Measured, PaperCheck, Runs, all_checks, measured, selected
+from musclewire.extras.paper.reproduce.paper_checks import Compare, holds, subject_of
 from musclewire.parameters.library import read_published
 
 RUNS = Runs()

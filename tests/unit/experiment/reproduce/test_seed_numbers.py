@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError, NumericsError, RecordingError
-from musclewire.experiment.reproduce import PaperCheck, Runs, reproduce, reproduction, seed_numbers, selected
-from musclewire.experiment.reproduce.all_checks import all_checks
-from musclewire.experiment.reproduce.paper_checks import Measured
-from musclewire.experiment.reproduce.seed_numbers import Watching, numbers_of_seeds
 from musclewire.experiment.worker_process import start_worker
+from musclewire.extras.paper.reproduce import PaperCheck, Runs, reproduce, reproduction, seed_numbers, selected
+from musclewire.extras.paper.reproduce.all_checks import all_checks
+from musclewire.extras.paper.reproduce.paper_checks import Measured
+from musclewire.extras.paper.reproduce.seed_numbers import Watching, numbers_of_seeds
 
 SEEDS = (3, 1, 4, 8)
 

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import quantile_test
 
-from musclewire.experiment.reproduce import Measured, PaperCheck, counts_by_origin, judged
-from musclewire.experiment.reproduce.paper_checks import Compare, holds
-from musclewire.experiment.reproduce.verdicts import ReproductionRow, median_interval, spread_of
+from musclewire.extras.paper.reproduce import Measured, PaperCheck, counts_by_origin, judged
+from musclewire.extras.paper.reproduce.paper_checks import Compare, holds
+from musclewire.extras.paper.reproduce.verdicts import ReproductionRow, median_interval, spread_of
 
 NUMBERS = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60)
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from musclewire.rigs.nidaq.driver import OutputSettings
-from musclewire.rigs.nidaq.driver_errors import DaqFaultError
-from musclewire.rigs.nidaq.guardian import GuardianOrders
+from musclewire.extras.board.nidaq.driver import OutputSettings
+from musclewire.extras.board.nidaq.driver_errors import DaqFaultError
+from musclewire.extras.board.nidaq.guardian import GuardianOrders
 
 __all__ = ["OFF_V", "ORDERS", "CardInMemory"]
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.rigs.nidaq.channels import SETTLING_READINGS, Scale, layout_of
+from musclewire.extras.board.nidaq.channels import SETTLING_READINGS, Scale, layout_of
 
 NUMBERS = st.floats(-1e3, 1e3).filter(lambda value: abs(value) > 1e-3)
 

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError
+from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
 from musclewire.parameters.validation import validated
 from musclewire.rigs.configuration import rig_configuration
-from musclewire.rigs.nidaq.configuration import NiDaqConfiguration
 
 NAMES = ("ni-pci-6229", "ni-usb-6001")
 

@@ -12,10 +12,10 @@ import pytest
 from tests.unit.rigs.nidaq.card_in_memory import OFF_V, ORDERS, CardInMemory
 
 from musclewire.errors import RigError
-from musclewire.rigs.nidaq import output as module
-from musclewire.rigs.nidaq.driver_errors import DaqFaultError
-from musclewire.rigs.nidaq.guardian import COMMAND, END, KEEP, PUT, REPLY, GuardianOrders
-from musclewire.rigs.nidaq.output import GuardedOutput, GuardianLostError, HostStalledError
+from musclewire.extras.board.nidaq import output as module
+from musclewire.extras.board.nidaq.driver_errors import DaqFaultError
+from musclewire.extras.board.nidaq.guardian import COMMAND, END, KEEP, PUT, REPLY, GuardianOrders
+from musclewire.extras.board.nidaq.output import GuardedOutput, GuardianLostError, HostStalledError
 
 DONE = REPLY.pack(b"A", 0.0, 0, 0)
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import pytest
 from tests.unit.rigs.nidaq.card_in_memory import OFF_V, ORDERS, CardInMemory
 
-from musclewire.rigs.nidaq import guardian as module
-from musclewire.rigs.nidaq.driver_errors import DaqFaultError
-from musclewire.rigs.nidaq.guardian import (
+from musclewire.extras.board.nidaq import guardian as module
+from musclewire.extras.board.nidaq.driver_errors import DaqFaultError
+from musclewire.extras.board.nidaq.guardian import (
     BEGIN,
     COMMAND,
     END,

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
+from musclewire.extras.studies.segmented.conditions import Conditions, LocalDraughts, steady
+from musclewire.extras.studies.segmented.configuration import SegmentedConfiguration
+from musclewire.extras.studies.segmented.device import SegmentedDevice, SegmentedSpool
+from musclewire.extras.studies.segmented.instruments import InstrumentSettings
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.rigs.abilities import required_true_state, stage_of
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.segmented.conditions import Conditions, LocalDraughts, steady
-from musclewire.rigs.segmented.configuration import SegmentedConfiguration
-from musclewire.rigs.segmented.device import SegmentedDevice, SegmentedSpool
-from musclewire.rigs.segmented.instruments import InstrumentSettings
 from musclewire.signals.exchange import RawSample
 
 pytestmark = pytest.mark.slow

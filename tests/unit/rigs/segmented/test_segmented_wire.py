@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from scipy.special import ndtr
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.rigs.segmented.conditions import Conditions
-from musclewire.rigs.segmented.structure import (
+from musclewire.extras.studies.segmented.conditions import Conditions
+from musclewire.extras.studies.segmented.structure import (
     Ageing,
     NormalMixture,
     WireStructure,
@@ -22,7 +21,8 @@ from musclewire.rigs.segmented.structure import (
     graded_fractions,
     mixture_distribution,
 )
-from musclewire.rigs.segmented.wire import SegmentedWire
+from musclewire.extras.studies.segmented.wire import SegmentedWire
+from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.simulate.stepping import Stepping
 from musclewire.simulate.wires import OneWire
 from musclewire.wire.building import constants_from

@@ -10,13 +10,13 @@ import struct
 from dataclasses import dataclass, field
 from math import nan
 
+from musclewire.extras.board.serial.board import Board
+from musclewire.extras.board.serial.configuration import SerialConfiguration
+from musclewire.extras.board.serial.device import SerialDevice
+from musclewire.extras.board.serial.frames import Frame, FrameParser, encode_frame
+from musclewire.extras.board.serial.line import LineLostError
+from musclewire.extras.board.serial.messages import MessageKind
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.serial.board import Board
-from musclewire.rigs.serial.configuration import SerialConfiguration
-from musclewire.rigs.serial.device import SerialDevice
-from musclewire.rigs.serial.frames import Frame, FrameParser, encode_frame
-from musclewire.rigs.serial.line import LineLostError
-from musclewire.rigs.serial.messages import MessageKind
 
 WIRE_OHM, SHUNT_OHM = 15.0, 1.0
 TICK_S = 1e-3

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.rigs.serial.frames import MAXIMUM_BODY_BYTES, Frame, FrameParser, encode_frame, stuff, unstuff
-from musclewire.rigs.serial.messages import BoardSample, Identity, MessageKind, read_message
+from musclewire.extras.board.serial.frames import MAXIMUM_BODY_BYTES, Frame, FrameParser, encode_frame, stuff, unstuff
+from musclewire.extras.board.serial.messages import BoardSample, Identity, MessageKind, read_message
 
 FRAMES = st.builds(Frame, st.integers(0, 255), st.integers(0, 65535), st.binary(max_size=MAXIMUM_BODY_BYTES - 8))
 

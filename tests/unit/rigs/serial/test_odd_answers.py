@@ -7,11 +7,11 @@ from tests.unit.rigs.serial.board_in_memory import BoardInMemory, configuration,
 
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, RigError
+from musclewire.extras.board.serial.board import Board
+from musclewire.extras.board.serial.device import SerialDevice
+from musclewire.extras.board.serial.frames import Frame
+from musclewire.extras.board.serial.messages import MessageKind
 from musclewire.rigs.guarded import ProtectionTripError
-from musclewire.rigs.serial.board import Board
-from musclewire.rigs.serial.device import SerialDevice
-from musclewire.rigs.serial.frames import Frame
-from musclewire.rigs.serial.messages import MessageKind
 
 NO_SUCH_COMMAND = 2
 

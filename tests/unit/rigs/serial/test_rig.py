@@ -11,10 +11,10 @@ from tests.unit.rigs.serial.board_in_memory import BoardInMemory, rig_on
 
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, RigError
+from musclewire.extras.board.serial.board import Board, LinkStormError, OffMeanwhileError
+from musclewire.extras.board.serial.frames import Frame, encode_frame, stuff
+from musclewire.extras.board.serial.messages import MessageKind
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs.serial.board import Board, LinkStormError, OffMeanwhileError
-from musclewire.rigs.serial.frames import Frame, encode_frame, stuff
-from musclewire.rigs.serial.messages import MessageKind
 from musclewire.signals.exchange import Target
 
 

@@ -8,18 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.studies.robustness import Selection, held_out_seeds, tuning_seeds
-from musclewire.studies.robustness.bars import bars
-from musclewire.studies.robustness.benchmark import chosen_by, ranges
-from musclewire.studies.robustness.disturbances import Disturbance
-from musclewire.studies.robustness.grips import changes
-from musclewire.studies.robustness.jobs import Answer, Job, job_of_plain
-from musclewire.studies.robustness.population import drawn_wire
-from musclewire.studies.robustness.references import REFERENCES, reference_targets, start_up
-from musclewire.studies.robustness.rows import estimator_rows
-from musclewire.studies.robustness.scoring import Score, judged_from_s, pooled
-from musclewire.studies.robustness.settings import settings
-from musclewire.studies.robustness.verdicts import Verdict, effective_bar_pct, verdicts_of
+from musclewire.extras.studies.robustness import Selection, held_out_seeds, tuning_seeds
+from musclewire.extras.studies.robustness.bars import bars
+from musclewire.extras.studies.robustness.benchmark import chosen_by, ranges
+from musclewire.extras.studies.robustness.disturbances import Disturbance
+from musclewire.extras.studies.robustness.grips import changes
+from musclewire.extras.studies.robustness.jobs import Answer, Job, job_of_plain
+from musclewire.extras.studies.robustness.population import drawn_wire
+from musclewire.extras.studies.robustness.references import REFERENCES, reference_targets, start_up
+from musclewire.extras.studies.robustness.rows import estimator_rows
+from musclewire.extras.studies.robustness.scoring import Score, judged_from_s, pooled
+from musclewire.extras.studies.robustness.settings import settings
+from musclewire.extras.studies.robustness.verdicts import Verdict, effective_bar_pct, verdicts_of
 
 
 def condition(name):

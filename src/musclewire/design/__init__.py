@@ -1,1 +1,0 @@
-"""Sizing the parts that a wire pulls: pretensioner and finger, by closed forms and finite elements."""

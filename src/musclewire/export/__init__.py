@@ -1,1 +1,0 @@
-"""What leaves Python: a model and its controller as a self-contained C library."""

@@ -1,0 +1,1 @@
+"""The page that ``musclewire reproduce`` writes: rows, figures and where each number comes from."""

@@ -1,0 +1,158 @@
+"""One wire under one condition: its runs, every estimator over them, its closed loops. What a worker does at a time."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any, NamedTuple
+
+from musclewire.errors import MusclewireError
+from musclewire.extras.studies.robustness.closed_loops import LoopOutcome, run_loop
+from musclewire.extras.studies.robustness.estimating import estimated
+from musclewire.extras.studies.robustness.forces import force_score
+from musclewire.extras.studies.robustness.population import drawn_wire
+from musclewire.extras.studies.robustness.scoring import Score, pooled, score_of
+from musclewire.extras.studies.robustness.settings import settings
+from musclewire.extras.studies.robustness.store import Store, digest, known_wire, sources
+
+__all__ = ["Answer", "Job", "answer_of", "job_of_plain"]
+
+
+class Job(NamedTuple):
+    """A wire under a condition.
+
+    Parameters
+    ----------
+    seed
+        Seed of the wire.
+    condition
+        Name of the condition.
+    references
+        Names of the references that are recorded.
+    estimators
+        Names of the estimators that are run over the records.
+    loops
+        Estimator and controller of each closed loop.
+    """
+
+    seed: int
+    condition: str
+    references: tuple[str, ...]
+    estimators: tuple[str, ...]
+    loops: tuple[tuple[str, str], ...]
+
+
+def job_of_plain(data: Any) -> Job:
+    """Return the job in a list of plain data."""
+    seed, condition, references, estimators, loops = data
+    return Job(seed, condition, tuple(references), tuple(estimators), tuple((one, two) for one, two in loops))
+
+
+class Answer(NamedTuple):
+    """What a job found.
+
+    Parameters
+    ----------
+    job
+        The job.
+    gap_pct
+        Gap of the user's slow loop [%].
+    segments
+        Number of segments of the wire.
+    scores
+        Score of each estimator by its name, over all references.
+    problems
+        Why an estimator could not be run, by its name.
+    loops
+        What each closed loop came to, in the order of the job's.
+    ended
+        Why recorded runs ended early, by the reference.
+    force
+        Score of the force at the known load over the first reference, by the estimator's name; the spring's force at
+        the full stroke is 100 %.
+    home_moves
+        What became of each home move, by the reference.
+    """
+
+    job: Job
+    gap_pct: float
+    segments: int
+    scores: dict[str, Score]
+    problems: dict[str, str]
+    loops: tuple[LoopOutcome, ...]
+    ended: dict[str, str]
+    force: dict[str, Score]
+    home_moves: dict[str, str]
+
+    def plain(self) -> dict[str, Any]:
+        """Return it as plain data, which ``of_plain`` reads."""
+        return {
+            **self._asdict(),
+            "job": list(self.job),
+            "scores": {name: asdict(score) for name, score in self.scores.items()},
+            "loops": [list(loop) for loop in self.loops],
+            "force": {name: asdict(score) for name, score in self.force.items()},
+        }
+
+    @staticmethod
+    def of_plain(data: dict[str, Any]) -> Answer:
+        """Return the answer in plain data."""
+        return Answer(
+            **{
+                **data,
+                "job": job_of_plain(data["job"]),
+                "scores": {name: Score(**score) for name, score in data["scores"].items()},
+                "loops": tuple(LoopOutcome(*loop) for loop in data["loops"]),
+                "force": {name: Score(**score) for name, score in data["force"].items()},
+            }
+        )
+
+
+def answer_of(job: Job, store: Store) -> Answer:
+    """Return what a job finds, computed now or before with the same sources.
+
+    Parameters
+    ----------
+    job
+        The job.
+    store
+        Where runs and answers are kept.
+
+    Returns
+    -------
+    The answer.
+    """
+    name = digest(sources("sensing", "controllers", "experiment", "studies/robustness"), repr(job))
+    kept = store.kept_answer(drawn_wire(job.seed), name)
+    if kept is not None:
+        return Answer.of_plain(kept)
+    found = computed(job, store)
+    store.keep_answer(drawn_wire(job.seed), name, found.plain())
+    return found
+
+
+def computed(job: Job, store: Store) -> Answer:
+    """Return what a job finds."""
+    (condition,) = settings().conditions((job.condition,))
+    wire, times = drawn_wire(job.seed), settings().run
+    knowledge = store.knowledge(wire)
+    own = known_wire(knowledge)
+    recorded = [store.run(wire, condition, reference) for reference in job.references]
+    runs = [(run, knowledge._replace(model=model)) for run, model in recorded if run.counts]
+    scores: dict[str, Score] = {}
+    problems: dict[str, str] = {}
+    force: dict[str, Score] = {}
+    for name in job.estimators:
+        try:
+            found = [estimated(run, users.model, name, own) for run, users in runs]
+        except MusclewireError as error:
+            problems[name] = " ".join(str(error).split())
+            continue
+        scores[name] = pooled(
+            score_of(run, answers, condition, users, times) for (run, users), answers in zip(runs, found, strict=True)
+        )
+        if not condition.changes_load:  # otherwise the load is not known
+            force[name] = pooled(force_score(run, name, condition, users, times, own) for run, users in runs[:1])
+    loops = tuple(run_loop(wire, condition, knowledge.model, *pair, own) for pair in job.loops)
+    ended = {run.reference: run.ended for run, _ in recorded if run.ended}
+    moves = {run.reference: run.home for run, _ in recorded if run.home}
+    return Answer(job, knowledge.gap_pct, wire.segments, scores, problems, loops, ended, force, moves)
