@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.sensing import find_segments
 from musclewire.sensing.gaps import hysteresis_gap
-from musclewire.simulate.paths import drive_path
-from musclewire.simulate.stepping import Stepping, fixed_steps
 from musclewire.wire.building import constants_from
+from musclewire.wire.paths import drive_path
+from musclewire.wire.stepping import Stepping, fixed_steps
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))

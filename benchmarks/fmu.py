@@ -26,10 +26,10 @@ import musclewire as mw
 from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.rigs.simulated_opening import open_simulated
-from musclewire.simulate.stepping import Stepping
-from musclewire.simulate.wires import OneWire, advance
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.stepping import Stepping
+from musclewire.wire.wires import OneWire, advance
 
 SAMPLE_S = 0.05
 BAR = 1e-9

@@ -46,10 +46,10 @@ from musclewire.identify.isobaric_loops import Isobar, simulated_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.library import read_published
 from musclewire.sensing.branches import Branch
-from musclewire.simulate.paths import drive_path, isobaric_path
 from musclewire.wire.building import constants_from, constants_of, with_pretension
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.distribution import ONE_CLASS, BarrierClass
+from musclewire.wire.paths import drive_path, isobaric_path
 
 ISOBAR_WIRE, PAPER_WIRE, BENCH = "isobar-sample", "paper-100um", "paper"
 # Two classes of as many grains, this far from the alloy's barrier: what an isobar shows of them, and what a turn shows.

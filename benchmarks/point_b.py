@@ -26,8 +26,8 @@ from scipy.interpolate import make_smoothing_spline
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.sensing import LoopSegments, find_segments
 from musclewire.sensing.smoothing import noise_level, smooth, smoothing_window
-from musclewire.simulate.paths import drive_path
 from musclewire.wire.building import constants_of
+from musclewire.wire.paths import drive_path
 
 Array = NDArray[np.float64]
 

@@ -15,14 +15,14 @@ import json
 import math
 from time import thread_time
 
-from musclewire.simulate.stepping import Stepping
-from musclewire.simulate.wires import OneWire
 from musclewire.speed.easier_wire import PERIOD_S, ScipyLoop, drive_v, scipy_cycle
 from musclewire.speed.measure import Side, comparison, paired_us
 from musclewire.speed.our_wire import CHOSEN, cycle, fixed_steps, one_period, paper_wire
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.state import WireState
+from musclewire.wire.stepping import Stepping
+from musclewire.wire.wires import OneWire
 
 __all__ = ["our_cycle", "our_wire", "resting_state"]
 

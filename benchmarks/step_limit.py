@@ -127,11 +127,11 @@ class CountedRecord:
 def counted_step() -> tuple[Counter[str], int]:
     """Return the operations of one step of a wire on a spring in the middle of its transformation, and its chain."""
     from musclewire.parameters.library import load_alloy, load_bench, load_wire
-    from musclewire.simulate.paths import drive_path
-    from musclewire.simulate.stepping import Drive, fixed_steps, instant_of
-    from musclewire.simulate.wires import attempt, take
     from musclewire.wire.building import constants_from
+    from musclewire.wire.paths import drive_path
     from musclewire.wire.step import RunningWire
+    from musclewire.wire.stepping import Drive, fixed_steps, instant_of
+    from musclewire.wire.wires import attempt, take
 
     wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
     _, state = drive_path(wire, np.full(40, 2.4), sample_s=0.05, stepping=fixed_steps(0.05))
@@ -176,10 +176,10 @@ def counted_elsewhere() -> tuple[dict[str, int], int]:
 def measured_s() -> tuple[float, float]:
     """Return the time of a step of one wire alone, and of a step and wire of a batch on one thread [s], medians."""
     from musclewire.parameters.library import load_alloy, load_bench, load_wire
-    from musclewire.simulate.batch import WireBatch
-    from musclewire.simulate.paths import drive_path
-    from musclewire.simulate.stepping import fixed_steps
+    from musclewire.wire.batch import WireBatch
     from musclewire.wire.building import constants_from
+    from musclewire.wire.paths import drive_path
+    from musclewire.wire.stepping import fixed_steps
 
     wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
     drive = 0.3 + 1.45 * (1.0 - np.cos(2.0 * np.pi * (np.arange(1800) + 0.5) / 1800))

@@ -29,8 +29,8 @@ from musclewire.extras.interfaces.environments.lanes import MAX_STEP_S
 from musclewire.extras.interfaces.simulated_wire import simulated_wire
 from musclewire.identify import fit
 from musclewire.rigs.configuration import open_rig
-from musclewire.simulate.paths import drive_path
-from musclewire.simulate.stepping import fixed_steps
+from musclewire.wire.paths import drive_path
+from musclewire.wire.stepping import fixed_steps
 
 WIRES, SINGLE = 1024, 8
 BAR_PER_S = 2e6

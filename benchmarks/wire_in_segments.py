@@ -23,10 +23,10 @@ from musclewire.arrays import FloatArray
 from musclewire.extras.studies.segmented import NormalMixture, SegmentedWire, WireStructure, mixture_distribution
 from musclewire.extras.studies.segmented.structure import fin_length_m
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.simulate.stepping import Stepping
-from musclewire.simulate.wires import OneWire
 from musclewire.wire.building import constants_from
 from musclewire.wire.distribution import BarrierClass
+from musclewire.wire.stepping import Stepping
+from musclewire.wire.wires import OneWire
 
 SAMPLE_S, SAMPLES, STROKE, LENGTH_M = 0.05, 600, 0.038, 0.14
 CLASSES = (BarrierClass(0.3, -2.0), BarrierClass(0.4, 0.0), BarrierClass(0.3, 2.5))

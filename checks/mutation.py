@@ -43,7 +43,7 @@ from checks.mutants.measuring import measured_tests  # noqa: E402
 from checks.mutants.operators import Mutant, mutants_of  # noqa: E402
 from checks.mutants.tree import copied_tree, environment_of  # noqa: E402
 
-ROOMS = ("wire", "sensing", "controllers", "rigs", "simulate")
+ROOMS = ("wire", "sensing", "controllers", "rigs")
 PACKAGE = Path("src", "musclewire")
 EQUIVALENTS = Path(__file__).parent / "mutants" / "equivalents.toml"
 MIN_KILLED = 0.85

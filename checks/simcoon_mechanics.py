@@ -24,8 +24,8 @@ except ImportError:
     sys.exit("simcoon is not installed: `pip install simcoon` beside musclewire, in an environment of its own")
 
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
-from musclewire.simulate.paths import isobaric_path
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.paths import isobaric_path
 from musclewire.wire.prescribed import total_strain
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))

@@ -14,8 +14,8 @@ from musclewire.rigs.mechanism import Mechanism
 from musclewire.rigs.simulated_building import wires_of
 from musclewire.rigs.simulated_configuration import with_settings
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
-from musclewire.simulate.stepping import CHOSEN
 from musclewire.wire.loads import spring_load
+from musclewire.wire.stepping import CHOSEN
 
 __all__ = ["BenchWire", "Converted", "Truth"]
 

@@ -16,9 +16,9 @@ from musclewire.parameters.library import read_published
 from musclewire.physics.resistance import phase_resistivity_ohm_m
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 from musclewire.sensing.segments import find_segments
-from musclewire.simulate.paths import DrivenPath, drive_path
 from musclewire.wire.building import constants_from, with_pretension
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.paths import DrivenPath, drive_path
 
 FloatArray = NDArray[np.float64]
 

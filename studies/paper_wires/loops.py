@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from musclewire.sensing.resistance_maximum import parabola_maximum
-from musclewire.simulate.paths import DrivenPath
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.paths import DrivenPath
 from paper_wires.unknowns import FloatArray
 
 Curve = tuple[FloatArray, FloatArray]

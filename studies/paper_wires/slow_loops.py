@@ -11,10 +11,10 @@ from musclewire.parameters import load_bench
 from musclewire.parameters.parameter_groups import Bench, Wire
 from musclewire.rigs.configuration import FOLDER, read_rig_file
 from musclewire.rigs.mechanism import Mechanism, mechanism_of
-from musclewire.simulate.paths import DrivenPath, drive_path
-from musclewire.simulate.stepping import fixed_steps
 from musclewire.wire.building import constants_from
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.paths import DrivenPath, drive_path
+from musclewire.wire.stepping import fixed_steps
 from paper_wires.loops import Loop, analysed
 from paper_wires.unknowns import PaperWires, changed
 

@@ -30,11 +30,11 @@ from musclewire.rigs.mechanism import Tendon
 from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.rigs.simulated_opening import open_simulated
-from musclewire.simulate.stepping import Stepping
-from musclewire.simulate.wires import OneWire, WireMeans, advance
 from musclewire.wire.building import resting_state, with_pretension
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.state import WireState
+from musclewire.wire.stepping import Stepping
+from musclewire.wire.wires import OneWire, WireMeans, advance
 from tools import require_tool
 
 SAMPLE_S = 0.05

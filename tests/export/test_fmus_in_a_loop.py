@@ -16,8 +16,8 @@ from musclewire.identify.use_of_model import settings_for
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.rigs.simulated_opening import open_simulated
 from musclewire.sensing import SensingModel
-from musclewire.simulate.wires import OneWire, advance
 from musclewire.wire.building import resting_state
+from musclewire.wire.wires import OneWire, advance
 from tools import require_tool
 
 SAMPLE_S, LEG_LENGTH_M = 0.05, 0.07

@@ -15,9 +15,9 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import NumericsError
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
-from musclewire.simulate.paths import DrivenPath, drive_path, isobaric_path
 from musclewire.wire.building import constants_from
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.paths import DrivenPath, drive_path, isobaric_path
 from musclewire.wire.state import WireState
 
 __all__ = ["PULL_STRESS_PA", "UNCOUNTED_STRAIN", "CatalogueRun", "dead_weight_bench", "run_catalogue_test"]

@@ -13,9 +13,9 @@ import numpy as np
 from musclewire.errors import NumericsError
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
-from musclewire.simulate.paths import DrivenPath, drive_path
 from musclewire.wire.building import constants_from, resting_state
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.paths import DrivenPath, drive_path
 from musclewire.wire.state import WireState
 
 __all__ = [

@@ -10,8 +10,8 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
-from musclewire.simulate.paths import isobaric_path
 from musclewire.wire.building import constants_from
+from musclewire.wire.paths import isobaric_path
 
 __all__ = ["Isobar", "IsobarSummary", "half_transformation_slope_pa_per_k", "simulated_isobar", "summarize_isobar"]
 

@@ -11,8 +11,8 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
 from musclewire.rigs.simulated_building import stepping_of
 from musclewire.rigs.varied_rig import VariedWire
-from musclewire.simulate.batch import WireBatch
-from musclewire.simulate.stepping import MAX_STEP_ERROR_K, Stepping, require_resolved
+from musclewire.wire.batch import WireBatch
+from musclewire.wire.stepping import MAX_STEP_ERROR_K, Stepping, require_resolved
 
 __all__ = ["WirePath", "drive_wires", "held_voltages_v"]
 

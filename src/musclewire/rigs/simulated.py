@@ -32,10 +32,10 @@ from musclewire.rigs.simulated_building import (
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.rigs.simulation_clock import SimulationClock
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
-from musclewire.simulate.stepping import Stepping
-from musclewire.simulate.wires import SampleMeans, SimulatedWires
 from musclewire.wire.loads import spring_load
 from musclewire.wire.state import WireState
+from musclewire.wire.stepping import Stepping
+from musclewire.wire.wires import SampleMeans, SimulatedWires
 
 __all__ = ["Instruments", "SimulatedDevice", "SimulatedInside", "read_sample"]
 

@@ -16,12 +16,12 @@ from musclewire.rigs.load_part import LoadPart, Pull, SecondWire, Supply
 from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, Mechanism, Tendon
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.wire_limits import WireCircuit, limits_of
-from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
-from musclewire.simulate.stepping import Stepping, steps_within
-from musclewire.simulate.wires import OneWire, SimulatedWires, TwoWires
 from musclewire.wire.building import constants_from
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import ConnectorLoad, ElasticObject, spring_load
+from musclewire.wire.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
+from musclewire.wire.stepping import Stepping, steps_within
+from musclewire.wire.wires import OneWire, SimulatedWires, TwoWires
 
 __all__ = [
     "Spool",

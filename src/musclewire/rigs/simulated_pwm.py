@@ -19,7 +19,7 @@ from musclewire.rigs.pulse_width import APERTURE_S, PulseWidth, duty_of, left_ov
 from musclewire.rigs.simulated import SimulatedDevice, SimulatedInside
 from musclewire.rigs.simulated_building import Spool
 from musclewire.signals.exchange import RawSample
-from musclewire.simulate.wires import SampleMeans
+from musclewire.wire.wires import SampleMeans
 
 __all__ = ["PulsedDevice"]
 

@@ -6,15 +6,15 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.simulate.batch import WireBatch
-from musclewire.simulate.paths import drive_path
-from musclewire.simulate.stepping import CHOSEN, Stepping, fixed_steps
-from musclewire.simulate.wires import OneWire, advance
 from musclewire.speed.easier_wire import AMPLITUDE_V, PERIOD_S, SENSE_V
+from musclewire.wire.batch import WireBatch
 from musclewire.wire.building import constants_of, resting_state
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import ConnectorLoad
+from musclewire.wire.paths import drive_path
 from musclewire.wire.state import WireState
+from musclewire.wire.stepping import CHOSEN, Stepping, fixed_steps
+from musclewire.wire.wires import OneWire, advance
 
 __all__ = [
     "CHOSEN",

@@ -1,1 +1,1 @@
-"""The model of one wire: state and constants as rows, balances and one step; no shipped files, no rig."""
+"""One wire: its row, one step and its balances; through time in a driving circuit, alone or with others."""

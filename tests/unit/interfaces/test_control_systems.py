@@ -31,9 +31,9 @@ from musclewire.extras.interfaces.control_systems.operating_points import Branch
 from musclewire.extras.interfaces.simulated_wire import simulated_wire
 from musclewire.rigs.configuration import open_rig
 from musclewire.signals.exchange import Drive, QuantityEstimate
-from musclewire.simulate.wires import advance
 from musclewire.wire.building import resting_state
 from musclewire.wire.state import WireState
+from musclewire.wire.wires import advance
 
 BRANCHES: list[Branch] = ["heating", "cooling"]
 MOTIONS: list[Motion] = ["branch", "minor loop"]

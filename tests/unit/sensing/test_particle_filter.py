@@ -18,9 +18,9 @@ from musclewire.sensing.particles.estimator import PARTICLE_COLUMNS, particle_fi
 from musclewire.sensing.particles.settings import ParticleSettings
 from musclewire.signals.exchange import Reason, WireSample
 from musclewire.signals.recording import Recording
-from musclewire.simulate.paths import drive_path
-from musclewire.simulate.wires import CHOSEN, OneWire
 from musclewire.wire.building import constants_from
+from musclewire.wire.paths import drive_path
+from musclewire.wire.wires import CHOSEN, OneWire
 
 PERIOD_S = 0.05
 WIRE = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))

@@ -9,9 +9,9 @@ import pytest
 from wire_makers import ALLOYS, Array, alloy, bench, constants, driven, slow_sine_v, wire_100um
 
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
-from musclewire.simulate.paths import DrivenPath
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.paths import DrivenPath
 from musclewire.wire.state import WireState
 
 DT_S = 1e-3

@@ -11,13 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from wire_makers import constants
 
-from musclewire.simulate.batch import WireBatch
-from musclewire.simulate.paths import drive_path
-from musclewire.simulate.stepping import Stepping, fixed_steps
-from musclewire.simulate.warming import heated_state
-from musclewire.simulate.wires import WireMeans, advance
+from musclewire.wire.batch import WireBatch
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.paths import drive_path
 from musclewire.wire.state import WireState
+from musclewire.wire.stepping import Stepping, fixed_steps
+from musclewire.wire.warming import heated_state
+from musclewire.wire.wires import WireMeans, advance
 
 WIRE = constants()
 NEW = constants(new_wire=True)

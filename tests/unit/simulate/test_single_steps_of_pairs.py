@@ -26,12 +26,12 @@ from test_pairs import (
     wire,
 )
 
-from musclewire.simulate.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Pair, PairMeans, advance_pair, no_grip
-from musclewire.simulate.stepping import Stepping, fixed_steps
-from musclewire.simulate.wires import advance
 from musclewire.wire.building import resting_state
 from musclewire.wire.loads import spring_load
+from musclewire.wire.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Pair, PairMeans, advance_pair, no_grip
 from musclewire.wire.state import WireState
+from musclewire.wire.stepping import Stepping, fixed_steps
+from musclewire.wire.wires import advance
 
 TEN_MS = fixed_steps(0.01)
 RUB_N = 0.2

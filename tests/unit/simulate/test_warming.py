@@ -8,8 +8,8 @@ from wire_makers import constants, driven
 
 from musclewire.errors import CallerError
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
-from musclewire.simulate.paths import isobaric_path
-from musclewire.simulate.warming import heated_state
+from musclewire.wire.paths import isobaric_path
+from musclewire.wire.warming import heated_state
 
 AMBIENT_K = 295.15
 

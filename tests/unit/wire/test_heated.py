@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.simulate.paths import drive_path
 from musclewire.wire.building import constants_from, resting_state
 from musclewire.wire.heated import advance_heated
+from musclewire.wire.paths import drive_path
 from musclewire.wire.step import RunningWire
 
 PERIOD_S = 0.05

@@ -17,9 +17,9 @@ from musclewire.identify.physical.candidates import Candidates
 from musclewire.parameters import Alloy
 from musclewire.parameters.parameter_groups import GrainQuantiles
 from musclewire.parameters.priors import load_priors
-from musclewire.simulate.paths import isobaric_path
 from musclewire.wire.building import constants_from, constants_of
 from musclewire.wire.distribution import tabulated_distribution, two_population_distribution, two_populations
+from musclewire.wire.paths import isobaric_path
 
 FRACTION = (0.0, 0.17, 0.5, 0.9, 1.0)
 OFFSET = (-4.7, -1.0, 0.0, 1.4, 4.0)

@@ -10,9 +10,9 @@ from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.rigs.configuration import RigConfiguration, simulated_configuration
 from musclewire.rigs.simulated_opening import open_simulated
-from musclewire.simulate.stepping import Stepping
-from musclewire.simulate.wires import OneWire
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.stepping import Stepping
+from musclewire.wire.wires import OneWire
 
 __all__ = ["SimulatedWire", "simulated_wire"]
 

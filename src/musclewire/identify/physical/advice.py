@@ -30,7 +30,7 @@ from musclewire.identify.physical.observations import Observation, residuals_of
 from musclewire.identify.physical.search import ParallelProblem, jacobian, threads
 from musclewire.identify.physical.uncertainty import IDENTIFIABLE_FRACTION
 from musclewire.parameters.validity import Reached, ValidityLimits, beyond_validity, section_m2, validity_of
-from musclewire.simulate.paths import isobaric_path
+from musclewire.wire.paths import isobaric_path
 
 __all__ = ["Advice", "Experiment", "next_experiments", "how_to_identify", "proposed"]
 

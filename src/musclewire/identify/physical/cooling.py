@@ -26,9 +26,9 @@ from musclewire.identify.physical.measured_channels import (
 from musclewire.identify.physical.observations import Channel, binned
 from musclewire.parameters.library import load_bench
 from musclewire.signals.recording import Recording
-from musclewire.simulate.paths import drive_path
-from musclewire.simulate.stepping import fixed_steps
-from musclewire.simulate.warming import heated_state
+from musclewire.wire.paths import drive_path
+from musclewire.wire.stepping import fixed_steps
+from musclewire.wire.warming import heated_state
 
 __all__ = ["CoolingObservation", "observe_cooling"]
 

@@ -27,9 +27,9 @@ from musclewire.identify.physical.observations import Channel, binned
 from musclewire.identify.recordings import resistance_reading
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
-from musclewire.simulate.paths import DrivenPath, drive_path
-from musclewire.simulate.stepping import fixed_steps
 from musclewire.wire.loads import ConnectorLoad
+from musclewire.wire.paths import DrivenPath, drive_path
+from musclewire.wire.stepping import fixed_steps
 
 __all__ = ["DrivenObservation", "observe_drive"]
 

@@ -15,7 +15,7 @@ from musclewire.identify.physical.measured_channels import CURVE_STRETCHES
 from musclewire.identify.physical.observations import Channel, with_model_error
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
-from musclewire.simulate.paths import isobaric_path
+from musclewire.wire.paths import isobaric_path
 
 __all__ = ["IsobaricObservation", "counts_contraction", "in_elongation", "isobars_in", "observe_isobars"]
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from musclewire.arrays import FloatArray, IntArray
 from musclewire.compiled import compiled
-from musclewire.simulate.stepping import Stepping, plan_of
-from musclewire.simulate.stepping import is_resolved as state_is_resolved
-from musclewire.simulate.wires import OneWire, advance_rows
 from musclewire.wire.row import Rows
+from musclewire.wire.stepping import Stepping, plan_of
+from musclewire.wire.stepping import is_resolved as state_is_resolved
+from musclewire.wire.wires import OneWire, advance_rows
 
 __all__ = [
     "WireArrays",

@@ -20,7 +20,7 @@ from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.simulated import SimulatedDevice, SimulatedInside
 from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS, CompiledTick
 from musclewire.signals.exchange import ELECTRICAL_COLUMNS
-from musclewire.simulate.wires import OneWire
+from musclewire.wire.wires import OneWire
 
 __all__ = [
     "CompiledRun",

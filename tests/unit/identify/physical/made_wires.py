@@ -16,8 +16,8 @@ from musclewire.identify.physical.candidates import Candidates, WireValues
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.priors import load_priors
 from musclewire.signals import Recording
-from musclewire.simulate.paths import drive_path, isobaric_path
 from musclewire.wire.building import constants_of
+from musclewire.wire.paths import drive_path, isobaric_path
 
 Array = NDArray[np.float64]
 

@@ -23,10 +23,10 @@ from musclewire.extras.studies.segmented.structure import (
 )
 from musclewire.extras.studies.segmented.wire import SegmentedWire
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.simulate.stepping import Stepping
-from musclewire.simulate.wires import OneWire
 from musclewire.wire.building import constants_from
 from musclewire.wire.distribution import BarrierClass
+from musclewire.wire.stepping import Stepping
+from musclewire.wire.wires import OneWire
 
 pytestmark = pytest.mark.slow
 

@@ -16,9 +16,9 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
 from musclewire.parameters.finger_file import FingerCurve
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.simulate.paths import drive_path
 from musclewire.wire.building import constants_of, measured_grains, resting_state
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.paths import drive_path
 
 __all__ = ["WireOnFinger", "wire_on_finger"]
 

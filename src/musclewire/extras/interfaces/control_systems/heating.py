@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 from musclewire.compiled import compiled
 from musclewire.errors import NumericsError
-from musclewire.simulate.stepping import Drive, instant_of
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.fronts import shakedown_of
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 from musclewire.wire.step import NO_PUSH, RunningWire, accept, guess_after, middle_of_step, solve
+from musclewire.wire.stepping import Drive, instant_of
 
 __all__ = ["HeatFlow", "heat_flow_of", "heated_to"]
 

@@ -14,9 +14,9 @@ from musclewire.extras.interfaces.control_systems.linearisation import LinearWir
 from musclewire.extras.interfaces.control_systems.operating_points import OperatingPoint
 from musclewire.extras.interfaces.simulated_wire import simulated_wire
 from musclewire.rigs.configuration import RigConfiguration
-from musclewire.simulate.wires import advance
 from musclewire.wire.building import resting_state
 from musclewire.wire.state import WireState
+from musclewire.wire.wires import advance
 
 __all__ = ["branch_system", "linear_system", "wire_system"]
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from musclewire.arrays import FloatArray
 from musclewire.errors import NumericsError
 from musclewire.extras.interfaces.simulated_wire import SimulatedWire
-from musclewire.simulate.batch import WireBatch
-from musclewire.simulate.stepping import fixed_steps
+from musclewire.wire.batch import WireBatch
+from musclewire.wire.stepping import fixed_steps
 
 __all__ = ["WireLanes"]
 

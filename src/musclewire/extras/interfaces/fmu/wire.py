@@ -12,8 +12,8 @@ from musclewire.extras.interfaces.fmu.wire_header import wire_header, wire_table
 from musclewire.extras.interfaces.fmu.wire_variables import wire_variables
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.rigs.simulated_opening import open_simulated
-from musclewire.simulate.wires import OneWire
 from musclewire.wire.constants import WireConstants
+from musclewire.wire.wires import OneWire
 
 __all__ = ["wire_contents"]
 

@@ -10,10 +10,10 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.extras.board.c.numbers import literal, rows
 from musclewire.physics.resistance import ELASTIC_POISSON_RATIO, REFERENCE_TEMPERATURE_K
-from musclewire.simulate.stepping import MAX_STEP_ERROR_K
 from musclewire.wire.constants import StepConstants, WireConstants
 from musclewire.wire.row import CLASSES, Field, Row
 from musclewire.wire.state import WireState
+from musclewire.wire.stepping import MAX_STEP_ERROR_K
 
 __all__ = ["wire_header", "wire_tables"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from musclewire.extras.interfaces.fmu.variables import Variable, Variables
-from musclewire.simulate.stepping import Stepping
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.row import Field
+from musclewire.wire.stepping import Stepping
 
 __all__ = ["wire_variables"]
 

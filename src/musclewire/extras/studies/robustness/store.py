@@ -27,7 +27,7 @@ FOLDER = Path("robustness")
 # Rooms whose sources and data decide what a wire does and what its user knows of it: an edit of any runs all again. An
 # estimator decides neither: whoever works on one keeps all runs.
 ROOMS = (
-    *("physics", "wire", "simulate", "parameters", "sensing", "controllers", "rigs", "identify", "experiment"),
+    *("physics", "wire", "parameters", "sensing", "controllers", "rigs", "identify", "experiment"),
     *("extras/studies/segmented", "extras/studies/robustness"),
 )
 OF_ESTIMATORS = ("estimator", "gated", "particles", "tick")

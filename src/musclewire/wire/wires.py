@@ -12,8 +12,14 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
-from musclewire.simulate.pairs import APART, Grip, Pair, advance_pair
-from musclewire.simulate.stepping import (
+from musclewire.wire.building import resting_state
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.fronts import shakedown_of
+from musclewire.wire.pairs import APART, Grip, Pair, advance_pair
+from musclewire.wire.row import Rows
+from musclewire.wire.state import WireState
+from musclewire.wire.step import NO_PUSH, RunningWire, accept, guess_after, middle_of_step, solve
+from musclewire.wire.stepping import (
     CHOSEN,
     DURATION,
     MIN_STEP_S,
@@ -33,12 +39,6 @@ from musclewire.simulate.stepping import (
     require_resolved,
     shorter_step_s,
 )
-from musclewire.wire.building import resting_state
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.fronts import shakedown_of
-from musclewire.wire.row import Rows
-from musclewire.wire.state import WireState
-from musclewire.wire.step import NO_PUSH, RunningWire, accept, guess_after, middle_of_step, solve
 
 __all__ = [
     "CHOSEN",

@@ -13,8 +13,9 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
-from musclewire.simulate.coupling import APART, Grip, grip_force_n, no_grip
-from musclewire.simulate.pair_step import (
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.coupling import APART, Grip, grip_force_n, no_grip
+from musclewire.wire.pair_step import (
     OWN_SUPPLY,
     PARALLEL,
     SERIES,
@@ -32,7 +33,10 @@ from musclewire.simulate.pair_step import (
     remember,
     take_both,
 )
-from musclewire.simulate.stepping import (
+from musclewire.wire.row import Rows
+from musclewire.wire.state import WireState
+from musclewire.wire.step import RunningWire
+from musclewire.wire.stepping import (
     CHOSEN,
     DURATION,
     MIN_STEP_S,
@@ -43,10 +47,6 @@ from musclewire.simulate.stepping import (
     plan_of,
     shorter_step_s,
 )
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.row import Rows
-from musclewire.wire.state import WireState
-from musclewire.wire.step import RunningWire
 
 __all__ = ["APART", "OWN_SUPPLY", "PARALLEL", "SERIES", "Grip", "Pair", "PairMeans", "advance_pair", "no_grip"]
 

@@ -12,8 +12,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.errors import CallerError
-from musclewire.simulate.stepping import Stepping, require_resolved
-from musclewire.simulate.wires import CHOSEN, Drive, advance_wire, plan_of
 from musclewire.wire.building import cooled_wire, resting_state
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.fronts import shakedown_of
@@ -21,6 +19,8 @@ from musclewire.wire.prescribed import follow, resistance_of, total_strain
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 from musclewire.wire.step import RunningWire
+from musclewire.wire.stepping import Stepping, require_resolved
+from musclewire.wire.wires import CHOSEN, Drive, advance_wire, plan_of
 
 __all__ = ["DrivenPath", "IsobaricPath", "drive_path", "isobaric_path"]
 

@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled_inline
-from musclewire.simulate.coupling import APART, Grip, Joint, Start, balance_connector, hold_object
-from musclewire.simulate.stepping import RESISTANCE, STRAIN, TEMPERATURE, Attempt, Instant, error_ratio, owed_j
 from musclewire.wire.balance import Push, convection_w_per_m2_k, loss_w
 from musclewire.wire.constants import StepConstants
+from musclewire.wire.coupling import APART, Grip, Joint, Start, balance_connector, hold_object
 from musclewire.wire.fronts import shakedown_of
 from musclewire.wire.state import WireState
 from musclewire.wire.step import NO_HEAT_J, Equilibrium, RunningWire, accept, guess_after, middle_of_step
+from musclewire.wire.stepping import RESISTANCE, STRAIN, TEMPERATURE, Attempt, Instant, error_ratio, owed_j
 
 __all__ = [
     "OWN_SUPPLY",

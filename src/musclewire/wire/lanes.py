@@ -9,13 +9,6 @@ a wire in a batch has the same bits as alone.
 from __future__ import annotations
 
 from musclewire.compiled import compiled, compiled_inline
-from musclewire.simulate.lane_layout import LANES, Block, constants_of_lane, state_of_lane
-from musclewire.simulate.wires import (
-    Drive,
-    Instant,
-    circuit_at,
-    owed_j,
-)
 from musclewire.wire.balance import (
     Trial,
     balance_at,
@@ -26,6 +19,7 @@ from musclewire.wire.balance import (
 )
 from musclewire.wire.constants import StepConstants
 from musclewire.wire.fronts import Fronts, Phases, Shakedown, cumulative_at, fronts_after, phases_of_class
+from musclewire.wire.lane_layout import LANES, Block, constants_of_lane, state_of_lane
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 from musclewire.wire.step import (
@@ -40,6 +34,12 @@ from musclewire.wire.step import (
     load_at,
     middle_of_step,
     solve,
+)
+from musclewire.wire.wires import (
+    Drive,
+    Instant,
+    circuit_at,
+    owed_j,
 )
 
 __all__ = ["advance_block"]

@@ -20,16 +20,16 @@ import numpy.typing as npt
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.errors import CallerError
-from musclewire.simulate.lane_layout import LANES, blocks_of, state_fields
-from musclewire.simulate.lanes import advance_block
-from musclewire.simulate.paths import DrivenPath
-from musclewire.simulate.stepping import Stepping, require_resolved
-from musclewire.simulate.wires import CHOSEN, Drive, advance_wire, plan_of
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants, as_record
+from musclewire.wire.lane_layout import LANES, blocks_of, state_fields
+from musclewire.wire.lanes import advance_block
+from musclewire.wire.paths import DrivenPath
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 from musclewire.wire.step import RunningWire
+from musclewire.wire.stepping import Stepping, require_resolved
+from musclewire.wire.wires import CHOSEN, Drive, advance_wire, plan_of
 
 __all__ = ["COLUMNS", "BatchMeans", "WireBatch", "drive_many"]
 
@@ -43,7 +43,7 @@ WORTH_THREADS = 20_000
 
 
 class BatchMeans(NamedTuple):
-    """Means over a sample, (n_wires,) each, as :class:`~musclewire.simulate.wires.WireMeans` of one wire."""
+    """Means over a sample, (n_wires,) each, as :class:`~musclewire.wire.wires.WireMeans` of one wire."""
 
     wire_voltage_v: FloatArray
     shunt_voltage_v: FloatArray
@@ -273,7 +273,7 @@ def drive_many(
     stepping
         How a sample is divided into steps.
     keep
-        Columns of :class:`~musclewire.simulate.paths.DrivenPath` to return; memory is needed for these only.
+        Columns of :class:`~musclewire.wire.paths.DrivenPath` to return; memory is needed for these only.
     threads
         Number of threads; all cores if None.
 

@@ -1,1 +1,0 @@
-"""Simulated wires: state in, state out."""
