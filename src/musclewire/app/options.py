@@ -1,4 +1,4 @@
-"""Every option of every command, defined once: its name, its unit, and what it means.
+"""Every option of the core's commands and of several parts, defined once: its name, its unit, and what it means.
 
 A command says which options it has, with which type and default; name and help come from here. The same name means the
 same in all commands (``tests/app/test_one_list_of_options.py``).
@@ -68,15 +68,11 @@ OVERWRITE = option("--overwrite", help="Replace what is already there.")
 PLOT = option("--plot", help="Figure to write (.svg, .png, .pdf).")
 PLOT_STYLE = option("--plot-style", help="Size and fonts of the figure: screen, slides, or a journal's column.")
 REPORT = option("--report", help="Page to write (.html); by default next to the output.")
-DRAWING = option("--drawing", help="Drawing to cut, 1:1 (.svg, .dxf). Repeatable.")
-SOLID = option("--solid", help="Solid to print, in millimetres (.stl, .step; extra 'cad'). Repeatable.")
 JSON = option("--json", help="Print one JSON document on stdout.")
 LIST = option("--list", help="List the names that can be given, and exit.")
 
 # Rigs and their clocks.
 SEED = option("--seed", help="Seed of everything random: the same seed, the same numbers.", min=0)
-SEEDS = option("--seeds", help="Number of seeds over which medians are taken.", min=1)
-FIRST_SEED = option("--first-seed", help="First of the seeds; the others follow it one by one.", min=0)
 REAL_TIME = option("--real-time", help="Pace a simulated rig by the clock.")
 CLOCK_SPEED = option("--clock-speed", help="With --real-time: run so many times as fast as the clock, 0.01 to 1000.")
 REAL_TIME_PRIORITY = option(
@@ -92,21 +88,6 @@ RIG = option(
     help="Rig whose circuit and limits are taken: 'simulated', or a rig file of kind simulated or serial.",
     autocompletion=completion.rigs,
 )
-
-# Flashing a board.
-SERIAL_PORT = option("--serial-port", help="The board's port: /dev/ttyACM0, /dev/ttyUSB0, COM3. Default: found.")
-OLD_BOOTLOADER = option(
-    "--old-bootloader", help="The board is a Nano of before 2018: its boot loader takes 57600 baud."
-)
-DRY_RUN = option("--dry-run", help="Print the loader's command, and write nothing.")
-
-# The live page.
-HOST = option("--host", help="Name or address to listen at; any but loopback needs a token.")
-PORT = option("--port", help="Port to listen at; if it is taken, the next that is free.", min=1, max=65535)
-TOKEN_FILE = option(
-    "--token-file", help="File with the token that everybody must show. Default: none on loopback, else a new one."
-)
-OPEN = option("--open", help="Open the page in the browser.")
 
 # The slow sine and what is compared by it.
 AMPLITUDE = quantity("--amplitude", "V", "Amplitude of the slow sine, as '3.2 V'.")
@@ -180,12 +161,6 @@ CLEARANCE = quantity(
 NO_OBJECT = option("--no-object", help="Simulate the grip without any object.")
 LEARNED = option("--learned", help="File of the trained gripper (.json): read, or written after training.")
 
-# Linearisation.
-DISPLACEMENT = quantity(
-    "--displacement", "m", "Displacement of the connector at which the wire rests, as '2 mm'.", 0.0, 1.0
-)
-SENSED_BY = option("--sensed-by", help="Model file by which the loop senses strain; by default the strain itself.")
-
 # Recordings and models.
 COLUMN = option(
     "--column", "-c", help="Assign a header of the file to a column. Repeatable.", metavar="NAME=HEADER[:UNIT]"
@@ -236,7 +211,6 @@ WIRE = option(
     autocompletion=completion.wires,
 )
 WIRE_LENGTH = quantity("--wire-length", "m", "Length of the wire between its terminals, both legs of a V together.")
-PRETENSION = quantity("--pretension", "N", "Pretension of the wire, both legs of a V together, as '0.71 N'.")
 SUPPLY = quantity("--supply", "V", "Supply voltage, as '5 V'.")
 CURRENT = quantity("--current", "A", "Current that is held, as '200 mA'; --supply is then its limit.")
 OFF_AFTER = quantity("--off-after", "s", "Time until switching off, as '1 s'.", 0.01, inf, "s")
@@ -256,77 +230,16 @@ JUMPS = option("--jumps", help="Descents from near the best; by default depends 
 THREADS = option("--threads", help="Threads; by default one on each core.", min=1)
 
 # Studies of many wires.
-SCHEDULER = option(
-    "--scheduler", help="A Dask cluster's address, as 'tcp://host:8786'; by default this machine's cores."
-)
 WORKERS = option("--workers", help="Processes on this machine; by default one on each core.", min=1)
-RUNS_PER_CHUNK = option("--runs-per-chunk", help="Runs evaluated together and kept as one file.", min=1)
-RETRIES = option("--retries", help="How often a chunk is begun again whose worker has died.", min=0)
-PLAN = option("--plan", help="Check the study, say what it would run, and exit.")
-
-# Estimators and controllers under disturbance.
-TUNING = option("--tuning", help="The wires that are for tuning, and not those whose figures are reported.")
-CONDITION = option("--condition", help="A condition by name; --list shows them. Repeatable.", metavar="NAME")
-TRACK = option(
-    "--track", help="A reference that the wire follows, by name; --list shows them. Repeatable.", metavar="NAME"
-)
-ESTIMATORS = option("--estimators", help="An estimator to compare, by name. Repeatable.", metavar="NAME")
-CONTROLLERS = option(
-    "--controllers", help="A controller to compare, by name; 'none' for no closed loops. Repeatable.", metavar="NAME"
-)
 
 # Parts to design.
-STIFFNESS = quantity("--stiffness", "N/m", "Size a part of this stiffness, as '386.2 N/m'.")
-STROKE = quantity("--stroke", "m", "Contraction of the wire, as '1.05 mm'.")
-TRAVEL = quantity("--travel", "m", "Largest travel of the connector, where wire, tendon and pretensioner meet.")
-FINGER_STIFFNESS = quantity(
-    "--finger-stiffness", "N/m", "Stiffness of the finger on the same connector, which must be the greater one."
-)
-MATERIAL = option(
-    "--material",
-    help="Material by name ('design pretensioner --list' shows all), or its .toml file.",
-    autocompletion=completion.materials,
-)
-PROCESS = option("--process", help="Manufacturing process, which limits how thin a beam can be; 'fdm' is 'print'.")
-ENVELOPE = option("--envelope", help="Room across the wire, along it, out of plane, as '24.6x27.6x10 mm'.")
 FILE = option("--file", help="Take all dimensions from a pretensioner's file.")
-BEAMS = option("--beams", help="Compute given dimensions: number of beams.")
-HALF_LENGTH = quantity("--half-length", "m", "Half of a beam's length, a.")
-PITCH = quantity("--pitch", "m", "Distance between the centre lines of beams, p.")
-THICKNESS = quantity("--thickness", "m", "Compute given dimensions: thickness of a beam in the plane of bending, t.")
-DEPTH = quantity("--depth", "m", "Depth of the part out of the plane of bending, b.")
-MAX_DEPTH = quantity("--max-depth", "m", "Largest depth there is room for.")
-TENDON_HOLE = quantity("--tendon-hole", "m", "Diameter of the solid's holes for the tendon's two legs.")
-CORNER_RADIUS = quantity("--corner-radius", "m", "Inner radius of corners; by default a quarter of the thickness.")
-FINGER = option(
-    "--finger",
-    help="Take all dimensions from a finger, by name or .toml file.",
-    autocompletion=completion.fingers,
-)
-OFFSET = quantity("--offset", "m", "With --thickness: distance of the tendon from the beam's centre line.")
-OVERALL_LENGTH = quantity("--overall-length", "m", "Length along the beam, extension plate included.")
-PLATE = quantity("--plate", "m", "Length of the extension plate.")
-COLUMNS = option("--columns", help="Number of columns that guide the tendon.")
-COLUMN_WIDTH = quantity("--column-width", "m", "Width of a column.")
-INWARD_ANGLE = quantity(
-    "--inward-angle", "rad", "Angle by which all unloaded segments together curve inward, as '8 deg'.", 0.0, inf, "deg"
-)
-ENDPOINT = quantity("--endpoint", "m", "Displacement of the endpoint that is wanted, as '6 mm'.")
-FRICTION = option("--friction", help="Coefficient of friction between tendon and holes.", min=0.0)
-PRETENSIONER = quantity(
-    "--pretensioner", "N/m", "Stiffness of the pretensioner on the same connector, as '386.2 N/m', or its .toml file."
-)
-COMPARE = option("--compare", help="Compare distributed with concentrated actuation.")
-REFINED = option("--refined", help="Factor by which the finite elements are finer.", min=1, max=4)
 
 # Everything else.
 ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.mae'; 'step'.", metavar="NAME")
 QUICK = option("--quick", help="Fewer repetitions.")
 SETTINGS = option("--settings", help="TOML file with settings of the controller, as kp_range = [0.01, 0.1].")
-DOUBLE = option("--double", help="Double precision instead of single.")
 NAME = option("--name", help="Name of the library or FMU, a C identifier.")
-ARDUINO_ZIP = option("--arduino-zip", help="The library as one .zip, too, for 'Add .ZIP Library' of the Arduino IDE.")
-SOURCES_ONLY = option("--sources-only", help="Write the FMU without a binary, for tools that compile its sources.")
 
 Json = Annotated[bool, JSON]
 RigName = Annotated[

@@ -10,8 +10,9 @@ import typer
 
 from musclewire.app.controller_settings import read_settings
 from musclewire.app.files import require_zip_file
-from musclewire.app.options import ARDUINO_ZIP, DOUBLE, ESTIMATOR, NAME, OUTPUT, OVERWRITE, RIG, RULES, SETTINGS, Json
+from musclewire.app.options import ESTIMATOR, NAME, OUTPUT, OVERWRITE, RIG, RULES, SETTINGS, Json
 from musclewire.app.output import emit_json, show
+from musclewire.extras.board.options import ARDUINO_ZIP, DOUBLE
 
 __all__ = ["export_c"]
 

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.options import DRY_RUN, OLD_BOOTLOADER, SERIAL_PORT, WIRE, Json
+from musclewire.app.options import WIRE, Json
 from musclewire.app.output import emit_json, show
+from musclewire.extras.board.options import DRY_RUN, OLD_BOOTLOADER, SERIAL_PORT
 
 if TYPE_CHECKING:
     from musclewire.extras.board.serial.flash import Loader

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app.controller_settings import read_settings
-from musclewire.app.options import NAME, OUTPUT, OVERWRITE, RIG, RULES, SETTINGS, SOURCES_ONLY, Json
+from musclewire.app.options import NAME, OUTPUT, OVERWRITE, RIG, RULES, SETTINGS, Json
 from musclewire.app.output import emit_json, show
 from musclewire.errors import CallerError
+from musclewire.extras.interfaces.options import SOURCES_ONLY
 
 if TYPE_CHECKING:
     from musclewire.extras.interfaces.fmu import Fmu

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from musclewire.app.figure_options import FigureOptions
-from musclewire.app.options import DISPLACEMENT, SENSED_BY, Json, RigName, in_si
+from musclewire.app.options import Json, RigName, in_si
 from musclewire.app.output import emit_json, show
+from musclewire.extras.interfaces.options import DISPLACEMENT, SENSED_BY
 
 if TYPE_CHECKING:
     from musclewire.extras.interfaces.control_systems import Linearisation, LinearisedLoop, OperatingPoint

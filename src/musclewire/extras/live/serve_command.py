@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from musclewire.app import completion
-from musclewire.app.options import CPU, HOST, OPEN, OUTPUT, PORT, REAL_TIME_PRIORITY, SEED, TOKEN_FILE
+from musclewire.app.options import CPU, OUTPUT, REAL_TIME_PRIORITY, SEED
 from musclewire.app.output import say, show
 from musclewire.app.stopping import Stopped
 from musclewire.errors import CallerError
+from musclewire.extras.live.options import HOST, OPEN, PORT, TOKEN_FILE
 
 if TYPE_CHECKING:
     from musclewire.extras.live.bench_handle import BenchHandle

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app.options import FIRST_SEED, ONLY, OUTPUT, SEED, SEEDS, WORKERS, Json
+from musclewire.app.options import ONLY, OUTPUT, SEED, WORKERS, Json
 from musclewire.app.output import emit_json, run_bar, say, show
 from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
+from musclewire.extras.paper.options import FIRST_SEED, SEEDS
 from musclewire.extras.paper.paper_text import print_rows, print_summary
 
 if TYPE_CHECKING:

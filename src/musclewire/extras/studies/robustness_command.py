@@ -13,20 +13,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from musclewire.app.figure_options import FigureOptions
-from musclewire.app.options import (
-    CONDITION,
-    CONTROLLERS,
-    ESTIMATORS,
-    LIST,
-    OUTPUT,
-    QUICK,
-    TRACK,
-    TUNING,
-    WORKERS,
-    Json,
-)
+from musclewire.app.options import LIST, OUTPUT, QUICK, WORKERS, Json
 from musclewire.app.output import emit_json, run_bar, show
 from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
+from musclewire.extras.studies.options import CONDITION, CONTROLLERS, ESTIMATORS, TRACK, TUNING
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,20 +13,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app.figure_options import FigureOptions
-from musclewire.app.options import (
-    LIST,
-    OUTPUT,
-    OVERWRITE,
-    PLAN,
-    RETRIES,
-    RUNS_PER_CHUNK,
-    SCHEDULER,
-    WORKERS,
-    Json,
-)
+from musclewire.app.options import LIST, OUTPUT, OVERWRITE, WORKERS, Json
 from musclewire.app.output import emit_json, run_bar, show, warn
 from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
+from musclewire.extras.studies.options import PLAN, RETRIES, RUNS_PER_CHUNK, SCHEDULER
 
 if TYPE_CHECKING:
     from musclewire.extras.studies.plan import Plan

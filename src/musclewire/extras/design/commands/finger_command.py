@@ -8,8 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app.options import (
-    CLEARANCE,
+from musclewire.app.options import CLEARANCE, OBJECT_STIFFNESS, WIRE, WIRE_LENGTH, Json, in_si
+from musclewire.app.output import emit_json, show, warn
+from musclewire.errors import CallerError
+from musclewire.extras.design.commands.finger_text import answer_json, answer_text
+from musclewire.extras.design.commands.part_options import OPTIONS_FILE, PartFiles, given_options
+from musclewire.extras.design.options import (  # fmt: skip
     COLUMN_WIDTH,
     COLUMNS,
     COMPARE,
@@ -20,7 +24,6 @@ from musclewire.app.options import (
     INWARD_ANGLE,
     MATERIAL,
     MAX_DEPTH,
-    OBJECT_STIFFNESS,
     OFFSET,
     OVERALL_LENGTH,
     PLATE,
@@ -32,15 +35,7 @@ from musclewire.app.options import (
     TENDON_HOLE,
     THICKNESS,
     TRAVEL,
-    WIRE,
-    WIRE_LENGTH,
-    Json,
-    in_si,
-)  # fmt: skip
-from musclewire.app.output import emit_json, show, warn
-from musclewire.errors import CallerError
-from musclewire.extras.design.commands.finger_text import answer_json, answer_text
-from musclewire.extras.design.commands.part_options import OPTIONS_FILE, PartFiles, given_options
+)
 
 if TYPE_CHECKING:
     from musclewire.extras.design.finger.finger_study import FingerStudyResult, WireToPull

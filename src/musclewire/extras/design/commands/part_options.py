@@ -14,8 +14,9 @@ from typing import Annotated, Any
 import typer
 
 from musclewire.app.files import require_figure_file, require_folder
-from musclewire.app.options import DRAWING, OUTPUT, PLOT, SOLID
+from musclewire.app.options import OUTPUT, PLOT
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.extras.design.options import DRAWING, SOLID
 
 __all__ = ["OPTIONS_FILE", "PartFiles", "given_options"]
 

@@ -10,15 +10,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from musclewire.app.files import save_figure
-from musclewire.app.options import (
+from musclewire.app.options import FILE, LIST, Json, in_si
+from musclewire.app.output import emit_json, show, warn
+from musclewire.errors import CallerError
+from musclewire.extras.design.commands.part_options import OPTIONS_FILE, PartFiles
+from musclewire.extras.design.commands.pretensioner_text import made_json, made_text, materials_json, materials_text
+from musclewire.extras.design.options import (  # fmt: skip
     BEAMS,
     CORNER_RADIUS,
     DEPTH,
     ENVELOPE,
-    FILE,
     FINGER_STIFFNESS,
     HALF_LENGTH,
-    LIST,
     MATERIAL,
     PITCH,
     PRETENSION,
@@ -27,13 +30,7 @@ from musclewire.app.options import (
     STROKE,
     THICKNESS,
     TRAVEL,
-    Json,
-    in_si,
-)  # fmt: skip
-from musclewire.app.output import emit_json, show, warn
-from musclewire.errors import CallerError
-from musclewire.extras.design.commands.part_options import OPTIONS_FILE, PartFiles
-from musclewire.extras.design.commands.pretensioner_text import made_json, made_text, materials_json, materials_text
+)
 
 if TYPE_CHECKING:
     from musclewire.extras.design.serpentine.analysis import Duty, PretensionerDesign

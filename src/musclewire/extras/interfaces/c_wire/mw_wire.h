@@ -1,6 +1,6 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
-/* The simulated wire on its load, in the order of operations of musclewire's Python (musclewire.wire and
- * musclewire.wire): the same bits, if the compiler keeps IEEE 754 arithmetic (-ffp-contract=off).
+/* The simulated wire on its load, in the order of operations of musclewire's Python (musclewire.wire):
+ * the same bits, if the compiler keeps IEEE 754 arithmetic (-ffp-contract=off).
  *
  * SI units throughout, unit last in the name. No allocation, no global that is written, no libm. The numbers of one wire
  * and its load are in mw_wire_numbers.h, which the export writes; the other files are the same for every wire.
