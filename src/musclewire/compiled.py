@@ -33,8 +33,6 @@ FILES_WITH_KERNELS = (
     "interfaces/control_systems/heating.py",
     "interfaces/environments/kernels.py",
     "random_numbers.py",
-    "speed/compiled_wires.py",
-    "speed/machine.py",
 )
 
 

@@ -6,25 +6,32 @@ from collections.abc import Iterator
 from functools import partial
 from time import perf_counter
 
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.signals.exchange import Drive
-from musclewire.speed import fuzzy_tick
-from musclewire.speed.batch_cases import batch_cases
-from musclewire.speed.compiled_wires import EXPLICIT_STEP_S, numba_cycle
-from musclewire.speed.easier_wire import PERIOD_S, ScipyLoop, drive_v, scipy_cycle
-from musclewire.speed.loop_cases import loop_cases
-from musclewire.speed.measure import Case, Side
-from musclewire.speed.our_wire import CHOSEN, OneWire, cycle, fixed_steps, paper_wire, running, start_of
-from musclewire.speed.plain_grains import GRAINS, GrainWire
-from musclewire.speed.processes import first_period_of_ours, first_period_of_scipy
+from benchmarks.speed import fuzzy_tick
+from benchmarks.speed.batch_cases import batch_cases
+from benchmarks.speed.compiled_wires import EXPLICIT_STEP_S, numba_cycle
+from benchmarks.speed.easier_wire import PERIOD_S, ScipyLoop, drive_v, scipy_cycle
+from benchmarks.speed.loop_cases import loop_cases
+from benchmarks.speed.plain_grains import GRAINS, GrainWire
+from benchmarks.speed.processes import first_period_of_ours, first_period_of_scipy
+
+from musclewire.app.bench_measure import Case, Side
+from musclewire.app.bench_rows import (
+    CONTROL_PERIOD_S,
+    CYCLES,
+    SAMPLE_S,
+    cycle,
+    exchange_side,
+    paper_wire,
+    period_side,
+    period_voltages,
+    sample_voltages,
+    step_side,
+    tick_side,
+)
+from musclewire.wire.building import resting_state
 
 __all__ = ["cases"]
 
-CONTROL_PERIOD_S = 0.01
-# Cycles of ours in a turn, where one takes less than a millisecond.
-CYCLES = 10
-SAMPLE_S = 0.05
 EASIER = "theirs is an easier wire: two phases, no minor loops, no friction"
 
 
@@ -51,37 +58,27 @@ def steps() -> Iterator[Case]:
 
 def step_and_scipy(step_s: float, _quick: bool) -> tuple[Side, Side]:
     """Return both sides of a step and SciPy's LSODA."""
-    wire = paper_wire()
-    start = start_of(wire)
     wanted_s = max(step_s, CONTROL_PERIOD_S)
-    return (
-        Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s, repeats=CYCLES),
-        Side(lambda _: scipy_cycle(wanted_s), PERIOD_S / step_s),
-    )
+    return step_side(step_s), Side(lambda _: scipy_cycle(wanted_s), PERIOD_S / step_s)
 
 
 def step_and_numba(_quick: bool) -> tuple[Side, Side]:
     """Return both sides of a step of 10 ms and a plain Numba loop."""
-    wire = paper_wire()
-    start, units = start_of(wire), PERIOD_S / 1e-2
     steps_a_sample = round(SAMPLE_S / EXPLICIT_STEP_S)
-    return (
-        Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(1e-2)), units, repeats=CYCLES),
-        Side(lambda _: numba_cycle(round(PERIOD_S / SAMPLE_S), steps_a_sample), units),
-    )
+    theirs = Side(lambda _: numba_cycle(round(PERIOD_S / SAMPLE_S), steps_a_sample), PERIOD_S / 1e-2)
+    return step_side(1e-2), theirs
 
 
 def step_and_python(quick: bool) -> tuple[Side, Side]:
     """Return both sides of a step of 1 ms and grains in plain Python, theirs a part of the cycle at its hottest."""
-    wire = paper_wire()
-    start, theirs = start_of(wire), GrainWire()
+    theirs = GrainWire()
     steps = 500 if quick else 5000
 
     def run(_: object) -> None:
         for number in range(steps):
             theirs.advance(drive_v(40.0 + 1e-3 * number), 1e-3)
 
-    return Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(1e-3)), PERIOD_S / 1e-3), Side(run, steps)
+    return step_side(1e-3), Side(run, steps)
 
 
 def slow_loop() -> Case:
@@ -93,7 +90,7 @@ def slow_loop() -> Case:
 def slow_loop_sides(_quick: bool) -> tuple[Side, Side]:
     """Return both sides of the loop."""
     wire = paper_wire()
-    start = start_of(wire)
+    start = resting_state(wire)
     return Side(lambda _: cycle(wire, start, SAMPLE_S), 1.0, repeats=CYCLES), Side(lambda _: scipy_cycle(SAMPLE_S), 1.0)
 
 
@@ -105,20 +102,17 @@ def closed_loop_period() -> Case:
 
 def period_sides(quick: bool) -> tuple[Side, Side]:
     """Return both sides of a period, along a whole cycle of the slow sine or, if quick, while the wire heats."""
-    wire = paper_wire()
-    first_s, last_s = (20.0, 26.0) if quick else (0.0, PERIOD_S)
-    periods = round((last_s - first_s) / CONTROL_PERIOD_S)
-    voltages = [drive_v(first_s + number * CONTROL_PERIOD_S) for number in range(periods)]
+    return period_side(quick), loop_side(period_voltages(quick), CONTROL_PERIOD_S)
 
-    def ours(wire: OneWire) -> None:
-        for voltage_v in voltages:
-            wire.advance(voltage_v, CONTROL_PERIOD_S, CHOSEN)
 
-    def theirs(loop: ScipyLoop) -> None:
+def loop_side(voltages: list[float], period_s: float) -> Side:
+    """Return SciPy's side at the same drives, a call for each."""
+
+    def run(loop: ScipyLoop) -> None:
         for voltage_v in voltages:
             loop.advance(voltage_v)
 
-    return Side(ours, periods, partial(running, wire)), Side(theirs, periods, partial(ScipyLoop, CONTROL_PERIOD_S))
+    return Side(run, len(voltages), partial(ScipyLoop, period_s))
 
 
 def exchange() -> Case:
@@ -132,19 +126,7 @@ def exchange() -> Case:
 
 def exchange_sides(quick: bool) -> tuple[Side, Side]:
     """Return both sides of a sample."""
-    samples = 100 if quick else 400
-    voltages = [Drive(drive_v(20.0 + number * SAMPLE_S)) for number in range(samples)]
-
-    def ours(rig: GuardedRig) -> None:
-        for drive in voltages:
-            rig.exchange(drive)
-        rig.close()
-
-    def theirs(loop: ScipyLoop) -> None:
-        for drive in voltages:
-            loop.advance(drive.voltage_v)
-
-    return Side(ours, samples, partial(open_rig, "simulated")), Side(theirs, samples, partial(ScipyLoop, SAMPLE_S))
+    return exchange_side(quick), loop_side(sample_voltages(quick), SAMPLE_S)
 
 
 def fuzzy_pid_ticks() -> Iterator[Case]:
@@ -162,11 +144,8 @@ def fuzzy_pid_ticks() -> Iterator[Case]:
 
 def fuzzy_pid_tick_sides(rule_base: str, quick: bool) -> tuple[Side, Side]:
     """Return both sides of a tick."""
-    ticks, inferences = (2000, 5) if quick else (20_000, 20)
-    return (
-        Side(fuzzy_tick.our_ticks(rule_base, ticks), ticks),
-        Side(fuzzy_tick.scikit_fuzzy_inferences(inferences), inferences),
-    )
+    inferences = 5 if quick else 20
+    return tick_side(quick, rule_base), Side(fuzzy_tick.scikit_fuzzy_inferences(inferences), inferences)
 
 
 def first_step() -> Case:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from musclewire.speed.batch_cases import batch_cases
-from musclewire.speed.our_wire import different_wires
+from benchmarks.speed.batch_cases import batch_cases
+from benchmarks.speed.our_wire import different_wires
 
 
 def test_the_wires_of_the_batch_all_differ() -> None:

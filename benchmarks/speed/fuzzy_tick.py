@@ -1,4 +1,4 @@
-"""One tick of the fuzzy PID, and scikit-fuzzy's inference for the rules that it can hold."""
+"""Scikit-fuzzy's inference for the rules that it can hold, beside one tick of the fuzzy PID."""
 
 from __future__ import annotations
 
@@ -10,29 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from musclewire.controllers import DriveLimits, FuzzyPid, FuzzyPidSettings, load_rule_base
+from musclewire.controllers import load_rule_base
 from musclewire.controllers.rules import SET_NAMES, MamdaniRules
 
-__all__ = ["RULE_BASES", "our_ticks", "scikit_fuzzy_is_there", "scikit_fuzzy_inferences"]
+__all__ = ["RULE_BASES", "scikit_fuzzy_is_there", "scikit_fuzzy_inferences"]
 
 RULE_BASES = ("zhao-1993", "liu-7x7", "fixed")
 GAINS = ("kp", "ki", "kd")
 # scikit-fuzzy imports the other two without declaring them.
 NEEDED = ("skfuzzy", "networkx", "packaging")
-
-
-def our_ticks(rule_base: str, ticks: int) -> Callable[[object], None]:
-    """Return a call of so many ticks with measurements that differ."""
-    controller = FuzzyPid(FuzzyPidSettings(rule_base=rule_base), DriveLimits(0.3, 3.2))
-    source = random.Random(1)
-    measured = [source.uniform(0.014, 0.022) for _ in range(ticks)]
-
-    def run(_: object) -> None:
-        state = controller.start(1.0, 0.015, 0.018)
-        for strain in measured:
-            state = controller.step(state, 0.018, strain, 0.05).state
-
-    return run
 
 
 def scikit_fuzzy_is_there() -> bool:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from benchmarks.speed import easier_wire as wire
+from benchmarks.speed.compiled_wires import EXPLICIT_STEP_S
 
 from musclewire.arrays import FloatArray
-from musclewire.speed import easier_wire as wire
-from musclewire.speed.compiled_wires import EXPLICIT_STEP_S
 
 __all__ = ["numpy_batch", "numpy_rates"]
 

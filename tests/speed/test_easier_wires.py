@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from benchmarks.speed.compiled_wires import EXPLICIT_STEP_S, numba_batch, numba_cycle
+from benchmarks.speed.easier_wire import PERIOD_S, START, ScipyLoop, drive_v, rates, scipy_cycle
+from benchmarks.speed.numpy_wires import numpy_batch
+from benchmarks.speed.plain_grains import GrainWire
 from scipy.integrate import solve_ivp
-
-from musclewire.speed.compiled_wires import EXPLICIT_STEP_S, numba_batch, numba_cycle
-from musclewire.speed.easier_wire import PERIOD_S, START, ScipyLoop, drive_v, rates, scipy_cycle
-from musclewire.speed.numpy_wires import numpy_batch
-from musclewire.speed.plain_grains import GrainWire
 
 SAMPLE_S = 0.05
 

@@ -9,15 +9,15 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from benchmarks.speed.easier_wire import SENSE_V, ScipyLoop
 
+from musclewire.app.bench_measure import Case, Side
 from musclewire.controllers.references import staircase
 from musclewire.experiment.closed_loop import APPROACH_S
 from musclewire.experiment.many_loops import control_many
 from musclewire.experiment.open_loop import characterize
 from musclewire.identify import fit
 from musclewire.rigs.configuration import open_rig
-from musclewire.speed.easier_wire import SENSE_V, ScipyLoop
-from musclewire.speed.measure import Case, Side
 
 __all__ = ["PlainLoop", "loop_cases"]
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import pytest
-
-from musclewire.speed.loop_cases import PlainLoop, loop_cases, plain_environment, plain_steps
+from benchmarks.speed.loop_cases import PlainLoop, loop_cases, plain_environment, plain_steps
 
 
 def test_the_plain_loop_reaches_its_targets() -> None:

@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from benchmarks.speed.easier_wire import AMPLITUDE_V, PERIOD_S, SENSE_V, START, rates
+from benchmarks.speed.uncached import compiled
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
-from musclewire.speed.easier_wire import AMPLITUDE_V, PERIOD_S, SENSE_V, START, rates
 
 __all__ = ["EXPLICIT_STEP_S", "numba_batch", "numba_cycle"]
 
-# First order: 4 mK here, 40 mK in steps of 5 ms (tests/unit/speed/test_easier_wires.py).
+# First order: 4 mK here, 40 mK in steps of 5 ms (tests/speed/test_easier_wires.py).
 EXPLICIT_STEP_S = 1e-3
 
 # The very lines that SciPy calls.

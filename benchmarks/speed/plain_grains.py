@@ -1,7 +1,7 @@
 """An ensemble of grains in plain Python: what one writes after Preisach, without compiling it.
 
 Relays between austenite and martensite over a common barrier, their balance temperatures spread as a normal
-distribution; the wire around them, heat, spring and resistance, is that of ``speed.easier_wire`` in explicit steps.
+distribution; the wire around them, heat, spring and resistance, is that of ``easier_wire`` in explicit steps.
 It remembers minor loops, as the simulated wire does, and has neither R-phase nor friction.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from statistics import NormalDist
 
-from musclewire.speed.easier_wire import (
+from benchmarks.speed.easier_wire import (
     AMBIENT_K,
     AREA_M2,
     AUSTENITE_OHM_M,

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import pytest
+from benchmarks.speed.cases import cases
+from benchmarks.speed.machine import measured_machine
 from hypothesis import given
 from hypothesis import strategies as st
 
+from musclewire.app.bench_measure import Side, comparison, paired_us
+from musclewire.app.bench_rows import bench, cases_with_fixed_work
 from musclewire.errors import CallerError
-from musclewire.speed.bench import bench
-from musclewire.speed.cases import cases
-from musclewire.speed.machine import measured_machine
-from musclewire.speed.measure import Side, comparison, paired_us
 
 
 class Clock:
@@ -68,7 +68,7 @@ def test_what_is_prepared_is_not_timed() -> None:
 
 
 def test_names_begin_as_the_interface_says_and_say_what_the_work_is() -> None:
-    found = cases()
+    found = [*cases(), *cases_with_fixed_work()]
     assert len({case.name for case in found}) == len(found)
     begins = {case.name.partition("[")[0] for case in found}
     assert {"step", "slow_loop", "closed_loop_period", "exchange", "fuzzy_pid_tick", "first_step"} <= begins

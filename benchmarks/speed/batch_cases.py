@@ -8,14 +8,13 @@ from functools import partial
 from time import perf_counter
 
 import numpy as np
+from benchmarks.speed.compiled_wires import EXPLICIT_STEP_S, numba_batch
+from benchmarks.speed.easier_wire import START
+from benchmarks.speed.numpy_wires import numpy_batch
+from benchmarks.speed.our_wire import different_wires
 
+from musclewire.app.bench_measure import Case, Side, usable_cores
 from musclewire.arrays import FloatArray
-from musclewire.speed.compiled_wires import EXPLICIT_STEP_S, numba_batch
-from musclewire.speed.easier_wire import START
-from musclewire.speed.machine import usable_cores
-from musclewire.speed.measure import Case, Side
-from musclewire.speed.numpy_wires import numpy_batch
-from musclewire.speed.our_wire import different_wires
 
 __all__ = ["batch_cases"]
 

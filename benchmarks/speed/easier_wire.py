@@ -41,7 +41,7 @@ def drive_v(time_s: float) -> float:
 def rates(temperature_k: float, martensite: float, drive_voltage_v: float) -> tuple[float, float]:
     """Return the rates of temperature [K/s] and martensite [1/s]: force balance, Joule heat, convection, jumps.
 
-    It calls nothing but ``math``, so that Numba compiles the same lines (``speed.compiled_wires``).
+    It calls nothing but ``math``, so that Numba compiles the same lines (``compiled_wires``).
     """
     # The force balance is linear in the stress, and so in closed form.
     compliance = martensite / MARTENSITE_PA + (1.0 - martensite) / AUSTENITE_PA
