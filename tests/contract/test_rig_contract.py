@@ -16,6 +16,7 @@ from tests.contract.nidaq_rigs import NIDAQ_COLD_OHM, NIDAQ_RIGS
 from tests.contract.outside_device import OUTSIDE_COLD_OHM, OUTSIDE_RIGS
 from tests.contract.replay_rigs import REPLAY_COLD_OHM, REPLAY_RIGS, replayed
 from tests.contract.serial_rigs import SERIAL_COLD_OHM, SERIAL_RIGS
+from tests.places import EXAMPLES
 
 from musclewire.errors import CallerError, RigError
 from musclewire.rigs.abilities import stage_of
@@ -32,7 +33,7 @@ def pulling(*parts: dict[str, str]) -> Callable[[], Rig]:
 
 
 # The maker's 126 ohm/m and 15 % more: a plant of a module next to its rig file.
-LIANG_ROGERS = Path(__file__).resolve().parents[2] / "examples" / "plants" / "liang_rogers.toml"
+LIANG_ROGERS = EXAMPLES / "plants" / "liang_rogers.toml"
 PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
 RIGS: dict[str, Callable[[], Rig]] = {
     "simulated": lambda: open_rig("simulated"),
