@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from export_parts import drive_limits
-from fmu_parts import Slave
+from tests.export.export_parts import drive_limits
+from tests.export.fmu_parts import Slave
+from tests.tools import require_tool
 
 import musclewire as mw
 from musclewire.export.c.reference import ReferenceTick
@@ -18,7 +19,6 @@ from musclewire.rigs.simulated_opening import open_simulated
 from musclewire.sensing import SensingModel
 from musclewire.simulate.wires import OneWire, advance
 from musclewire.wire.building import resting_state
-from tools import require_tool
 
 SAMPLE_S, LEG_LENGTH_M = 0.05, 0.07
 TARGETS = [level for level in (0.01, 0.02, 0.025, 0.015) for _ in range(120)]

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from page_parts import Outside
+from tests.published.page_parts import Outside
 
 from musclewire.app.report.paper_figures import FIGURES
 from musclewire.experiment.reproduce import DEFAULT_SEEDS, all_checks

@@ -6,6 +6,9 @@ import math
 from pathlib import Path
 from typing import Literal
 
+import pytest
+from tests.contract.rig_subject import RigSubject
+
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts
 from musclewire.rigs.guarded import GuardedRig
@@ -14,7 +17,7 @@ from musclewire.rigs.mounted_wire import MountedWire
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 
-__all__ = ["OUTSIDE_COLD_OHM", "OUTSIDE_RIGS", "RIG_FILE"]
+__all__ = ["RIG_FILE", "SUBJECTS"]
 
 RIG_FILE = """
 kind = "first order"
@@ -92,11 +95,10 @@ class FirstOrderDevice:
 DEVICES.register("first order", DeviceKind(FirstOrderConfiguration, FirstOrderDevice))
 
 
-def opened_by_its_rig_file(folder: Path) -> GuardedRig:
+def opened_by_its_rig_file(_request: pytest.FixtureRequest, folder: Path) -> GuardedRig:
     rig_file = folder / "first-order.toml"
     rig_file.write_text(RIG_FILE, encoding="utf-8")
     return open_rig(rig_file)
 
 
-OUTSIDE_RIGS = {"from outside": opened_by_its_rig_file}
-OUTSIDE_COLD_OHM = {"from outside": (COLD_OHM - 0.01, COLD_OHM + 0.01)}
+SUBJECTS = (RigSubject("from outside", opened_by_its_rig_file, (COLD_OHM - 0.01, COLD_OHM + 0.01)),)
