@@ -99,11 +99,15 @@ class Watch:
 
 
 def arguments_of(frame: FrameType) -> list[Any]:
-    """Return what a function is called with."""
+    """Return what a function is called with; what it takes by any name or position is bare as well."""
     code = frame.f_code
+    plain = code.co_argcount + code.co_kwonlyargcount
     several = bool(code.co_flags & inspect.CO_VARARGS) + bool(code.co_flags & inspect.CO_VARKEYWORDS)
-    names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount + several]
-    return [frame.f_locals[name] for name in names if name in frame.f_locals]
+    given = [frame.f_locals[name] for name in code.co_varnames[:plain] if name in frame.f_locals]
+    for name in code.co_varnames[plain : plain + several]:
+        more = frame.f_locals[name]
+        given += more.values() if isinstance(more, Mapping) else more
+    return given
 
 
 def items_of(value: Any) -> list[tuple[str, Any]]:
