@@ -24,8 +24,7 @@ import numpy as np
 
 import musclewire as mw
 from musclewire.rigs.configuration import rig_configuration
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.simulated_opening import open_simulated
+from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
 from musclewire.simulate.stepping import Stepping
 from musclewire.simulate.wires import OneWire, advance
 from musclewire.wire.building import resting_state

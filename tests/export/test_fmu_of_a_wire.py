@@ -29,8 +29,7 @@ from musclewire.parameters import load_alloy
 from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.mechanism import Tendon
 from musclewire.rigs.simulated import SimulatedDevice
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.simulated_opening import open_simulated
+from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
 from musclewire.simulate.stepping import Stepping
 from musclewire.simulate.wires import OneWire, WireMeans, advance
 from musclewire.wire.building import resting_state, with_pretension

@@ -14,8 +14,7 @@ from musclewire.export.c.reference import ReferenceTick
 from musclewire.export.fmu import export_fmu
 from musclewire.export.rig_limits import limits_of_rig
 from musclewire.identify.use_of_model import settings_for
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.simulated_opening import open_simulated
+from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
 from musclewire.sensing import SensingModel
 from musclewire.simulate.wires import OneWire, advance
 from musclewire.wire.building import resting_state

@@ -16,11 +16,11 @@ from musclewire.experiment.open_loop import characterize
 from musclewire.identify import fit
 from musclewire.identify.loop_gaps import force_is_level, gap_in
 from musclewire.identify.recordings import required_quantity, resistance_reading
-from musclewire.rigs.quantities import measured_in
 from musclewire.rigs.varied_rig import VariedWire
 from musclewire.sensing.gaps import hysteresis_gap
 from musclewire.sensing.segments import find_segments
 from musclewire.signals.recording import Recording
+from musclewire.signals.units import measured_in
 from musclewire.studies.ideal_runs import IdealRun, Readings, by_readings, ideal_runs
 from musclewire.studies.run_kind import KindOptions, Outcome, Quantity, Run, RunKind, Runs, each
 

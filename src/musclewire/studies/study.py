@@ -12,7 +12,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.experiment.worker_process import cores
-from musclewire.parameters.toml_file import read_toml
+from musclewire.parameters.validation import read_toml
 from musclewire.studies.evaluation import Chunk, ChunkResult, task_of
 from musclewire.studies.folder import StudyFolder, unfinished
 from musclewire.studies.local_workers import evaluate_here, evaluate_locally

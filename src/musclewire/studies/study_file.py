@@ -8,8 +8,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError
-from musclewire.parameters.toml_file import read_toml
-from musclewire.parameters.validation import validated
+from musclewire.parameters.validation import read_toml, validated
 from musclewire.studies.varied_parameters import ParameterTable
 
 __all__ = ["Sampling", "StudyFile", "read_study_file", "study_file"]

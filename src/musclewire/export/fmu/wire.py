@@ -10,8 +10,7 @@ from musclewire.export.fmu.finger_header import finger_header
 from musclewire.export.fmu.variables import Variables
 from musclewire.export.fmu.wire_header import wire_header, wire_tables
 from musclewire.export.fmu.wire_variables import wire_variables
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.simulated_opening import open_simulated
+from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
 from musclewire.simulate.wires import OneWire
 from musclewire.wire.constants import WireConstants
 

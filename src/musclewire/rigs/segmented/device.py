@@ -15,7 +15,7 @@ from musclewire.rigs.segmented.conditions import ConditionsInTime, steady
 from musclewire.rigs.segmented.instruments import InstrumentSettings, RunningInstruments
 from musclewire.rigs.segmented.structure import WireStructure
 from musclewire.rigs.segmented.wire import DEFAULT_STEP_S, SegmentedState, SegmentedWire
-from musclewire.rigs.simulated_building import convection_metadata
+from musclewire.rigs.simulated import convection_metadata
 from musclewire.rigs.wire_limits import WireCircuit, limits_of
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 
