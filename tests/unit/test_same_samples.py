@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -77,13 +76,13 @@ def test_a_negative_zero_is_another_bit_and_no_other_number() -> None:
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_no_tolerance_is_wide_enough_where_only_one_has_a_number(value: float) -> None:
     after = np.where(np.arange(25) == 7, value, SAMPLES)
-    for pair in pairwise(({"a": SAMPLES}, {"a": after}, {"a": SAMPLES})):
-        assert len(column_differences(*pair, 1e300)) == 1
+    for one, other in ((SAMPLES, after), (after, SAMPLES)):
+        assert len(column_differences({"a": one}, {"a": other}, 1e300)) == 1
 
 
 def test_columns_left_out_of_another_length_or_of_another_type_are_named() -> None:
     before = {"a": SAMPLES, "b": SAMPLES, "c": SAMPLES}
-    after = {"a": SAMPLES[1:], "b": SAMPLES.astype(np.float32), "d": SAMPLES}
+    after: dict[str, np.ndarray] = {"a": SAMPLES[1:], "b": SAMPLES.astype(np.float32), "d": SAMPLES}
     assert column_differences(before, after, 1.0) == [
         "a has (25,) and (24,) samples",
         "b has samples of float64 and float32",
@@ -93,7 +92,8 @@ def test_columns_left_out_of_another_length_or_of_another_type_are_named() -> No
 
 
 def test_columns_of_whole_numbers_and_of_several_dimensions_are_compared() -> None:
-    for before in (np.arange(6), np.arange(6.0).reshape(3, 2), np.array([True, False])):
+    columns: list[np.ndarray] = [np.arange(6), np.arange(6.0).reshape(3, 2), np.array([True, False])]
+    for before in columns:
         after = before.copy()
         after.flat[1] = not after.flat[1]
         for tolerance in (None, 1e-3):
