@@ -25,8 +25,7 @@ from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.priors import load_priors
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.simulated import SimulatedDevice
-from musclewire.rigs.simulated_building import Spool
+from musclewire.rigs.simulated import SimulatedDevice, Spool
 from musclewire.signals.recording import Recording
 
 WIRES, QUICK_WIRES = 10, 1

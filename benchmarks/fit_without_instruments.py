@@ -49,8 +49,7 @@ from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.spreads import load_spreads, priors_around
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.load_parts import Contact, Spring
-from musclewire.rigs.simulated import SimulatedDevice
-from musclewire.rigs.simulated_building import Spool
+from musclewire.rigs.simulated import SimulatedDevice, Spool
 from musclewire.sensing.segments import find_loops
 from musclewire.signals.recording import Recording
 

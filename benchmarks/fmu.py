@@ -24,8 +24,7 @@ import numpy as np
 
 import musclewire as mw
 from musclewire.rigs.configuration import rig_configuration
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.simulated_opening import open_simulated
+from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.stepping import Stepping

@@ -27,7 +27,7 @@ from musclewire.arrays import FloatArray
 from musclewire.rigs.air import Air, AirModel
 from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.simulated import SimulatedDevice
-from musclewire.rigs.simulated_opening import parameters_of
+from musclewire.rigs.simulated_configuration import parameters_of
 from musclewire.rigs.varied_rig import VariedRig
 from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel
 from musclewire.sensing.slow_corrections import estimates

@@ -29,7 +29,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from tests.browser.live.opened import follow_slider, launched, opened, switch_on, wait_for_phase
+from tests.browser.chromium import launched
+from tests.browser.live.opened import follow_slider, opened, switch_on, wait_for_phase
 from tests.browser.live.served import Served, serving
 
 import musclewire as mw

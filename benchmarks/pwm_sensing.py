@@ -26,7 +26,7 @@ import numpy as np
 import musclewire as mw
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.rigs.pulse_width import PulseWidth, unsettled_error
-from musclewire.rigs.simulated_building import Spool
+from musclewire.rigs.simulated import Spool
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.rigs.simulated_pwm import PulsedDevice
 from musclewire.signals.exchange import Drive, RawSample

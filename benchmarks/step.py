@@ -1,5 +1,7 @@
 """One wire through time against SciPy on an easier wire, with the bars of the issue that made the step fast.
 
+    python -m benchmarks.step
+
 Ours is the whole wire: three phases with minor loops, heat in enthalpy form with Churchill and Chu's convection,
 spring with guide friction, voltage divider, resistance. Theirs is what one writes with SciPy today
 (``speed.easier_wire``). Both go through one 90 s cycle of the slow sine, in turns; each row compares the same stretch
@@ -15,13 +17,15 @@ import json
 import math
 from time import thread_time
 
-from musclewire.speed.easier_wire import PERIOD_S, ScipyLoop, drive_v, scipy_cycle
-from musclewire.speed.measure import Side, comparison, paired_us
-from musclewire.speed.our_wire import CHOSEN, cycle, fixed_steps, one_period, paper_wire
+from benchmarks.speed.easier_wire import PERIOD_S, ScipyLoop, drive_v, scipy_cycle
+from benchmarks.speed.our_wire import one_period
+
+from musclewire.app.bench_measure import Side, comparison, paired_us
+from musclewire.app.bench_rows import cycle, paper_wire
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.state import WireState
-from musclewire.wire.stepping import Stepping
+from musclewire.wire.stepping import CHOSEN, Stepping, fixed_steps
 from musclewire.wire.wires import OneWire
 
 __all__ = ["our_cycle", "our_wire", "resting_state"]

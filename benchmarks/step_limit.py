@@ -1,6 +1,6 @@
 """The limit of a step: operations and bytes it needs, what this machine does at its peak, and how near we come.
 
-    python benchmarks/step_limit.py
+    python -m benchmarks.step_limit
 
 Operations are counted by running the functions of the kernel as plain Python on numbers that count; a step is one
 evaluation of both balances, as nearly all are. Bytes are those of the records' fields and of the table's cells that a
@@ -202,7 +202,7 @@ def main() -> None:
         counts, chain = counted_step()
         print(json.dumps([counts, chain]))
         return
-    from musclewire.speed.machine import measured_machine
+    from benchmarks.speed.machine import measured_machine
 
     counts, chain = counted_elsewhere()
     read, written = bytes_of_a_step()

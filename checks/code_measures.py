@@ -1,4 +1,4 @@
-"""Measure how long functions and files are and how many parameters functions take, and judge it.
+"""Measure how long functions are and how many parameters they take, and judge it.
 
     python checks/code_measures.py [FOLDER]
 
@@ -22,7 +22,6 @@ from pathlib import Path
 MAX_P95_LINES = 22
 MAX_FUNCTION_LINES = 50
 MAX_PARAMETERS = 8  # outside app/, in which a parameter is a command's option
-MAX_FILE_LINES = 500
 
 NO_CODE = frozenset({
     tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER,
@@ -67,11 +66,6 @@ class Measures:
     def many_parameters(self) -> list[Function]:
         """The functions outside app/ with too many parameters."""
         return [one for one in self.functions if one.parameters > MAX_PARAMETERS and one.path.parts[0] != "app"]
-
-    @property
-    def long_files(self) -> list[tuple[Path, int]]:
-        """The files over the longest permitted."""
-        return [(path, lines) for path, lines in self.files if lines > MAX_FILE_LINES]
 
 
 def measure(folder: Path) -> Measures:
@@ -133,9 +127,6 @@ def problems_of(measures: Measures) -> list[str]:
         f"{one}: over {MAX_PARAMETERS}; let those that belong together travel as one object"
         for one in measures.many_parameters
     ]
-    found += [
-        f"{path}: {lines} lines, over {MAX_FILE_LINES}; one subject a file" for path, lines in measures.long_files
-    ]
     if measures.p95_lines > MAX_P95_LINES:
         found.append(f"the 95th percentile is {measures.p95_lines} code lines, over {MAX_P95_LINES}: split functions")
     return found
@@ -152,7 +143,7 @@ def summary(measures: Measures) -> str:
         f"95th percentile of code lines: {measures.p95_lines} (at most {MAX_P95_LINES}); {over} functions over that",
         f"over {MAX_FUNCTION_LINES} code lines: {len(measures.long)}; longest: {longest}",
         f"over {MAX_PARAMETERS} parameters outside app/: {len(measures.many_parameters)}; most: {most}",
-        f"over {MAX_FILE_LINES} lines: {len(measures.long_files)} files; longest: {path}, {lines}",
+        f"longest file: {path}, {lines} lines",
     ])  # fmt: skip
 
 

@@ -28,6 +28,8 @@ from checks.fresh_environments import ROOT, Environment, built, fresh_environmen
 EXTRAS = Path(__file__).with_name("extras.toml")
 # Extras of those who change musclewire, not of those who use it.
 OF_DEVELOPERS = ("test", "dev", "docs")
+# What an installed wheel times; a checkout times more.
+BENCH_ROWS = ["step", "closed_loop_period", "exchange", "fuzzy_pid_tick"]
 STUDY = """format = "musclewire-study"
 version = 1
 name = "two pretensions"
@@ -100,6 +102,9 @@ def judge_first_use(bare: Environment) -> None:
     demo = json.loads(bare.run("musclewire", "demo", "--json").stdout)
     bare.run("musclewire", "characterize", "simulated", "--cycles", "1", "-o", "loop.h5")
     bare.run("musclewire", "fit", "loop.h5", "-o", "model.json")
+    rows = json.loads(bare.run("musclewire", "bench", "--quick", "--json").stdout)["rows"]
+    if [row["name"].partition("[")[0] for row in rows] != BENCH_ROWS:
+        sys.exit(f"FAIL: musclewire bench timed {[row['name'] for row in rows]} and not {BENCH_ROWS}")
     (bare.work / "study.toml").write_text(STUDY, "utf-8")
     for name in ("loop.tdms", "loop.xlsx", "loop.parquet"):
         (bare.work / name).touch()

@@ -4,10 +4,10 @@
     python checks/step_cost.py --record "why"        adds what it finds to checks/step_cost.toml
 
 Seconds say as much about the machine and its other programs as about the code; a ratio to work whose lines never
-change says what the code costs. The fixed work is in this file: compiled arithmetic for what runs compiled, plain
-Python and NumPy for what is called from Python. Both run in turns, by the processor time of the thread, so that a turn
-in which other programs run counts like any other; shown is the median of the turns' ratios. What seems dearer is
-measured again, twice at most, and the smallest ratio counts. From ``WARNED`` on the answer is a warning, from
+change says what the code costs. The fixed work is that of ``musclewire bench``: compiled arithmetic for what runs
+compiled, plain Python and NumPy for what is called from Python. Both run in turns, by the processor time of the thread,
+so that a turn in which other programs run counts like any other; shown is the median of the turns' ratios. What seems
+dearer is measured again, twice at most, and the smallest ratio counts. From ``WARNED`` on the answer is a warning, from
 ``FAILED`` on an exit code (docs/explanation/decisions/0026-speed-is-a-ratio.md).
 """
 
@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import statistics
 import sys
 import tomllib
@@ -26,17 +25,17 @@ from pathlib import Path
 from time import thread_time
 from typing import Any
 
-import numba
 import numpy as np
 
+from musclewire.app.bench_measure import Side, arithmetic_side, paired_us, processor_name, python_side
+from musclewire.app.bench_rows import PERIOD_S, cycle, drive_v, paper_wire
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.signals.exchange import Drive
-from musclewire.speed.easier_wire import PERIOD_S, drive_v
-from musclewire.speed.machine import processor_name
-from musclewire.speed.measure import Side, paired_us
-from musclewire.speed.our_wire import CHOSEN, OneWire, cycle, fixed_steps, paper_wire, running, start_of
+from musclewire.wire.building import resting_state
 from musclewire.wire.loads import ConnectorLoad
+from musclewire.wire.stepping import CHOSEN, fixed_steps
+from musclewire.wire.wires import OneWire
 
 RECORDS = Path(__file__).with_name("step_cost.toml")
 # A step that has become dearer by this is seen by whoever reads the run, and by the larger one the run ends. Repeated
@@ -47,71 +46,10 @@ ATTEMPTS = 3
 SAMPLE_S = 0.05
 
 
-@numba.njit(error_model="numpy")
-def fixed_arithmetic(rounds: int, table: np.ndarray) -> float:
-    """Do what a step consists of, so many times: products, quotients, roots, exponentials, a table, comparisons.
-
-    These lines must not change: every ratio on record is to them.
-    """
-    value, other = 0.3, 1.7
-    for number in range(rounds):
-        place = 10.0 * value
-        index = min(int(place), table.shape[0] - 2)
-        found = table[index] + (place - index) * (table[index + 1] - table[index])
-        other = 0.5 * (other + (2.0 + found) / (1.0 + other * other))
-        other += 1e-3 * math.exp(-value * found) + 1e-4 * math.sqrt(1.0 + found * found)
-        if other > 1.2 + 1e-6 * (number % 7):
-            value = min(value + 0.37 * other, 9.0 - value)
-        else:
-            value = max(value - 0.11, 0.05)
-        value = abs(value - 5.0 * math.floor(0.2 * value))
-    return value + other
-
-
-class Fixed:
-    """State of the fixed work in Python."""
-
-    __slots__ = ("numbers", "total")
-
-    def __init__(self) -> None:
-        """Start at nothing."""
-        self.numbers = np.zeros(64)
-        self.total = 0.0
-
-
-def fixed_python(rounds: int) -> None:
-    """Do what a call from Python consists of, so many times: objects, attributes, tuples, copies of small arrays.
-
-    These lines must not change: every ratio on record is to them.
-    """
-    state = Fixed()
-    for number in range(rounds):
-        after = Fixed()
-        after.numbers = state.numbers.copy()
-        after.numbers[number % 64] = 0.5 * number
-        values = (state.total, float(after.numbers[3]), number)
-        after.total = round(min(max(values[0] + 1e-3 * values[1], -1.0), 1.0), 9)
-        state = after
-
-
-ARITHMETIC_ROUNDS, PYTHON_ROUNDS = 100_000, 2_000
-
-
-def arithmetic_side() -> Side:
-    """Return the fixed compiled work; a unit is a round."""
-    table = np.linspace(0.0, 1.0, 101) ** 2
-    return Side(lambda _: fixed_arithmetic(ARITHMETIC_ROUNDS, table), ARITHMETIC_ROUNDS)
-
-
-def python_side() -> Side:
-    """Return the fixed work in Python; a unit is a round."""
-    return Side(lambda _: fixed_python(PYTHON_ROUNDS), PYTHON_ROUNDS)
-
-
 def step_side(step_s: float, load: ConnectorLoad | None = None) -> Side:
     """Return a step along the slow sine; a unit is a step."""
     wire = paper_wire(load)
-    start = start_of(wire)
+    start = resting_state(wire)
     return Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s)
 
 
@@ -131,7 +69,7 @@ def period_side() -> Side:
         for voltage_v in voltages:
             wire.advance(voltage_v, 0.01, CHOSEN)
 
-    return Side(run, len(voltages), partial(running, wire))
+    return Side(run, len(voltages), partial(OneWire, wire))
 
 
 def exchange_side() -> Side:

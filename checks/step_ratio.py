@@ -38,7 +38,7 @@ print(json.dumps({
 
 def environment_of(checkout: Path, cache: Path | None = None) -> dict[str, str]:
     """Return an environment in which Python finds this checkout, and an own cache of kernels if one is given."""
-    paths = os.pathsep.join(str(checkout / folder) for folder in ("src", "benchmarks"))
+    paths = os.pathsep.join(str(checkout / folder) for folder in ("src", ".", "benchmarks"))
     own = {} if cache is None else {"NUMBA_CACHE_DIR": str(cache)}
     return {**os.environ, "PYTHONPATH": paths, **own}
 

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 from musclewire.errors import CallerError
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.rigs.mechanism import Mechanism
-from musclewire.rigs.simulated_building import wires_of
+from musclewire.rigs.simulated import wires_of
 from musclewire.rigs.simulated_configuration import with_settings
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.wire.loads import spring_load

@@ -1,4 +1,4 @@
-"""Tables of the keys of TOML files, from the schemas that check these files and their docstrings."""
+"""Tables of the keys of TOML files, from the schemas that check these files: their descriptions and docstrings."""
 
 from __future__ import annotations
 
@@ -59,8 +59,12 @@ def type_in_words(field: FieldInfo) -> str:
 
 
 def meanings(model: type[BaseModel]) -> dict[str, str]:
-    """Return what the docstrings of a model and what it is made of say of their keys."""
-    found: dict[str, str] = {}
+    """Return what the fields of a model, its docstring and those of what it is made of say of their keys."""
+    found: dict[str, str] = {
+        name: within_a_sentence(field.description).rstrip(".")
+        for name, field in model.model_fields.items()
+        if field.description
+    }
     for kind in reversed(model.__mro__):
         text = (kind.__doc__ or "").partition("Attributes:")[2]
         listed = re.findall(r"^\s{8}(\w+): (.*?)(?=^\s{8}\w+: |\Z)", text, re.M | re.S)
@@ -74,12 +78,15 @@ def meanings(model: type[BaseModel]) -> dict[str, str]:
 def numpydoc_parameters(kind: type) -> list[tuple[str, str]]:
     """Return name and meaning of each of a docstring's ``Parameters``, begun as in the middle of a sentence."""
     text = (kind.__doc__ or "").partition("    Parameters\n    ----------\n")[2].partition("\n\n")[0]
-    text = re.sub(r" \[[^\]]+\]", "", text)  # the page has a column of units
     found = re.findall(r"^ {4}(\w+)\n\s*(.*?)(?=^ {4}\w|\Z)", text, re.M | re.S)
-    return [
-        (name, said if (said[1:2] == " " and said[0] != "A") or said[1:2].isupper() else said[0].lower() + said[1:])
-        for name, said in found
-    ]
+    return [(name, within_a_sentence(said)) for name, said in found]
+
+
+def within_a_sentence(said: str) -> str:
+    """Return a meaning without units, of which a page has a column, begun as in the middle of a sentence."""
+    said = re.sub(r" \[[^\]]+\]", "", said)
+    kept = (said[1:2] == " " and said[0] != "A") or said[1:2].isupper()
+    return said if kept else said[0].lower() + said[1:]
 
 
 def first_line(model: type[BaseModel]) -> str:

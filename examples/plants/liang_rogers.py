@@ -28,8 +28,8 @@ from musclewire.physics.heat import (
 from musclewire.rigs.device import SWITCHED_OFF, DeviceFacts
 from musclewire.rigs.kinds import DeviceConfiguration
 from musclewire.rigs.mounted_wire import MountedWire
-from musclewire.rigs.quantities import measured_in
 from musclewire.signals.exchange import RawSample, drive_voltage_of
+from musclewire.signals.units import measured_in
 
 ZERO_C = 273.15
 STEP_S = 2.5e-3

@@ -29,7 +29,7 @@ __all__ = ["Callback", "callback", "compiled", "compiled_inline"]
 Function = TypeVar("Function", bound=Callable[..., Any])
 ROOMS_WITH_KERNELS = ("physics", "wire", "controllers", "sensing", "rigs/compiled_loop")
 # Of a room of which few files hold kernels only these count, so that an edit of the others costs no compilation.
-FILES_WITH_KERNELS = ("rigs/simulated.py", "random_numbers.py", "speed/compiled_wires.py", "speed/machine.py")
+FILES_WITH_KERNELS = ("rigs/simulated.py", "random_numbers.py")
 
 
 @cache

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
+
+import pytest
+
+from musclewire.app import bench_rows
 
 
 def test_a_row_has_the_keys_of_the_interface(musclewire: Callable[..., Any]) -> None:
@@ -21,12 +26,65 @@ def test_the_table_says_what_the_time_is_for_and_on_which_machine(musclewire: Ca
     answer = musclewire("bench", "--quick", "--only", "closed_loop_period")
     assert answer.code == 0, answer.err
     assert "solve_ivp" in answer.out
+    assert "fixed work in Python" in answer.out
     assert "What the time is for" in answer.out
     assert "Gflop/s" in answer.out
-    assert "1 of 1: closed_loop_period" in answer.err
+    assert "1 of 2: closed_loop_period" in answer.err
 
 
 def test_an_unknown_name_is_one_line(musclewire: Callable[..., Any]) -> None:
     answer = musclewire("bench", "--only", "stap")
     assert (answer.code, answer.out) == (2, "")
     assert "did you mean 'step'" in answer.err
+
+
+@pytest.fixture
+def _outside_a_checkout(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench_rows, "checkout", lambda: None)
+
+
+@pytest.mark.usefixtures("_outside_a_checkout")
+def test_an_installed_wheel_times_four_rows_and_names_the_others(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("bench", "--quick", "--json")
+    assert answer.code == 0, answer.err
+    found = answer.json
+    assert set(found) == {"rows", "left_out", "machine", "quick", "wall_s"}
+    names = [row["name"].partition("[")[0] for row in found["rows"]]
+    assert names == ["step", "closed_loop_period", "exchange", "fuzzy_pid_tick"]
+    assert all(min(row["ours_us"], row["theirs_us"], row["ratio"]) > 0.0 for row in found["rows"])
+    assert found["left_out"] == [{"name": name, "needs_extra": None} for name in bench_rows.CHECKOUT_ROWS]
+    assert found["machine"]["cores"] >= 1
+    assert found["machine"]["vector_flops_per_s"] is None
+
+
+@pytest.mark.usefixtures("_outside_a_checkout")
+def test_the_table_of_an_installed_wheel_says_where_the_other_rows_are(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("bench", "--quick", "--only", "slow")
+    assert answer.code == 0, answer.err
+    assert "not measured outside a checkout, whose benchmarks/speed has them: slow_loop\n" in answer.out
+    assert "Gflop/s" not in answer.out
+
+
+def test_the_rows_that_only_a_checkout_has_are_listed() -> None:
+    folder = bench_rows.checkout()
+    assert folder is not None
+    names = [case.name for case in bench_rows.checkout_module(folder, "cases").cases()]
+    assert [name for name in names if "threads" not in name] == list(bench_rows.CHECKOUT_ROWS)
+
+
+def test_a_checkout_is_the_tree_of_the_package_or_else_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tree, installed = tmp_path / "tree", tmp_path / "lib" / "site-packages" / "musclewire" / "__init__.py"
+    for name in ("src/musclewire/__init__.py", "benchmarks/speed/cases.py"):
+        (tree / name).parent.mkdir(parents=True)
+        (tree / name).touch()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(bench_rows.musclewire, "__file__", str(installed))
+    assert bench_rows.checkout() is None
+    monkeypatch.chdir(tree)
+    assert bench_rows.checkout() == tree
+    (tree / "src/musclewire/__init__.py").unlink()
+    assert bench_rows.checkout() is None, "benchmarks of another project are not run"
+    monkeypatch.undo()
+    assert bench_rows.checkout() == Path(__file__).resolve().parents[2]

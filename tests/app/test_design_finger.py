@@ -9,12 +9,13 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+from tests.places import DOCS
 
 from musclewire.parameters.finger_file import load_finger
 
 COMMAND = ("design", "finger")
 PAPER = ("--stiffness", "1084.4 N/m", "--endpoint", "6 mm", "--travel", "1.05 mm", "--wire", "paper-100um")
-PAGE = (Path(__file__).parents[2] / "docs/how-to/design_a_finger.md").read_text("utf-8").replace("\n", " ")
+PAGE = (DOCS / "how-to/design_a_finger.md").read_text("utf-8").replace("\n", " ")
 
 
 def test_the_papers_stiffness_and_endpoint_become_a_finger_with_file_drawings_and_figure(

@@ -9,6 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+from tests.places import DOCS
 
 COMMAND = ("design", "pretensioner")
 PAPER = ("--stiffness", "386.2 N/m", "--pretension", "0.71 N", "--finger-stiffness", "1084.4 N/m")
@@ -45,7 +46,7 @@ def test_the_papers_stiffness_becomes_a_part_with_drawings_figure_and_file(
 
 def the_page_says_so(found: dict[str, Any]) -> None:
     """The numbers of docs/how-to/design_a_pretensioner.md are those of the command it shows."""
-    page = (Path(__file__).parents[2] / "docs/how-to/design_a_pretensioner.md").read_text("utf-8")
+    page = (DOCS / "how-to/design_a_pretensioner.md").read_text("utf-8")
     geometry = found["geometry"]
     for words in (
         f"{geometry['beams']} beams, half length {1e3 * geometry['half_length_m']:.2f} mm",

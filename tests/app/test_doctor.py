@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.places import DOCS
 
 Musclewire = Callable[..., Any]
 
@@ -86,7 +87,7 @@ def test_a_meter_needs_a_unit_and_must_fit(musclewire: Musclewire) -> None:
 
 
 def test_the_reference_names_every_check_and_no_other(musclewire: Musclewire) -> None:
-    page = (Path(__file__).resolve().parents[2] / "docs/reference/command_line.md").read_text("utf-8")
+    page = (DOCS / "reference/command_line.md").read_text("utf-8")
     section = page.split("## `musclewire doctor`")[1].split("\n## ")[0]
     rows = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \|", section.split("| Check |")[1], re.M)
     said = musclewire("doctor", "simulated", "--json").json

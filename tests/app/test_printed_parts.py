@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from tests.places import CHECKOUT
 
 from musclewire.extras.design.finger.chain import finger_chain
 from musclewire.extras.design.finger.curve import beam_stress_pa
@@ -16,9 +17,8 @@ from musclewire.extras.design.finger.geometry import FingerGeometry
 from musclewire.extras.design.finger.statics import equilibria
 from musclewire.parameters.materials import load_material
 
-ROOT = Path(__file__).parents[2]
-FOLDER = ROOT / "examples" / "printed"
-PAGE = (ROOT / "docs/how-to/print_a_finger.md").read_text("utf-8")
+FOLDER = CHECKOUT / "examples" / "printed"
+PAGE = (CHECKOUT / "docs/how-to/print_a_finger.md").read_text("utf-8")
 FINGERS = {"petg_finger": "petg", "tpu_finger": "tpu-95a"}
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.browser.live.opened import SIZES
+from tests.browser.chromium import SIZES
 
 from musclewire.extras.paper.page.paper_figures import FIGURES
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
+from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_test
 
 from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
 from musclewire.extras.board.nidaq.device import NiDaqDevice, Silence
@@ -20,7 +21,7 @@ from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.exchange import Command
 
-__all__ = ["NIDAQ_COLD_OHM", "NIDAQ_RIGS", "DeviceAtSeam", "at_seam", "wiring_of"]
+__all__ = ["NIDAQ_RIGS", "SUBJECTS", "DeviceAtSeam", "at_seam", "wiring_of"]
 
 
 class DeviceAtSeam:
@@ -83,5 +84,6 @@ NIDAQ_RIGS: dict[str, Callable[[], GuardedRig]] = {
     "nidaq, PCI-6229": lambda: at_seam("ni-pci-6229"),
     "nidaq, USB-6001": lambda: at_seam("ni-usb-6001"),
 }
-# Resistance between the terminals of the paper's wire, as on the simulated rig.
-NIDAQ_COLD_OHM = dict.fromkeys(NIDAQ_RIGS, (12.0, 20.0))
+SUBJECTS = tuple(
+    RigSubject(name, without_a_test(make), PAPERS_WIRE_OHM, emulated=True) for name, make in NIDAQ_RIGS.items()
+)

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.contract.altered_device import AlteredDevice
+from tests.contract.rig_subject import PAPERS_WIRE_OHM, Opened, RigSubject
+from tests.contract.simulated_rigs import SHORT_OHM
 
 from musclewire.experiment.run import what_protects
 from musclewire.rigs.configuration import open_rig
@@ -22,13 +24,7 @@ from musclewire.rigs.guarded import GuardedRig
 from musclewire.signals.exchange import ELECTRICAL_COLUMNS, RawSample
 from musclewire.signals.recording import Recording
 
-__all__ = ["REPLAY_COLD_OHM", "REPLAY_RIGS", "replayed"]
-
-REPLAY_RIGS: dict[str, Callable[[], GuardedRig]] = {
-    "replay": lambda: open_rig("simulated"),
-    "replay of a finger": lambda: open_rig("finger"),
-}
-REPLAY_COLD_OHM = {"replay": (12.0, 20.0)}
+__all__ = ["SUBJECTS"]
 
 
 def noting(rig: GuardedRig) -> list[RawSample]:
@@ -69,3 +65,14 @@ def replayed(make: Callable[[], GuardedRig], request: pytest.FixtureRequest, fol
     rig_file = folder / "replay.toml"
     rig_file.write_text('kind = "replay"\nrecording = "recorded.h5"\n', encoding="utf-8")
     return open_rig(rig_file)
+
+
+def replay_of(name: str) -> Opened:
+    """Return what opens the replay of a rig that is known by name."""
+    return lambda request, folder: replayed(lambda: open_rig(name), request, folder)
+
+
+SUBJECTS = (
+    RigSubject("replay", replay_of("simulated"), PAPERS_WIRE_OHM),
+    RigSubject("replay of a finger", replay_of("finger"), SHORT_OHM),
+)

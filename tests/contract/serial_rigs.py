@@ -13,13 +13,14 @@ from pathlib import Path
 from typing import Any
 
 from emulation.board import EmulatedBoard, firmware_for
+from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_test
 from tests.tools import require_tool
 
 from musclewire.extras.board.serial.configuration import SerialConfiguration
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.guarded import GuardedRig
 
-__all__ = ["SERIAL_COLD_OHM", "SERIAL_RIGS", "built_firmware", "mounted", "on_board"]
+__all__ = ["SERIAL_RIGS", "SUBJECTS", "built_firmware", "mounted", "on_board"]
 
 BOARD = "mps2-an386"
 # A busy machine may take long over a sample; the board's own clock stands still meanwhile.
@@ -64,5 +65,6 @@ def on_board(**changed: Any) -> GuardedRig:
 
 
 SERIAL_RIGS: dict[str, Callable[[], GuardedRig]] = {"serial, emulated Cortex-M4F": on_board}
-# Resistance between the terminals of the paper's wire, as on the simulated rig.
-SERIAL_COLD_OHM = dict.fromkeys(SERIAL_RIGS, (12.0, 20.0))
+SUBJECTS = tuple(
+    RigSubject(name, without_a_test(make), PAPERS_WIRE_OHM, emulated=True) for name, make in SERIAL_RIGS.items()
+)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.slow_estimators import drifting
 
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.sensing import ESTIMATORS, Estimator, EstimatorSetup, KnownSpring, SensingModel
@@ -19,7 +20,6 @@ from musclewire.sensing.slow_corrections import estimates
 from musclewire.signals.compiled_tick import ESTIMATOR_ANSWERS, declared_tick
 from musclewire.signals.exchange import QuantityEstimate, Reason, WireSample
 from musclewire.wire.building import constants_from
-from slow_estimators import drifting
 
 # 4 % at 13.5 ohm, nothing at 17.5 ohm; the branches half a tenth of a percent apart.
 MODEL = SensingModel(

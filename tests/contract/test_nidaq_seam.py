@@ -9,7 +9,6 @@ import threading
 import time
 import tomllib
 from itertools import pairwise
-from pathlib import Path
 
 import grpc
 import nidaqmx
@@ -17,6 +16,7 @@ import pytest
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
 from tests.contract.nidaq_rigs import at_seam, wiring_of
+from tests.places import CHECKOUT
 
 from musclewire.controllers.protection import Event
 from musclewire.errors import MissingExtraError, RigError
@@ -254,8 +254,7 @@ def test_errors_of_a_channel_are_there_for_the_doctor_to_find() -> None:
 @pytest.mark.emulated
 def test_the_server_prints_the_line_that_a_rig_file_needs() -> None:
     command = [sys.executable, "-m", "emulation.daq_server", "--pace", "free", "--port", "0"]
-    root = Path(__file__).parents[2]
-    with subprocess.Popen(command, cwd=root, stdout=subprocess.PIPE, text=True) as server:
+    with subprocess.Popen(command, cwd=CHECKOUT, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
         try:
             line = next(line for line in server.stdout if line.startswith("grpc = "))

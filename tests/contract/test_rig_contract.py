@@ -1,72 +1,27 @@
 """What every rig must do, simulated or real: one suite over all of them.
 
-A real rig joins by a factory in RIGS; its wire is assumed to be cold and at rest when the factory returns.
+A rig joins by a subject in a module named ``*_rigs.py``, here or in the folder of an extra; its wire is assumed to be
+cold and at rest when it has been opened.
 """
 
 from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from tests.contract.nidaq_rigs import NIDAQ_COLD_OHM, NIDAQ_RIGS
-from tests.contract.outside_device import OUTSIDE_COLD_OHM, OUTSIDE_RIGS
-from tests.contract.replay_rigs import REPLAY_COLD_OHM, REPLAY_RIGS, replayed
-from tests.contract.serial_rigs import SERIAL_COLD_OHM, SERIAL_RIGS
+from tests.contract.rig_subject import RigSubject
+from tests.subjects import subjects_of
 
 from musclewire.errors import CallerError, RigError
-from musclewire.extras.studies.segmented.configuration import SegmentedConfiguration
 from musclewire.rigs.abilities import stage_of
-from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.protocol import Rig
 from musclewire.signals.exchange import REFERENCE_COLUMNS, RawSample
 
-
-def pulling(*parts: dict[str, str]) -> Callable[[], Rig]:
-    """Return a factory of the finger's bench with other parts at the connector."""
-    return lambda: open_rig(RigConfiguration(wire="finger-100um", bench="finger", load=list(parts)))
-
-
-# The maker's 126 ohm/m and 15 % more: a plant of a module next to its rig file.
-LIANG_ROGERS = Path(__file__).resolve().parents[2] / "examples" / "plants" / "liang_rogers.toml"
-PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
-RIGS: dict[str, Callable[[], Rig]] = {
-    "simulated": lambda: open_rig("simulated"),
-    "simulated, 125 um": lambda: open_rig("simulated", wire="paper-125um"),
-    "finger": lambda: open_rig("finger"),
-    "weight": pulling({"part": "weight", "force": "70 gf"}),
-    "blocked": pulling({"part": "blocked"}),
-    "antagonist": pulling({"part": "antagonist", "voltage": "0.3 V"}),
-    "parallel wire": pulling(PRETENSIONER, {"part": "parallel wire"}),
-    "two fingers": lambda: open_rig("gripper"),
-    "another family": lambda: open_rig(LIANG_ROGERS),
-    "segmented": lambda: open_rig(SegmentedConfiguration()),
-    **NIDAQ_RIGS,
-    **SERIAL_RIGS,
-}
-# Resistance between the terminals by the maker's ohm per metre, within his 15 %: 126 and 75 over 14 cm, 126 over 7 cm,
-# of which two stand beside or behind each other.
-SHORT_OHM = (7.5, 10.2)
-COLD_OHM = {
-    "simulated": (12.0, 20.0),
-    "simulated, 125 um": (8.9, 12.1),
-    "segmented": (12.0, 20.0),
-    "another family": (17.6, 20.3),
-    "parallel wire": (0.5 * SHORT_OHM[0], 0.5 * SHORT_OHM[1]),
-    "two fingers": (2.0 * SHORT_OHM[0], 2.0 * SHORT_OHM[1]),
-    **NIDAQ_COLD_OHM,
-    **SERIAL_COLD_OHM,
-    **REPLAY_COLD_OHM,
-    **OUTSIDE_COLD_OHM,
-}
-# What the hot wire does within ten seconds: strain, and force beyond that of the cold wire [N]. A mount of 1e6 N/m lets
-# a wire pull, a cold antagonist must be stretched first, a weight stays what it is, and fingers that meet pull harder.
-LEAST = {"blocked": (0.0, 3.0), "antagonist": (0.004, 2.0), "weight": (0.02, -0.01), "two fingers": (0.012, 2.0)}
-WITHOUT_STAGE = {"weight"}
 METADATA_KEYS = {
     "rig",
     "wire",
@@ -80,25 +35,23 @@ METADATA_KEYS = {
 }
 
 
-# Each of these tests starts a card's server or a board's emulator.
-EMULATED = {*NIDAQ_RIGS, *SERIAL_RIGS}
+SUBJECTS: list[RigSubject] = sorted(subjects_of("contract", "*_rigs.py", "SUBJECTS"), key=lambda subject: subject.name)
 
 
 @pytest.fixture(
     params=[
-        pytest.param(name, marks=pytest.mark.emulated) if name in EMULATED else name
-        for name in sorted([*RIGS, *REPLAY_RIGS, *OUTSIDE_RIGS])
+        pytest.param(subject, id=subject.name, marks=pytest.mark.emulated if subject.emulated else ())
+        for subject in SUBJECTS
     ]
 )
-def name(request: pytest.FixtureRequest) -> str:
-    return str(request.param)
+def subject(request: pytest.FixtureRequest) -> RigSubject:
+    found: RigSubject = request.param
+    return found
 
 
 @pytest.fixture
-def rig(name: str, request: pytest.FixtureRequest, tmp_path: Path) -> Rig:
-    if name in OUTSIDE_RIGS:
-        return OUTSIDE_RIGS[name](tmp_path)
-    return replayed(REPLAY_RIGS[name], request, tmp_path) if name in REPLAY_RIGS else RIGS[name]()
+def rig(subject: RigSubject, request: pytest.FixtureRequest, tmp_path: Path) -> Rig:
+    return subject.opened(request, tmp_path)
 
 
 def test_time_rises_by_the_sample_period(rig: Rig) -> None:
@@ -172,13 +125,13 @@ def test_the_sample_says_the_drive_that_was_out(rig: Rig) -> None:
             assert rig.drive_voltage_v == sample.drive_voltage_v
 
 
-def test_the_cold_wire_has_the_resistance_of_its_size(rig: Rig, name: str) -> None:
+def test_the_cold_wire_has_the_resistance_of_its_size(rig: Rig, subject: RigSubject) -> None:
     """By Eq. 1, from a mean of samples at the sense voltage."""
     with rig:
         found = [rig.exchange(rig.sense_voltage_v) for _ in range(20)]
     wire_v = sum(sample.wire_voltage_v for sample in found)
     shunt_v = sum(sample.shunt_voltage_v for sample in found)
-    low, high = COLD_OHM.get(name, SHORT_OHM)
+    low, high = subject.cold_ohm
     assert low < wire_v / shunt_v * rig.shunt_resistance_ohm < high
 
 
@@ -197,9 +150,10 @@ def test_without_drive_there_is_no_current(rig: Rig) -> None:
     assert sample.shunt_voltage_v == pytest.approx(0.0, abs=1e-3)
 
 
-def test_the_amplitude_heats_the_wire_until_it_contracts_and_the_sense_voltage_does_not(rig: Rig, name: str) -> None:
+def test_the_amplitude_heats_the_wire_until_it_contracts_and_the_sense_voltage_does_not(
+    rig: Rig, subject: RigSubject
+) -> None:
     """By the LVDT: two percent of strain in ten seconds, against a hundredth of a percent; else by resistance."""
-    least_strain, least_n = LEAST.get(name, (0.02, 0.1))
     with rig:
         sensing = [rig.exchange(rig.sense_voltage_v) for _ in range(100)]
         driven = [rig.exchange(rig.drive_amplitude_v) for _ in range(200)]
@@ -207,10 +161,10 @@ def test_the_amplitude_heats_the_wire_until_it_contracts_and_the_sense_voltage_d
         assert_resistance_tells(sensing, driven)
         return
     assert abs(sensing[-1].displacement_m) < 1e-4 * rig.leg_length_m + 5e-6
-    assert driven[-1].displacement_m > least_strain * rig.leg_length_m
+    assert driven[-1].displacement_m > subject.least_strain * rig.leg_length_m
     assert driven[-1].force_n is not None
     assert sensing[-1].force_n is not None
-    assert driven[-1].force_n > sensing[-1].force_n + least_n
+    assert driven[-1].force_n > sensing[-1].force_n + subject.least_force_n
 
 
 def assert_resistance_tells(sensing: list[RawSample], driven: list[RawSample]) -> None:
@@ -247,12 +201,12 @@ def test_the_metadata_say_what_a_recording_needs(rig: Rig) -> None:
     assert facts["shunt_resistance_ohm"] == rig.shunt_resistance_ohm
 
 
-def test_a_rig_with_a_stage_takes_another_pretension(rig: Rig, name: str) -> None:
+def test_a_rig_with_a_stage_takes_another_pretension(rig: Rig, subject: RigSubject) -> None:
     """Rigs without a stage that software can move say so, or one whose parts leave none by refusing."""
     stage = stage_of(rig)
     if stage is None:
         return
-    if name in WITHOUT_STAGE:
+    if subject.fixed_pretension:
         before = rig.metadata()
         with pytest.raises(CallerError, match="is the pretension"):
             stage.set_pretension(2.5)
@@ -278,9 +232,11 @@ def test_a_refused_voltage_latches_the_drive_off(rig: Rig) -> None:
     assert rig.drive_voltage_v == 0.0
 
 
-def test_moving_the_stage_switches_the_drive_off_and_more_than_the_wire_allows_is_refused(rig: Rig, name: str) -> None:
+def test_moving_the_stage_switches_the_drive_off_and_more_than_the_wire_allows_is_refused(
+    rig: Rig, subject: RigSubject
+) -> None:
     stage = stage_of(rig)
-    if name in WITHOUT_STAGE or stage is None:
+    if subject.fixed_pretension or stage is None:
         return
     with rig:
         rig.exchange(rig.drive_amplitude_v)

@@ -1,14 +1,10 @@
-"""Lets the tests of the documentation share doc_pages.py, and gives them the command line."""
+"""The commands of the command line, for the tests of the documentation."""
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 
 @pytest.fixture(scope="session")

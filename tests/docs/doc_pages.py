@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import importlib
 import re
-from pathlib import Path
 from typing import Any
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 def tables_of(text: str) -> list[list[dict[str, str]]]:

@@ -12,11 +12,11 @@ from collections import Counter
 from typing import Any
 
 import pytest
-from doc_pages import ROOT
+from tests.places import CHECKOUT
 
 from musclewire.extras.board.parts import load_parts
 
-BOARD = ROOT / "hardware/board"
+BOARD = CHECKOUT / "hardware/board"
 PARTS = {part.label: part for part in load_parts("board").part if part.symbol}
 CHECKED = tomllib.loads((BOARD / "checks/checked.toml").read_text("utf-8"))
 WANTED = {(label, pin.pin): pin.net for label, part in PARTS.items() for pin in part.pins}

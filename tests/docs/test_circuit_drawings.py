@@ -7,11 +7,11 @@ from collections.abc import Callable, Set
 from typing import Any
 
 import pytest
-from doc_pages import ROOT
+from tests.places import CHECKOUT
 
 from musclewire.extras.board.parts import PartsList, load_parts, parts_names
 
-sys.path.insert(0, str(ROOT / "docs/images"))
+sys.path.insert(0, str(CHECKOUT / "docs/images"))
 import board_circuit
 import card_circuit
 
@@ -56,5 +56,5 @@ def test_a_line_that_only_crosses_another_does_not_join_it() -> None:
 
 def test_every_picture_of_the_guides_is_white_behind() -> None:
     for name in ("board", "button", "ni_card", "monitor"):
-        text = (ROOT / f"docs/images/circuit_{name}.svg").read_text("utf-8")
+        text = (CHECKOUT / f"docs/images/circuit_{name}.svg").read_text("utf-8")
         assert "fill: #ffffff" in text[: text.index("line2d_1")]

@@ -7,11 +7,10 @@ import io
 import sys
 
 import pytest
-from doc_pages import ROOT
+from tests.places import CHECKOUT
+from tests.tools import require_tool
 
-from tools import require_tool
-
-sys.path.insert(0, str(ROOT / "hardware/board"))
+sys.path.insert(0, str(CHECKOUT / "hardware/board"))
 import spice
 
 pytestmark = pytest.mark.emulated
@@ -68,6 +67,6 @@ def test_the_page_shows_what_the_command_prints() -> None:
     require_tool("ngspice", "ngspice")
     with contextlib.redirect_stdout(io.StringIO()) as said:
         spice.main()
-    page = (ROOT / "docs/reference/circuits.md").read_text("utf-8")
+    page = (CHECKOUT / "docs/reference/circuits.md").read_text("utf-8")
     shown = "\n".join(f"    {line}".rstrip() for line in said.getvalue().splitlines())
     assert shown in page

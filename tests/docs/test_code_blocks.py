@@ -14,13 +14,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from doc_pages import ROOT
+from tests.places import CHECKOUT
 
-sys.path.insert(0, str(ROOT / "checks"))
+sys.path.insert(0, str(CHECKOUT / "checks"))
 from follow_doors import DOORS
 
 FOLLOWED = {page for door in DOORS.values() for page in door.pages}
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+PAGES = sorted([*CHECKOUT.glob("*.md"), *(CHECKOUT / "docs").rglob("*.md")])
 FOR_READING = {
     "CONTRIBUTING.md",
     "README.md",
@@ -41,7 +41,7 @@ def blocks(page: Path) -> list[tuple[str, str]]:
 
 
 def name_of(page: Path) -> str:
-    return page.relative_to(ROOT).as_posix()
+    return page.relative_to(CHECKOUT).as_posix()
 
 
 # A quick page, whose blocks every run of the tests runs.
@@ -82,14 +82,14 @@ def test_every_block_of_the_page_runs(page: Path, tmp_path: Path) -> None:
 
 
 def test_the_readme_starts_with_the_two_commands() -> None:
-    _, first = next(block for block in blocks(ROOT / "README.md") if block[0] == "sh")
+    _, first = next(block for block in blocks(CHECKOUT / "README.md") if block[0] == "sh")
     install, test = first.strip().splitlines()
     assert install == 'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/musclewire demo'
     assert test == ".venv/bin/python -m pytest -n auto --dist worksteal"
 
 
 def test_the_readmes_python_example_is_short() -> None:
-    example = next(text for language, text in blocks(ROOT / "README.md") if language == "python")
+    example = next(text for language, text in blocks(CHECKOUT / "README.md") if language == "python")
     assert len([line for line in example.splitlines() if line.strip()]) <= 10
 
 

@@ -12,12 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from doc_pages import ROOT, code_words, tables_of
 from jsonschema import Draft202012Validator
+from tests.docs.doc_pages import code_words, tables_of
+from tests.places import CHECKOUT
 
 from musclewire.app.json_schemas import json_schema
 
-PAGE = (ROOT / "docs/reference/command_line.md").read_text("utf-8")
+PAGE = (CHECKOUT / "docs/reference/command_line.md").read_text("utf-8")
 SECTIONS = dict(re.findall(r"^## `musclewire (\w+(?: \w+)?)`\n(.*?)(?=^## |\Z)", PAGE, re.M | re.S))
 
 
@@ -68,7 +69,7 @@ def prepared(path: Path) -> Path:
     run(path, "fit", "loop.h5", "-o", "model.json")
     run(path, "characterize", "simulated", "-o", "short.h5", "--cycles", "1", "--period", "12")
     (path / "study.toml").write_text(STUDY, "utf-8")
-    shutil.copy(ROOT / "tests/unit/signals/old_recordings/journal-1-cut-off.h5.journal", path / "cut.h5.journal")
+    shutil.copy(CHECKOUT / "tests/unit/signals/old_recordings/journal-1-cut-off.h5.journal", path / "cut.h5.journal")
     return path
 
 

@@ -9,11 +9,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from doc_pages import ROOT
+from tests.places import CHECKOUT
 
 from musclewire.extras.studies import read_study
 
-EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+EXAMPLES = sorted((CHECKOUT / "examples").glob("*.py"))
 
 # What each must print: a pattern, so that better parameters do not break the test.
 PROMISES = {
@@ -31,7 +31,7 @@ PROMISES = {
 FIRST = "move_a_wire_by_its_resistance"
 
 
-STUDIES = sorted((ROOT / "examples").glob("*.toml"))
+STUDIES = sorted((CHECKOUT / "examples").glob("*.toml"))
 
 
 def test_there_are_studies() -> None:

@@ -7,11 +7,11 @@ import sys
 import tomllib
 
 import pytest
-from doc_pages import ROOT
 from emulation.board import rig_file_text
+from tests.places import CHECKOUT
 from tests.tools import require_tool
 
-sys.path.insert(0, str(ROOT / "checks"))
+sys.path.insert(0, str(CHECKOUT / "checks"))
 import follow_doors
 import word_budgets
 
@@ -26,8 +26,8 @@ TOOLS = {"maker": {"simavr": "simavr libsimavr-dev libelf-dev gcc libc6-dev", "a
 def test_the_door_leads_to_its_end(door: str) -> None:
     for tool, packages in TOOLS.get(door, {}).items():
         require_tool(tool, packages)
-    command = [sys.executable, str(ROOT / "checks/follow_doors.py"), door, "--installed"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    command = [sys.executable, str(CHECKOUT / "checks/follow_doors.py"), door, "--installed"]
+    done = subprocess.run(command, cwd=CHECKOUT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr
 
 
@@ -39,7 +39,7 @@ def test_the_rig_file_of_an_emulated_board_is_the_included_one_with_its_port(boa
 
 def test_every_page_of_the_start_is_a_door() -> None:
     followed = {page for door in follow_doors.DOORS.values() for page in door.pages}
-    assert {path.relative_to(ROOT).as_posix() for path in (ROOT / "docs/start").glob("*.md")} <= followed
+    assert {path.relative_to(CHECKOUT).as_posix() for path in (CHECKOUT / "docs/start").glob("*.md")} <= followed
 
 
 def test_no_way_has_more_words_than_its_budget(capsys: pytest.CaptureFixture[str]) -> None:

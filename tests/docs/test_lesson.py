@@ -10,8 +10,8 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from tests.places import DOCS
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
 NOTEBOOKS = sorted([*DOCS.glob("notebooks/*.ipynb"), *DOCS.glob("lesson/*.ipynb")])
 
 

@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from doc_pages import ROOT, code_words, resolve, tables_of
+from tests.docs.doc_pages import code_words, resolve, tables_of
+from tests.places import CHECKOUT
 
 from musclewire.extras.paper.reproduce import all_checks, selected
 
 ROWS = [
     row
-    for table in tables_of((ROOT / "docs/reference/paper_map.md").read_text("utf-8"))
+    for table in tables_of((CHECKOUT / "docs/reference/paper_map.md").read_text("utf-8"))
     for row in table
     if "Paper" in row
 ]
@@ -60,7 +61,7 @@ def test_every_command_named_exists(row: dict[str, str], commands: dict[str, Any
 def test_every_test_named_exists(row: dict[str, str]) -> None:
     for name in code_words(row["Test"]):
         file, _, function = name.partition("::")
-        path: Path = ROOT / file
+        path: Path = CHECKOUT / file
         assert path.is_file()
         assert not function or f"def {function}(" in path.read_text("utf-8")
 
@@ -94,7 +95,7 @@ def test_what_has_no_code_yet_says_which_issue_brings_it(row: dict[str, str]) ->
 
 
 def test_the_other_numbers_of_the_text_are_explained() -> None:
-    text = " ".join((ROOT / "docs/reference/paper_map.md").read_text("utf-8").split())
+    text = " ".join((CHECKOUT / "docs/reference/paper_map.md").read_text("utf-8").split())
     assert 'its "Table 3" (values of `S_h` and `S_c`) is the printed Table 2' in text
     assert 'its "Table 5" (the finger\'s results) is the printed Table 3' in text
 
@@ -103,6 +104,6 @@ def test_the_other_numbers_of_the_text_are_explained() -> None:
 def test_our_drawings_are_there_and_well_formed(name: str) -> None:
     from xml.etree import ElementTree
 
-    tree = ElementTree.parse(ROOT / f"docs/reference/figures/{name}.svg")
+    tree = ElementTree.parse(CHECKOUT / f"docs/reference/figures/{name}.svg")
     assert tree.getroot().tag.endswith("svg")
-    assert f"figures/{name}.svg" in (ROOT / "docs/reference/paper_map.md").read_text("utf-8")
+    assert f"figures/{name}.svg" in (CHECKOUT / "docs/reference/paper_map.md").read_text("utf-8")

@@ -9,16 +9,17 @@ from collections.abc import Iterator
 from types import ModuleType
 
 import pytest
-from doc_pages import ROOT, code_words, resolve, tables_of
+from tests.docs.doc_pages import code_words, resolve, tables_of
+from tests.places import CHECKOUT
 
 import musclewire
 from musclewire.parameters import load_alloy, load_bench, load_wire
 
-FOLDER = ROOT / "docs" / "images"
-PHYSICS = ROOT / "docs" / "explanation" / "physics.md"
-FOUND = ROOT / "docs" / "explanation" / "parameters.md"
-TURNS = ROOT / "docs" / "explanation" / "turns_and_minor_loops.md"
-PARAMETERS = ROOT / "docs" / "reference" / "parameters.md"
+FOLDER = CHECKOUT / "docs" / "images"
+PHYSICS = CHECKOUT / "docs" / "explanation" / "physics.md"
+FOUND = CHECKOUT / "docs" / "explanation" / "parameters.md"
+TURNS = CHECKOUT / "docs" / "explanation" / "turns_and_minor_loops.md"
+PARAMETERS = CHECKOUT / "docs" / "reference" / "parameters.md"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
 AGAIN = "run python docs/images/draw.py and commit what it changes"
 
@@ -162,9 +163,9 @@ def test_every_equation_of_the_page_leads_to_code() -> None:
 
 
 def test_every_source_of_an_equation_stands_at_its_function_too() -> None:
-    source = "".join(path.read_text("utf-8") for path in sorted((ROOT / "src/musclewire").rglob("*.py")))
-    elsewhere = (ROOT / "docs/explanation/numerics.md").read_text("utf-8") + "".join(
-        path.read_text("utf-8") for path in sorted((ROOT / "src/musclewire/parameters/data").rglob("*.toml"))
+    source = "".join(path.read_text("utf-8") for path in sorted((CHECKOUT / "src/musclewire").rglob("*.py")))
+    elsewhere = (CHECKOUT / "docs/explanation/numerics.md").read_text("utf-8") + "".join(
+        path.read_text("utf-8") for path in sorted((CHECKOUT / "src/musclewire/parameters/data").rglob("*.toml"))
     )
     for doi in re.findall(r"doi (10\.\S+?)(?=[\s,|)]*(?:\s|$))", PHYSICS.read_text("utf-8")):
         assert doi in source + elsewhere, doi

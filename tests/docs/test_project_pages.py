@@ -6,10 +6,11 @@ import re
 import tomllib
 from typing import Any
 
-from doc_pages import ROOT, code_words, tables_of
+from tests.docs.doc_pages import code_words, tables_of
+from tests.places import CHECKOUT
 
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
-ARCHITECTURE = (ROOT / "ARCHITECTURE.md").read_text("utf-8")
+PROJECT = tomllib.loads((CHECKOUT / "pyproject.toml").read_text("utf-8"))
+ARCHITECTURE = (CHECKOUT / "ARCHITECTURE.md").read_text("utf-8")
 LAYERS = next(contract for contract in PROJECT["tool"]["importlinter"]["contracts"] if contract["type"] == "layers")[
     "layers"
 ]
@@ -22,7 +23,7 @@ def test_every_room_is_described_and_no_other() -> None:
         for row in table
         if "room" in row
     }
-    folder = ROOT / "src/musclewire"
+    folder = CHECKOUT / "src/musclewire"
     there = {
         path.name.removesuffix(".py")
         for path in folder.iterdir()
@@ -49,11 +50,11 @@ def test_the_files_of_the_journey_exist_and_hold_what_is_named() -> None:
     steps = re.findall(r"([\w.]+)\([^)]*\).*?((?:\w+/)+\w+\.py)", journey)
     assert len(steps) >= 8
     for name, file in steps:
-        assert name.split(".")[-1] in (ROOT / "src/musclewire" / file).read_text("utf-8")
+        assert name.split(".")[-1] in (CHECKOUT / "src/musclewire" / file).read_text("utf-8")
 
 
 def test_the_citation_has_the_version_and_the_paper() -> None:
-    text = (ROOT / "CITATION.cff").read_text("utf-8")
+    text = (CHECKOUT / "CITATION.cff").read_text("utf-8")
     assert f"version: {PROJECT['project']['version']}\n" in text
     assert "cff-version: 1.2.0\n" in text
     assert "family-names: Lan" in text
@@ -62,19 +63,19 @@ def test_the_citation_has_the_version_and_the_paper() -> None:
 
 
 def test_the_changelog_has_this_version_and_every_command(commands: dict[str, Any]) -> None:
-    text = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    text = (CHECKOUT / "CHANGELOG.md").read_text("utf-8")
     assert f"## [{PROJECT['project']['version']}]" in text
     assert set(commands) <= set(code_words(text))
 
 
 def linked_from(page: str, folders: str) -> list[str]:
     """Return the pages in some folders beside a page that its links lead to."""
-    text = (ROOT / page).read_text("utf-8")
+    text = (CHECKOUT / page).read_text("utf-8")
     return re.findall(rf"\]\(((?:{folders})[\w/.-]+\.(?:md|ipynb))\)", text)
 
 
 def test_every_page_of_the_documentation_is_linked_from_its_first_once_and_each_link_leads_to_one() -> None:
-    docs = ROOT / "docs"
+    docs = CHECKOUT / "docs"
     pages = {page.relative_to(docs).as_posix() for page in [*docs.rglob("*.md"), *docs.rglob("*.ipynb")]} - {
         "README.md"
     }

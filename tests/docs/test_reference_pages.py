@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 
 import pytest
-from doc_pages import ROOT, code_words, resolve, tables_of
 from pydantic_core import PydanticUndefined
+from tests.docs.doc_pages import code_words, resolve, tables_of
+from tests.places import CHECKOUT
 
 from musclewire.controllers import load_rule_base, rule_base_names
 from musclewire.parameters import load_bench, load_wire, names
@@ -17,7 +18,7 @@ from musclewire.rigs.load_kinds import LOAD_PARTS
 from musclewire.sensing.model_file import ModelFile
 from musclewire.signals.columns import COLUMNS
 
-DOCS = ROOT / "docs"
+DOCS = CHECKOUT / "docs"
 
 
 def column_of(page: str, header: str) -> list[str]:
@@ -133,7 +134,7 @@ def test_every_symbol_leads_to_code(row: dict[str, str]) -> None:
 
 
 def test_every_error_message_explained_is_one_that_the_code_says() -> None:
-    source = "".join(path.read_text("utf-8") for path in sorted((ROOT / "src/musclewire").rglob("*.py")))
+    source = "".join(path.read_text("utf-8") for path in sorted((CHECKOUT / "src/musclewire").rglob("*.py")))
     joined = re.sub(r'"\s*\n\s*f?"', "", source)
     explained = column_of("how-to/read_my_recordings.md", "Message")
     assert len(explained) > 20

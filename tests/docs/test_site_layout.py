@@ -7,13 +7,13 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from doc_pages import ROOT
+from tests.places import CHECKOUT
 
 
 @pytest.fixture(scope="module")
 def layout() -> ModuleType:
     """The module that lays out the site's sources."""
-    sys.path.insert(0, str(ROOT / "docs" / "site"))
+    sys.path.insert(0, str(CHECKOUT / "docs" / "site"))
     import layout as module
 
     return module

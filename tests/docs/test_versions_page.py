@@ -9,9 +9,10 @@ import tomllib
 
 import pytest
 from checks.files_of_release import FOLDER
-from doc_pages import ROOT, tables_of
+from tests.docs.doc_pages import tables_of
+from tests.places import CHECKOUT
 
-PAGE = (ROOT / "docs/reference/versions.md").read_text("utf-8")
+PAGE = (CHECKOUT / "docs/reference/versions.md").read_text("utf-8")
 FILES = FOLDER / importlib.metadata.version("musclewire")
 WRITTEN = {row["File"]: row["`version` that is written"] for table in tables_of(PAGE) for row in table if "File" in row}
 
@@ -35,7 +36,7 @@ def test_the_page_names_the_version_that_is_written(file: str, row: str) -> None
 
 
 def test_the_pythons_of_the_page_are_those_of_the_package() -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    project = tomllib.loads((CHECKOUT / "pyproject.toml").read_text("utf-8"))["project"]
     claimed = set(re.findall(r"Python :: (3\.\d+)", "\n".join(project["classifiers"])))
     said = {row["Python"] for table in tables_of(PAGE) for row in table if row.get("System", "").startswith("Debian")}
     assert {version for cell in said for version in cell.split(", ")} == claimed

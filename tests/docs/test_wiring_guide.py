@@ -5,15 +5,15 @@ from __future__ import annotations
 import sys
 
 import pytest
-from doc_pages import ROOT
+from tests.places import CHECKOUT
 
 from musclewire.extras.board.parts import parts_names
 
-sys.path.insert(0, str(ROOT / "docs/images"))
+sys.path.insert(0, str(CHECKOUT / "docs/images"))
 import parts_page
 
 GUIDES = "\n".join(
-    (ROOT / "docs" / name).read_text("utf-8")
+    (CHECKOUT / "docs" / name).read_text("utf-8")
     for name in ("how-to/wire_the_circuit.md", "how-to/wire_an_ni_card.md", "reference/circuits.md")
 )
 BLOCKS = [parts_page.WIRES, *(f"{kind} {name}" for kind in ("list", "wiring", "reasons") for name in parts_names())]

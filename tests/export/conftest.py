@@ -1,17 +1,12 @@
-"""Lets the tests of the export share export_parts.py, and gives them compiled libraries."""
+"""Libraries as they are exported and as they are compiled, once for all tests."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))  # for export_parts
-
 from emulation.exported_library.on_this_machine import HostLibrary
-from export_parts import Exported, compiled, export
+from tests.export.export_parts import Exported, compiled, export
 
 
 @pytest.fixture(scope="session")

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from emulation.exported_library.on_this_machine import HostLibrary, built
 from hypothesis import assume
 from hypothesis import strategies as st
+from tests.tools import require_tool
 
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.controllers.protection import ProtectionLimits
@@ -15,7 +16,6 @@ from musclewire.errors import CallerError
 from musclewire.extras.board.c import Library, write_library
 from musclewire.extras.board.c.reference import ReferenceTick
 from musclewire.sensing.model import SensingModel
-from tools import require_tool
 
 RULE_BASES = ("zhao-1993", "liu-7x7", "liu-7x7-mirrored", "fixed")
 # Polynomials like those of a loop of the simulated wire: order 6, in strain.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from export_parts import drive_limits, limits_for, usual_model
+from tests.export.export_parts import drive_limits, limits_for, usual_model
 
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError

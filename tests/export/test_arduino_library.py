@@ -10,7 +10,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from export_parts import export, usual_model
+from tests.export.export_parts import export, usual_model
 
 from musclewire.app.main import run
 from musclewire.extras.board.c import write_arduino_zip

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from emulation.exported_library.on_this_machine import MAX_DIFFERENCE, HostLibrary, largest_differences
-from export_parts import RULE_BASES, Exported, compiled, export, models, settings_of
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from tests.export.export_parts import RULE_BASES, Exported, compiled, export, models, settings_of
 
 from musclewire.controllers import infer_surface, load_rule_base
 from musclewire.extras.board.c.exercise import FAULTS, exercise

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
-from export_parts import usual_model
 from fmpy.validation import validate_fmu
+from tests.export.export_parts import usual_model
 
 from musclewire.app.main import run as command_line
 from musclewire.sensing.model_file import save_model

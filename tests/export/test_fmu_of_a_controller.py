@@ -10,11 +10,12 @@ from pathlib import Path
 import fmpy
 import pytest
 from emulation.exported_library.on_this_machine import full_scales
-from export_parts import drive_limits, usual_model
 from fmpy.build import build_platform_binary
 from fmpy.simulation import simulate_fmu
 from fmpy.validation import validate_fmu
-from fmu_parts import ERROR, WARNING, Slave
+from tests.export.export_parts import drive_limits, usual_model
+from tests.export.fmu_parts import ERROR, WARNING, Slave
+from tests.tools import require_tool
 
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.controllers.protection import Event, State
@@ -24,7 +25,6 @@ from musclewire.extras.board.c.reference import Outcome, ReferenceTick
 from musclewire.extras.board.rig_limits import limits_of_rig
 from musclewire.extras.interfaces.fmu import Fmu, export_fmu
 from musclewire.identify.use_of_model import settings_for
-from tools import require_tool
 
 PERIOD_S = 0.05
 NAMES = {"valid": "estimate_valid", "state": "protection_state", "event": "protection_event"}

@@ -13,13 +13,14 @@ from typing import Any, NamedTuple
 import fmpy
 import numpy as np
 import pytest
-from export_parts import usual_model
 from fmpy.build import build_platform_binary
 from fmpy.simulation import simulate_fmu
 from fmpy.validation import validate_fmu
-from fmu_parts import DISCARD, ERROR, Slave
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+from tests.export.export_parts import usual_model
+from tests.export.fmu_parts import DISCARD, ERROR, Slave
+from tests.tools import require_tool
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
@@ -28,14 +29,12 @@ from musclewire.parameters import load_alloy
 from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.mechanism import Tendon
 from musclewire.rigs.simulated import SimulatedDevice
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.simulated_opening import open_simulated
+from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
 from musclewire.wire.building import resting_state, with_pretension
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.state import WireState
 from musclewire.wire.stepping import Stepping
 from musclewire.wire.wires import OneWire, WireMeans, advance
-from tools import require_tool
 
 SAMPLE_S = 0.05
 AUSTENITE_MODULUS_PA = load_alloy("flexinol").austenite_modulus_pa.value

@@ -5,20 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from export_parts import drive_limits
-from fmu_parts import Slave
+from tests.export.export_parts import drive_limits
+from tests.export.fmu_parts import Slave
+from tests.tools import require_tool
 
 import musclewire as mw
 from musclewire.extras.board.c.reference import ReferenceTick
 from musclewire.extras.board.rig_limits import limits_of_rig
 from musclewire.extras.interfaces.fmu import export_fmu
 from musclewire.identify.use_of_model import settings_for
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.simulated_opening import open_simulated
+from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
 from musclewire.sensing import SensingModel
 from musclewire.wire.building import resting_state
 from musclewire.wire.wires import OneWire, advance
-from tools import require_tool
 
 SAMPLE_S, LEG_LENGTH_M = 0.05, 0.07
 TARGETS = [level for level in (0.01, 0.02, 0.025, 0.015) for _ in range(120)]

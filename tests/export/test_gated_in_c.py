@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 from emulation.exported_library.on_this_machine import MAX_DIFFERENCE, HostLibrary, built, largest_differences
-from export_parts import drive_limits, limits_for, usual_model
+from tests.export.export_parts import drive_limits, limits_for, usual_model
+from tests.tools import require_tool
 
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError
 from musclewire.extras.board.c import loop_checksum, write_library
 from musclewire.extras.board.c.exercise import exercise
 from musclewire.extras.board.c.golden import golden_ticks
-from tools import require_tool
 
 LIMITS = limits_for(usual_model())
 

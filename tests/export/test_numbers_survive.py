@@ -12,9 +12,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from export_parts import RULE_BASES, Exported, export, limits_for, models, usual_model
 from hypothesis import HealthCheck, Phase, example, given, settings
 from hypothesis import strategies as st
+from tests.export.export_parts import RULE_BASES, Exported, export, limits_for, models, usual_model
+from tests.places import CHECKOUT
+from tests.tools import require_tool
 
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.errors import CallerError
@@ -24,9 +26,7 @@ from musclewire.extras.board.c.numbers import check_single, literal
 from musclewire.extras.board.c.precision import single_estimates
 from musclewire.sensing.model import load_model
 from musclewire.sensing.model_file import save_model
-from tools import require_tool
 
-ROOT = Path(__file__).resolve().parents[2]
 NUMBER = re.compile(r"MW_R\((-?[\d.]+(?:e[+-]?\d+)?)\)")
 # A double exactly half-way between two singles, whose shortest text lies to one side of it.
 HALF_WAY = 1.0 + 2.0**-24
@@ -211,7 +211,7 @@ def test_every_file_says_whose_it_is_and_the_licence_stands_beside_it(exported: 
         if name.endswith((".c", ".h", ".ino", ".ld", "CMakeLists.txt")):
             first = (library.folder / name).read_text("utf-8").splitlines()[0]
             assert "musclewire developers. SPDX-License-Identifier: BSD-3-Clause" in first, name
-    assert (library.folder / "LICENSE").read_text("utf-8") == (ROOT / "LICENSE").read_text("utf-8")
+    assert (library.folder / "LICENSE").read_text("utf-8") == (CHECKOUT / "LICENSE").read_text("utf-8")
 
 
 def test_a_comment_in_a_model_s_source_cannot_open_or_end_one_in_the_header() -> None:

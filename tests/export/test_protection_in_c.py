@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from emulation.exported_library.on_this_machine import HostLibrary
-from export_parts import Exported, compiled, export
+from tests.export.export_parts import Exported, compiled, export
 
 from musclewire.controllers.protection import (
     Event,

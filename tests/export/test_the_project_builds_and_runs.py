@@ -13,14 +13,14 @@ import pytest
 from emulation.exported_library.cost import emulated, linked, target_figures
 from emulation.exported_library.on_this_machine import host_hash
 from emulation.exported_library.targets import TARGETS
-from export_parts import RULE_BASES, Exported, limits_for, usual_model
+from tests.export.export_parts import RULE_BASES, Exported, limits_for, usual_model
+from tests.places import CHECKOUT
+from tests.tools import require_tool
 
 from musclewire.app.main import run as command_line
 from musclewire.sensing.model_file import save_model
-from tools import require_tool
 
 Libraries = Callable[[str], Exported]
-ROOT = Path(__file__).resolve().parents[2]
 CORTEX_M = [target for target in TARGETS if target.emulator != "simavr"]
 SAMPLES = 5000
 ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
@@ -240,14 +240,14 @@ def test_the_command_writes_the_library_without_any_compiler(tmp_path: Path) -> 
 def test_what_a_library_costs_is_printed_with_a_row_for_each_target(exported: Callable[[str], Exported]) -> None:
     folder = exported("zhao-1993").library.folder
     command = [sys.executable, "-m", "emulation.exported_library", str(folder)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=CHECKOUT)
     assert done.returncode == 0, done.stderr
     rows = {line.split()[0]: line.split()[1] for line in done.stdout.splitlines()[1:]}
     assert set(rows) == {target.name for target in TARGETS}
     for target in TARGETS:
         assert rows[target.name] != "-" or f"{target.compiler} is missing: apt-get install" in done.stderr
-    nothing = subprocess.run([*command[:-1], str(ROOT)], capture_output=True, text=True, check=False, cwd=ROOT)
-    assert (nothing.returncode, nothing.stderr) == (2, f"{ROOT} holds no exported library\n")
+    nothing = subprocess.run([*command[:-1], str(CHECKOUT)], capture_output=True, text=True, check=False, cwd=CHECKOUT)
+    assert (nothing.returncode, nothing.stderr) == (2, f"{CHECKOUT} holds no exported library\n")
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ import numpy as np
 from emulation.board import EmulatedBoard
 from numpy.typing import NDArray
 from tests.faults.table import FaultRow
+from tests.places import included_rig_file
 
 from musclewire.errors import MusclewireError, RecordingError
 from musclewire.experiment.run import Decision, run_on_rig
@@ -204,7 +205,7 @@ def flood(rig: GuardedRig) -> None:
 
 def rig_text(port: str, row: FaultRow) -> str:
     """Return a rig file as a user would write it."""
-    shipped = (Path(__file__).parents[2] / "src/musclewire/extras/board/rig_files/serial-board.toml").read_text()
+    shipped = included_rig_file("serial-board").read_text("utf-8")
     limits = "".join(f"{key} = {value}\n" for key, value in row.limits.items())
     return shipped.replace('"/dev/ttyACM0"', f'"{port}"') + (f"\n[limits]\n{limits}" if limits else "")
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import importlib.util
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.places import CHECKOUT
 
 
 def test_the_page_of_faults_is_written_from_the_matrix() -> None:
-    spec = importlib.util.spec_from_file_location("faults_page", ROOT / "docs" / "images" / "faults_page.py")
+    spec = importlib.util.spec_from_file_location("faults_page", CHECKOUT / "docs" / "images" / "faults_page.py")
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    said = (ROOT / "docs" / "reference" / "faults.md").read_text(encoding="utf-8")
+    said = (CHECKOUT / "docs" / "reference" / "faults.md").read_text(encoding="utf-8")
     assert said == module.page(), "write it again: python docs/images/draw.py physics"

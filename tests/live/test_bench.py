@@ -68,6 +68,25 @@ def test_a_stop_switches_off_in_the_middle_of_a_run_and_stays(tmp_path: Path) ->
     asyncio.run(run())
 
 
+def test_a_stop_right_behind_an_order_to_switch_on_counts_and_a_later_order_switches_on(tmp_path: Path) -> None:
+    async def run() -> None:
+        async with bench(tmp_path) as handle, in_control(handle):
+            for _ in range(3):
+                switching_on = asyncio.create_task(ask(handle, do="switch_on"))
+                await asyncio.sleep(0.0)  # it is sent
+                handle.stop("a test")
+                await switching_on
+                assert not (await ask(handle, do="pulse")).accepted
+                assert handle.state["phase"] == "stopped"
+            assert (await ask(handle, do="switch_on")).accepted
+            assert (await ask(handle, do="pulse")).accepted
+            handle.stop("a test")
+            handle.stop("a test")
+            await until_phase(handle, "stopped")
+
+    asyncio.run(run())
+
+
 def test_a_bench_whose_process_is_killed_says_so(tmp_path: Path) -> None:
     async def run() -> None:
         async with bench(tmp_path) as handle:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from page_parts import Outside
+from tests.published.page_parts import Outside
 
 from musclewire.extras.paper.known_failures import known_failures
 from musclewire.extras.paper.page.paper_figures import FIGURES

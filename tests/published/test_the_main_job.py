@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 import pytest
-from page_parts import Outside
+from tests.published.page_parts import Outside
 
 from musclewire.controllers import FuzzyPidSettings, staircase
 from musclewire.experiment.closed_loop import control

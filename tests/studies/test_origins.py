@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from pathlib import Path
 
 import pytest
+from tests.places import CHECKOUT
 
 from musclewire.extras.paper.reproduce.all_checks import all_checks
 from musclewire.extras.paper.reproduce.origins import matching, rows_named
 from musclewire.parameters.library import read_published
 
-STUDIES = Path(__file__).resolve().parents[2] / "studies"
+STUDIES = CHECKOUT / "studies"
 TABLE: dict[str, dict[str, list[str]]] = read_published("rows_of_targets")
 ORIGINS = {check.name: check.origin for check in all_checks()}
 

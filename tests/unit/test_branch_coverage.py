@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from checks import branch_coverage
+from tests.places import CHECKOUT
 
-ROOT = Path(__file__).resolve().parents[2]
 SUITE = branch_coverage.SETTINGS["without_compilation"]
 
 
@@ -16,8 +16,8 @@ SUITE = branch_coverage.SETTINGS["without_compilation"]
 def test_every_test_that_it_names_exists(name: str) -> None:
     """pytest says nothing of a deselected test that nobody has."""
     path, _, function = name.partition("::")
-    assert (ROOT / path).exists()
-    assert not function or f"def {function.partition('[')[0]}(" in (ROOT / path).read_text("utf-8")
+    assert (CHECKOUT / path).exists()
+    assert not function or f"def {function.partition('[')[0]}(" in (CHECKOUT / path).read_text("utf-8")
 
 
 def test_every_test_left_out_belongs_to_the_suite_and_has_its_reason() -> None:

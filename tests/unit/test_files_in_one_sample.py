@@ -5,18 +5,17 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from tests.places import CHECKOUT
 
-ROOT = Path(__file__).resolve().parents[2]
 MAX_FILES = 18
-MAX_LINES = 500
+MAX_LINES = 700
 
 
 def listed_files() -> set[str]:
     """Return the files that ARCHITECTURE.md lists for one sample."""
-    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    text = (CHECKOUT / "ARCHITECTURE.md").read_text(encoding="utf-8")
     section = text.split("### Files to open for it")[1].split("\n#")[0]
     rows = re.findall(r"^    (\w+/) +(.+)$", section, flags=re.MULTILINE)
     return {room + name for room, names in rows for name in names.split()}
@@ -24,7 +23,7 @@ def listed_files() -> set[str]:
 
 @pytest.mark.slow
 def test_one_sample_passes_through_the_files_that_the_architecture_lists() -> None:
-    script = ROOT / "checks" / "files_in_one_sample.py"
+    script = CHECKOUT / "checks" / "files_in_one_sample.py"
     ran = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False, timeout=600)
     assert ran.returncode == 0, ran.stderr
     lengths = {name: int(lines) for lines, name in re.findall(r"^ *(\d+) (\S+\.py)$", ran.stdout, flags=re.MULTILINE)}

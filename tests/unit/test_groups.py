@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
+from tests.places import CHECKOUT
 
 from groups import COMMAND
 
 pytest_plugins = ["pytester"]
-ROOT = Path(__file__).parents[2]
 PROJECT = """
 [tool.pytest.ini_options]
 testpaths = ["tests"]
@@ -38,7 +37,7 @@ def test_firmware():
 def project(pytester: pytest.Pytester) -> pytest.Pytester:
     pytester.makefile(".toml", pyproject=PROJECT)
     (pytester.path / "tests").mkdir()
-    conftest = f"import sys\nsys.path.insert(0, {str(ROOT / 'tests')!r})\nfrom groups import *\n"
+    conftest = f"import sys\nsys.path.insert(0, {str(CHECKOUT / 'tests')!r})\nfrom groups import *\n"
     (pytester.path / "tests/conftest.py").write_text(conftest, encoding="utf-8")
     (pytester.path / "tests/test_some.py").write_text(TESTS, encoding="utf-8")
     return pytester
@@ -108,10 +107,10 @@ def test_a_test_of_two_groups_is_refused(project: pytest.Pytester) -> None:
 
 def test_ci_runs_every_group_by_its_name(pytestconfig: pytest.Config) -> None:
     groups = [line.split(":")[0] for line in pytestconfig.getini("groups")]
-    loop = re.search(r"^for group in (.*); do$", (ROOT / ".ci/run").read_text("utf-8"), re.M)
+    loop = re.search(r"^for group in (.*); do$", (CHECKOUT / ".ci/run").read_text("utf-8"), re.M)
     assert loop is not None
     assert loop[1].split() == groups
 
 
 def test_the_command_that_is_told_is_the_readmes() -> None:
-    assert f".venv/bin/{COMMAND}\n" in (ROOT / "README.md").read_text("utf-8")
+    assert f".venv/bin/{COMMAND}\n" in (CHECKOUT / "README.md").read_text("utf-8")

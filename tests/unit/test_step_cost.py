@@ -7,7 +7,9 @@ from inspect import getsource
 
 import numpy as np
 import pytest
-from checks.step_cost import FAILED, MEASURED, WARNED, fixed_arithmetic, fixed_python, record_text, records, verdict
+from checks.step_cost import FAILED, MEASURED, WARNED, record_text, records, verdict
+
+from musclewire.app.bench_measure import fixed_arithmetic, fixed_python
 
 
 def test_every_record_states_where_and_why_and_has_numbers_above_0() -> None:

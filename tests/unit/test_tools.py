@@ -1,8 +1,7 @@
 from __future__ import annotations
 
 import pytest
-
-from tools import require_tool
+from tests.tools import require_tool
 
 
 def test_a_program_that_is_there_is_found() -> None:

@@ -10,8 +10,8 @@ from musclewire.app.options import ONLY, QUICK, Json
 from musclewire.app.output import emit_json, say, show
 
 if TYPE_CHECKING:
-    from musclewire.speed.bench import Benchmark
-    from musclewire.speed.machine import Machine
+    from musclewire.app.bench_measure import Machine
+    from musclewire.app.bench_rows import Benchmark
 
 __all__ = ["bench"]
 
@@ -22,7 +22,7 @@ def bench(
     json: Json = False,
 ) -> None:
     """How fast it is on this machine, as ratios to what one would use instead."""
-    from musclewire.speed.bench import bench as run_bench
+    from musclewire.app.bench_rows import bench as run_bench
 
     began_s = time.perf_counter()
     found = run_bench(
@@ -46,13 +46,17 @@ def bench_json(found: Benchmark) -> dict[str, Any]:
 
 def bench_text(found: Benchmark) -> str:
     """Return the table of a benchmark, what each row compares, and the machine."""
-    lines = [f"{'':26}{'ours':>12}{'theirs':>12}{'ratio':>9}  {'of the turns':18}compared with"]
+    width = max((len(row.name) + 2 for row in found.rows), default=2)
+    lines = [f"{'':{width}}{'ours':>12}{'theirs':>12}{'ratio':>9}  {'of the turns':18}compared with"]
     for row in found.rows:
         times = f"{time_text(row.ours_us):>12}{time_text(row.theirs_us):>12}{ratio_text(row.ratio):>9}"
         span = f"{ratio_text(row.ratio_low)} to {ratio_text(row.ratio_high)}"
-        lines.append(f"{row.name:26}{times}  {span:18}{row.theirs}")
+        lines.append(f"{row.name:{width}}{times}  {span:18}{row.theirs}")
     lines += ["", "What the time is for:", *(f"  {row.name}: {row.work}" for row in found.rows)]
-    lines += [f'not measured: {name}: pip install "musclewire[{extra}]"' for name, extra in found.left_out]
+    lines += [f'not measured: {name}: pip install "musclewire[{extra}]"' for name, extra in found.left_out if extra]
+    elsewhere = [name for name, extra in found.left_out if extra is None]
+    if elsewhere:
+        lines += ["", f"not measured outside a checkout, whose benchmarks/speed has them: {', '.join(elsewhere)}"]
     turns = found.rows[0].turns if found.rows else 0
     return "\n".join([*lines, "", machine_text(found.machine), f"medians of {turns} turns, ours and theirs in turn"])
 
@@ -71,10 +75,12 @@ def ratio_text(ratio: float) -> str:
 
 
 def machine_text(machine: Machine) -> str:
-    """Return the measured peaks of a machine."""
+    """Return a machine with its measured peaks, where they were measured."""
+    text = f"{machine.processor}, {machine.cores} cores"
+    vectors, chained, moved = machine.vector_flops_per_s, machine.chained_flops_per_s, machine.bandwidth_bytes_per_s
+    if vectors is None or chained is None or moved is None:
+        return text
     return (
-        f"{machine.processor}, {machine.cores} cores; measured for one thread: "
-        f"{1e-9 * machine.vector_flops_per_s:.3g} Gflop/s in vectors, "
-        f"{1e-9 * machine.chained_flops_per_s:.2g} Gflop/s where each waits for the last, "
-        f"{1e-9 * machine.bandwidth_bytes_per_s:.3g} GB/s of memory"
+        f"{text}; measured for one thread: {1e-9 * vectors:.3g} Gflop/s in vectors, "
+        f"{1e-9 * chained:.2g} Gflop/s where each waits for the last, {1e-9 * moved:.3g} GB/s of memory"
     )

@@ -49,7 +49,7 @@ def load_gains(path: str | Path) -> Gains:
     CallerError
         If the file is missing or no gains file, or for an unknown controller or key; the message is one line.
     """
-    from musclewire.parameters.toml_file import read_toml
+    from musclewire.parameters.validation import read_toml
 
     content = read_toml(Path(path), "gains file", ": make one with 'musclewire tune MODEL RECORDING -o FILE'")
     controller, settings = content.get("controller"), content.get("settings")

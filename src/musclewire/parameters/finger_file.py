@@ -29,8 +29,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.parameter_groups import Parameter
-from musclewire.parameters.toml_file import read_toml
-from musclewire.parameters.validation import validated
+from musclewire.parameters.validation import read_toml, validated
 from musclewire.parameters.wire_file import parameter_lines, quoted
 
 __all__ = ["FingerCurve", "FingerFile", "finger_file_text", "finger_names", "load_finger"]

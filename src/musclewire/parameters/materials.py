@@ -26,8 +26,7 @@ from pydantic import Field, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.parameter_groups import Parameter, ParameterGroup, parameter
-from musclewire.parameters.toml_file import read_toml
-from musclewire.parameters.validation import validated
+from musclewire.parameters.validation import read_toml, validated
 
 __all__ = ["Material", "load_material", "material_names"]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import ceil, floor
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Protocol
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
@@ -21,6 +21,7 @@ __all__ = [
     "CoveredRange",
     "GrainQuantiles",
     "Kind",
+    "Numbers",
     "Parameter",
     "ParameterGroup",
     "Validity",
@@ -96,6 +97,13 @@ def whole_numbers_near(value: float) -> list[int]:
     return sorted({max(floor(value), 1), max(ceil(value), 1)})
 
 
+class Numbers(Protocol):
+    """Numbers by name, in SI: a plain mapping, or a group of parameters."""
+
+    def __getitem__(self, name: str, /) -> float:
+        """Return a number."""
+
+
 class ParameterGroup(BaseModel):
     """A named set of parameters read from one TOML file; every field but the texts is a Parameter."""
 
@@ -109,6 +117,11 @@ class ParameterGroup(BaseModel):
         for key, item in self.items():
             checked(key, item, type(self).model_fields[key])
         return self
+
+    def __getitem__(self, name: str) -> float:
+        """Return the bare number of a parameter."""
+        number: float = getattr(self, name).value
+        return number
 
     def values(self) -> dict[str, float]:
         """Return the bare numbers, by name."""

@@ -23,8 +23,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError
 from musclewire.parameters.parameter_groups import Parameter
-from musclewire.parameters.toml_file import read_toml
-from musclewire.parameters.validation import validated
+from musclewire.parameters.validation import read_toml, validated
 
 __all__ = ["FileGeometry", "PretensionerFile", "read_pretensioner"]
 

@@ -12,8 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from musclewire.errors import nearest_hint
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.priors import SCHEMAS, Prior, PriorSet, load_priors
-from musclewire.parameters.toml_file import read_toml
-from musclewire.parameters.validation import validated
+from musclewire.parameters.validation import read_toml, validated
 
 __all__ = ["Spread", "WireSpreads", "load_spreads", "priors_around"]
 

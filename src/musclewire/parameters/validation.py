@@ -1,20 +1,22 @@
-"""Messages, in one line, for files that pydantic refuses."""
+"""A user's TOML file is read and checked, with errors in one line."""
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable, Mapping
 from math import inf, isfinite
+from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters.parameter_groups import key_hint
 from musclewire.parameters.tagged_tables import TaggedTable
 
-__all__ = ["first_problem", "validated"]
+__all__ = ["CheckedFile", "first_problem", "read_toml", "validated"]
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -50,6 +52,38 @@ class Place(NamedTuple):
 
     model: type[BaseModel]
     field: FieldInfo | None
+
+
+def read_toml(path: Path, kind: str, instead: str = "") -> dict[str, Any]:
+    """Return the content of a TOML file; ``kind`` is its name in messages, such as "wire file".
+
+    Raises CallerError if the file does not exist (the message ends with ``instead``), or is no TOML.
+    """
+    try:
+        return tomllib.loads(path.read_text("utf-8"))
+    except FileNotFoundError:
+        raise CallerError(f"there is no {kind} {path}{instead}") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise CallerError(f"{kind} {path} cannot be read: {error}") from None
+
+
+class CheckedFile(BaseModel):
+    """A model that refuses wrong values with a message in one line, whether a file has them or a program.
+
+    Raises
+    ------
+    CallerError
+        For an unknown key, suggesting the nearest, and for a value that a key does not allow.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    def __init__(self, **values: Any) -> None:
+        """Check and keep the values. Raises CallerError that names the first wrong key in one line."""
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise CallerError(first_problem(error, type(self))) from None
 
 
 def validated(model: type[Model], data: Any, where: str) -> Model:

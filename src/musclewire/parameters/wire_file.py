@@ -45,8 +45,7 @@ from musclewire.parameters.parameter_groups import (
     checked,
     key_hint,
 )
-from musclewire.parameters.toml_file import read_toml
-from musclewire.parameters.validation import validated
+from musclewire.parameters.validation import read_toml, validated
 
 __all__ = ["WireFile", "is_wire_file", "read_wire_file", "wire_file_text"]
 

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from musclewire.rigs.quantities import measured_in
+from musclewire.signals.units import measured_in
 
 __all__ = ["Air", "Surroundings", "AirModel"]
 

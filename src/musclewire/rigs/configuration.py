@@ -8,8 +8,7 @@ from pathlib import Path
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.manifest import absent_part, folder_of, manifests, offered
 from musclewire.parameters.seeds import require_seed
-from musclewire.parameters.toml_file import read_toml
-from musclewire.parameters.validation import validated
+from musclewire.parameters.validation import read_toml, validated
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.kinds import DEVICES, DeviceConfiguration
 from musclewire.rigs.outside import imported_kind, is_outside, known_kind
@@ -172,7 +171,7 @@ def open_rig(
     configuration, where = rig_configuration(rig, may_import=True)
     refuse_useless_speed(clock_speed, real_time, isinstance(configuration, RigConfiguration), where)
     if isinstance(configuration, RigConfiguration):
-        from musclewire.rigs.simulated_opening import open_simulated
+        from musclewire.rigs.simulated_configuration import open_simulated
 
         simulated = open_simulated(configuration, where, wire, bench, seed, real_time, settings)
         if simulated.adjustable_clock is not None:

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
-
 from musclewire.errors import CallerError
-from musclewire.parameters.validation import first_problem
+from musclewire.parameters.validation import CheckedFile
 from musclewire.parameters.wire_file import is_wire_file
 from musclewire.registry import Registry
 from musclewire.rigs.device import Device
@@ -18,7 +16,7 @@ from musclewire.rigs.device import Device
 __all__ = ["DeviceConfiguration", "DeviceKind", "DEVICES"]
 
 
-class DeviceConfiguration(BaseModel):
+class DeviceConfiguration(CheckedFile):
     """A rig file, checked by its schema; plain data.
 
     Parameters
@@ -32,16 +30,7 @@ class DeviceConfiguration(BaseModel):
         For an unknown key, suggesting the nearest, and for a value that a key does not allow.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
     kind: str
-
-    def __init__(self, **values: Any) -> None:
-        """Check and keep the values. Raises CallerError that names the first wrong key in one line."""
-        try:
-            super().__init__(**values)
-        except ValidationError as error:
-            raise CallerError(first_problem(error, type(self))) from None
 
     def with_files_in(self, folder: Path) -> Self:
         """Return the configuration with the files that it names taken from a folder; by default its wire file.
@@ -109,10 +98,7 @@ DEVICES: Registry[DeviceKind[Any]] = Registry(
     "kind of rig",
     "musclewire.devices",
     {
-        "simulated": "musclewire.rigs.simulated_opening:SIMULATED",
-        "segmented": "musclewire.extras.studies.segmented.configuration:SEGMENTED",
+        "simulated": "musclewire.rigs.simulated_configuration:SIMULATED",
         "replay": "musclewire.rigs.replay:REPLAY",
-        "nidaq": "musclewire.extras.board.nidaq.device:NIDAQ",
-        "serial": "musclewire.extras.board.serial.device:SERIAL",
     },
 )

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from musclewire.arrays import FloatArray
 from musclewire.parameters.finger_file import FingerFile
 from musclewire.rigs.protocol import Metadata
-from musclewire.rigs.quantities import measured_in
+from musclewire.signals.units import measured_in
 from musclewire.wire.loads import ElasticObject
 
 __all__ = [

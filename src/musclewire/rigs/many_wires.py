@@ -9,7 +9,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
-from musclewire.rigs.simulated_building import stepping_of
+from musclewire.rigs.simulated import stepping_of
 from musclewire.rigs.varied_rig import VariedWire
 from musclewire.wire.batch import WireBatch
 from musclewire.wire.stepping import MAX_STEP_ERROR_K, Stepping, require_resolved

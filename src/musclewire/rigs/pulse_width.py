@@ -8,7 +8,7 @@ from typing import Annotated, Literal, NamedTuple
 from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError
-from musclewire.rigs.quantities import measured_in
+from musclewire.signals.units import measured_in
 
 __all__ = ["APERTURE_S", "PulseWidth", "duty_of", "left_over", "pulse_width_problems", "sampling_problem"]
 

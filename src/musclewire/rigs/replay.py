@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -14,7 +14,19 @@ from musclewire.errors import RecordingError, RigError
 from musclewire.parameters.validation import validated
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts
 from musclewire.rigs.kinds import DeviceConfiguration, DeviceKind
-from musclewire.rigs.mounted_wire import LimitsTable, Metres, MountedWire, Newtons, Ohms, Volts
+from musclewire.rigs.mounted_wire import (
+    DriveAmplitude,
+    Legs,
+    LimitsTable,
+    MaximumVoltage,
+    MountedWire,
+    Pretension,
+    SenseVoltage,
+    Shunt,
+    Volts,
+    WireLength,
+    may_be_left_out,
+)
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.exchange import REFERENCE_COLUMNS, Command, Drive, RawSample, drive_voltage_of
 from musclewire.signals.reading import read_hdf5, read_recording
@@ -49,13 +61,13 @@ class ReplayConfiguration(DeviceConfiguration):
     on_difference: Literal["error", "report"] = "error"
     drive_tolerance: Volts = 1e-3
     wire: str | None = None
-    wire_length: Metres | None = None
-    legs: Annotated[int, Field(ge=1, le=2)] | None = None
-    shunt: Ohms | None = None
-    sense_voltage: Volts | None = None
-    maximum_voltage: Volts | None = None
-    drive_amplitude: Volts | None = None
-    pretension: Newtons | None = None
+    wire_length: WireLength | None = may_be_left_out(WireLength)
+    legs: Legs | None = may_be_left_out(Legs)
+    shunt: Shunt | None = may_be_left_out(Shunt)
+    sense_voltage: SenseVoltage | None = may_be_left_out(SenseVoltage)
+    maximum_voltage: MaximumVoltage | None = may_be_left_out(MaximumVoltage)
+    drive_amplitude: DriveAmplitude | None = may_be_left_out(DriveAmplitude)
+    pretension: Pretension | None = may_be_left_out(Pretension)
     limits: LimitsTable = LimitsTable()
 
     def with_files_in(self, folder: Path) -> Self:

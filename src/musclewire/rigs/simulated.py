@@ -10,34 +10,44 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.controllers.protection import Event
+from musclewire.controllers.protection import Event, ProtectionLimits
 from musclewire.errors import CallerError, RigError
-from musclewire.parameters.parameter_groups import Bench
+from musclewire.parameters.library import load_alloy, load_wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Numbers, Wire
 from musclewire.parameters.validity import validity_of
+from musclewire.physics.heat import convection_range_note
 from musclewire.physics.resistance import series_resistance_ohm
 from musclewire.rigs.air import AirModel, Surroundings
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
-from musclewire.rigs.load_part import LoadPart, Pull
-from musclewire.rigs.mechanism import Mechanism, mechanism_of
+from musclewire.rigs.load_part import LoadPart, Pull, SecondWire, Supply
+from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, Mechanism, Tendon, mechanism_of
 from musclewire.rigs.protocol import Metadata
-from musclewire.rigs.simulated_building import (
-    Spool,
-    convection_metadata,
-    force_limit_n,
-    load_metadata,
-    simulated_limits,
-    stepping_of,
-    wires_of,
-)
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.rigs.simulation_clock import SimulationClock
+from musclewire.rigs.wire_limits import WireCircuit, limits_of
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
-from musclewire.wire.loads import spring_load
+from musclewire.wire.building import constants_from
+from musclewire.wire.constants import WireConstants
+from musclewire.wire.loads import ConnectorLoad, ElasticObject, spring_load
+from musclewire.wire.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
 from musclewire.wire.state import WireState
-from musclewire.wire.stepping import Stepping
-from musclewire.wire.wires import SampleMeans, SimulatedWires
+from musclewire.wire.stepping import Stepping, steps_within
+from musclewire.wire.wires import OneWire, SampleMeans, SimulatedWires, TwoWires
 
-__all__ = ["Instruments", "SimulatedDevice", "SimulatedInside", "read_sample"]
+__all__ = [
+    "Instruments",
+    "SimulatedDevice",
+    "SimulatedInside",
+    "Spool",
+    "convection_metadata",
+    "force_limit_n",
+    "load_metadata",
+    "read_sample",
+    "require_allowed_pull",
+    "simulated_limits",
+    "stepping_of",
+    "wires_of",
+]
 
 
 class SimulatedInside(NamedTuple):
@@ -54,6 +64,14 @@ class SimulatedInside(NamedTuple):
     paced: bool
     pulsed: bool = False
 
+
+# Noise in steps of the converter times the root of the readings in a mean: from this value on, two means in a row are
+# equal in less than a tenth of all cases, and eight in a row once in a hundred million.
+MIN_SPREAD_STEPS = 3.0
+
+# Codes of pulls and supplies in the kernel of two wires.
+DIRECTIONS = {Pull.ALONG: 1.0, Pull.AGAINST: -1.0, Pull.APART: APART}
+FEEDS = {Supply.OWN: OWN_SUPPLY, Supply.PARALLEL: PARALLEL, Supply.SERIES: SERIES}
 
 # NumPy sums up to this many numbers in eight rows, and more of them in two halves.
 PAIRWISE_NUMBERS = 128
@@ -113,7 +131,7 @@ def read_sample(
 class Instruments:
     """Converter, displacement sensor, load cells and laser of a bench, repeatable for one seed."""
 
-    def __init__(self, bench: Mapping[str, float], seed: int, at_endpoint: bool = False) -> None:
+    def __init__(self, bench: Numbers, seed: int, at_endpoint: bool = False) -> None:
         """Take noise, steps and ranges from the bench's numbers; ``at_endpoint`` with instruments at an endpoint."""
         self._generator = np.random.default_rng(seed)
         self._draw = self._generator.standard_normal
@@ -174,6 +192,28 @@ class Instruments:
         return self._endpoint_noise
 
 
+class Spool(NamedTuple):
+    """A wire, its alloy, its bench, and whether it starts before its first cycles (shakedown)."""
+
+    wire: Wire
+    alloy: Alloy
+    bench: Bench
+    new_wire: bool = False
+
+    def pulling(self, load: ConnectorLoad | None, pretension_n: float) -> WireConstants:
+        """Return the constants of this wire at a cold force; without a load it acts on another wire's connector only.
+
+        Raises CallerError for a pull that the wire does not allow.
+        """
+        require_allowed_pull(pretension_n, self.wire.maximum_force_n.value, self.wire.name)
+        changed = {"pretension_n": pretension_n}
+        if load is None:  # the guide's friction belongs to the first wire
+            changed["guide_friction_n"] = 0.0
+        known = {name: getattr(self.bench, name).model_copy(update={"value": value}) for name, value in changed.items()}
+        around = self.bench.model_copy(update=known)
+        return constants_from(self.alloy, self.wire, around, load=load or spring_load(0.0), new_wire=self.new_wire)
+
+
 class SimulatedDevice:
     """A simulated wire on a simulated bench, repeatable to the bit for one seed.
 
@@ -218,10 +258,10 @@ class SimulatedDevice:
     ) -> None:
         """Cool the wire under its pretension and wait at 0 V."""
         wire, alloy, bench, new_wire = spool
-        self._alloy, self._wire, self._around = alloy, wire, bench
+        self._alloy, self._wire = alloy, wire
         self._parts, self._new_wire = tuple(parts), new_wire
-        self._bench = bench.values()
-        self._wire_values = wire.values()
+        self._bench = bench
+        self._resolution_v = bench["amplifier_resolution_v"]
         self._seed = seed
         air = surroundings or Surroundings()
         self._air = None if air.still else AirModel(air, seed)
@@ -238,12 +278,12 @@ class SimulatedDevice:
             sample_period_s=self._bench["sample_period_s"],
             paced=real_time,
             leg_length_m=self._leg_length_m,
-            drive_amplitude_v=self._wire_values["drive_amplitude_v"],
+            drive_amplitude_v=self._wire["drive_amplitude_v"],
             limits=simulated_limits(alloy, wire, self._bench, self._parts, limits).checked(),
             reference_columns=self._instruments_there(),
         )
         self._faults = SimulatedFaults(faults) if faults else None
-        self._wire_ohm = self._wire_values["resistance_per_metre_ohm_per_m"] * self._bench["wire_length_m"]
+        self._wire_ohm = self._wire["resistance_per_metre_ohm_per_m"] * self._bench["wire_length_m"]
         self._clock = SimulationClock(self._bench["sample_period_s"]) if real_time else None
         self._stepping = self._stepping_of_the_bench()
 
@@ -305,7 +345,7 @@ class SimulatedDevice:
         """Return the parts of the device."""
         return SimulatedInside(
             wires=self._wires,
-            bench=self._bench,
+            bench=self._bench.values(),
             stepping=self._stepping,
             instruments=self._instruments,
             air=self._air,
@@ -377,8 +417,8 @@ class SimulatedDevice:
         self._check_pretension(pretension_n)
         if not self._mechanism.stage:
             raise CallerError("a hanging weight is the pretension: change the part 'weight' instead of the stage")
-        changed = self._around.pretension_n.model_copy(update={"value": pretension_n})
-        self._cool_at(self._around.model_copy(update={"pretension_n": changed}), self._tendon_slack_m)
+        changed = self._bench.pretension_n.model_copy(update={"value": pretension_n})
+        self._cool_at(self._bench.model_copy(update={"pretension_n": changed}), self._tendon_slack_m)
 
     def set_tendon_slack(self, slack_m: float) -> None:
         """Let the wire cool, then move the finger's stage: the tendon has this slack, or is drawn taut below 0.
@@ -393,7 +433,7 @@ class SimulatedDevice:
             raise CallerError(
                 f"the tendon cannot be drawn {-1e3 * slack_m:g} mm: the finger's curve ends before, draw less"
             )
-        self._cool_at(self._around, slack_m)
+        self._cool_at(self._bench, slack_m)
 
     def _cool_at(self, around: Bench, tendon_slack_m: float | None) -> None:
         """Let the wires cool at another setting of the stages."""
@@ -403,11 +443,11 @@ class SimulatedDevice:
         mechanism = self._mechanism_at(around.pretension_n.value, tendon_slack_m)
         wires = wires_of(self._alloy, self._wire, around, self._parts, mechanism, new_wire=self._new_wire)
         wires.age_like(self._wires)
-        self._around, self._bench, self._tendon_slack_m = around, around.values(), tendon_slack_m
+        self._bench, self._tendon_slack_m = around, tendon_slack_m
         self._mechanism, self._wires, self._held_m = mechanism, wires, 0.0
 
     def _check_pretension(self, pretension_n: float) -> None:
-        allowed = self._wire_values["maximum_force_n"]
+        allowed = self._wire["maximum_force_n"]
         if not 0.0 <= pretension_n <= allowed:
             raise CallerError(f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self._wire.name} allows")
 
@@ -416,8 +456,8 @@ class SimulatedDevice:
         # How late the command comes is reported once; the guard then says what may still be out.
         if self._clock is not None and (late_s := self._clock.report_late_s()) > 0.0:
             return Missing(Event.SAMPLE_LATE, late_s)
-        resolution = self._bench["amplifier_resolution_v"]
-        self._drive_voltage_v = resolution * round(drive_voltage_of(command) / resolution)
+        resolution_v = self._resolution_v
+        self._drive_voltage_v = resolution_v * round(drive_voltage_of(command) / resolution_v)
         if self._off:  # looked at after it was put out, so that 0 V is the last word whichever thread comes first
             self._drive_voltage_v = 0.0
             return SWITCHED_OFF
@@ -435,7 +475,7 @@ class SimulatedDevice:
         return SWITCHED_OFF if self._off else self._read(means)
 
     def _advance(self, drive_voltage_v: float) -> SampleMeans:
-        return self._wires.advance(drive_voltage_v, self._bench["sample_period_s"], self._stepping)
+        return self._wires.advance(drive_voltage_v, self._facts.sample_period_s, self._stepping)
 
     def _advance_faulty(self, faults: SimulatedFaults) -> SampleMeans:
         """Advance the wire with its current in the faulty circuit; return the voltages at the terminals."""
@@ -498,3 +538,153 @@ class SimulatedDevice:
         if self._clock is not None:
             self._clock.end()
         return self._faults is None or not self._faults.device_lost(self._wires.time_s)
+
+
+def wires_of(
+    alloy: Alloy, wire: Wire, bench: Bench, parts: Sequence[LoadPart], mechanism: Mechanism, *, new_wire: bool
+) -> SimulatedWires:
+    """Return the wires of a rig, cold and at rest under the stage's pretension and the weights on the connector.
+
+    Raises CallerError for numbers that cannot belong to a wire, for a force or voltage that one does not allow, and
+    for an unknown second wire.
+    """
+    first = Spool(wire, alloy, bench, new_wire)
+    stage_n = bench.pretension_n.value if mechanism.stage else 0.0
+    cold_n = stage_n + mechanism.added_n
+    second = second_wire_of(parts)
+    if second is None:
+        return OneWire(first.pulling(mechanism.load, cold_n))
+    other = wire if second.wire is None else load_wire(second.wire)
+    require_voltage(second, other)
+    spool = Spool(other, alloy if second.wire is None else load_alloy(other.alloy), bench, new_wire)
+    if second.pull is Pull.APART:
+        one, two = (item.pulling(mechanism.load, cold_n) for item in (first, spool))
+        grip = grip_between(parts, mechanism.tendon, one)
+    elif second.pull is Pull.AGAINST:
+        one, two, grip = first.pulling(mechanism.load, cold_n), spool.pulling(None, stage_n), no_grip()
+    else:
+        sections = [item.diameter_m.value**2 for item in (wire, other)]
+        own = sections[0] / sum(sections)
+        one, two = first.pulling(mechanism.load, own * cold_n), spool.pulling(None, (1.0 - own) * cold_n)
+        grip = no_grip()
+    series_ohm = one.series_resistance_ohm if second.supply is Supply.OWN else 1.0
+    return TwoWires((one, two), Pair(DIRECTIONS[second.pull], FEEDS[second.supply], second.voltage_v, series_ohm), grip)
+
+
+def second_wire_of(parts: Sequence[LoadPart]) -> SecondWire | None:
+    """Return the second wire that a part adds, if one does."""
+    return next((part.second_wire for part in parts if part.second_wire is not None), None)
+
+
+def force_limit_n(wire: Wire, parts: Sequence[LoadPart]) -> float:
+    """Return the largest reading of the load cell at which no wire of a rig exceeds its allowed force [N].
+
+    The load cell reads parallel wires together, and the force is divided by their cross sections, as when cold. In
+    other arrangements each wire pulls about the reading: an antagonist on the same connector, or a second finger's wire
+    against the same object.
+    """
+    second = second_wire_of(parts)
+    own_n = wire.maximum_force_n.value
+    if second is None:
+        return own_n
+    other = wire if second.wire is None else load_wire(second.wire)
+    other_n = other.maximum_force_n.value
+    if second.pull is not Pull.ALONG:
+        return min(own_n, other_n)
+    sections = [spool.diameter_m.value**2 for spool in (wire, other)]
+    return min(own_n / sections[0], other_n / sections[1]) * sum(sections)
+
+
+def simulated_limits(
+    alloy: Alloy, wire: Wire, bench: Numbers, parts: Sequence[LoadPart], changed: Mapping[str, float] | None
+) -> ProtectionLimits:
+    """Return the limits of a simulated rig's protection. Raises CallerError for numbers that cannot belong together."""
+    maximum_v = wire.maximum_voltage_v.value
+    second = second_wire_of(parts)
+    supply = None if second is None else second.supply
+    if bench["sense_voltage_v"] >= maximum_v:
+        raise CallerError(f"sense_voltage_v {bench['sense_voltage_v']} V must be below maximum_voltage_v {maximum_v} V")
+    step_v = 2.0 * bench["acquisition_range_v"] / 2.0 ** bench["acquisition_bits"]
+    circuit = WireCircuit(
+        sense_voltage_v=bench["sense_voltage_v"],
+        maximum_voltage_v=maximum_v,
+        shunt_resistance_ohm=bench["shunt_resistance_ohm"],
+        wire_length_m=bench["wire_length_m"],
+        ambient_temperature_k=bench["ambient_temperature_k"],
+        sample_period_s=bench["sample_period_s"],
+        wire_range_v=bench["acquisition_range_v"],
+        shunt_range_v=bench["acquisition_range_v"],
+        readings_noisy=bench["acquisition_noise_v"] / step_v * bench["acquisition_readings"] ** 0.5 >= MIN_SPREAD_STEPS,
+        in_series=2 if supply is Supply.SERIES else 1,
+        in_parallel=2 if supply is Supply.PARALLEL else 1,
+    )
+    return limits_of(wire, alloy, circuit, changed)
+
+
+def stepping_of(bench: Numbers) -> Stepping:
+    """Return how a bench's samples are divided into steps. Raises CallerError for a step that does not divide them."""
+    stepping = Stepping(
+        bench["time_step_s"],
+        bench["temperature_tolerance_k"],
+        bench["resistance_tolerance"],
+        bench["strain_tolerance"],
+    )
+    steps_within(stepping, bench["sample_period_s"])
+    return stepping
+
+
+def require_allowed_pull(pretension_n: float, allowed_n: float, name: str) -> None:
+    """Raise CallerError if stage and weights pull a cold wire harder than it allows."""
+    if pretension_n > allowed_n:
+        raise CallerError(
+            f"stage and weight pull the cold wire {name} with {pretension_n:g} N, "
+            f"{pretension_n - allowed_n:.3g} N more than the {allowed_n:g} N it allows: a lighter weight, less "
+            "pretension or a thicker wire"
+        )
+
+
+def require_voltage(second: SecondWire, wire: Wire) -> None:
+    """Raise CallerError if the voltage of an own supply is above the wire's maximum."""
+    if second.voltage_v > wire.maximum_voltage_v.value:
+        raise CallerError(
+            f"the antagonist's voltage of {second.voltage_v:g} V is above the {wire.maximum_voltage_v.value:g} V "
+            f"that wire {wire.name} allows: lower it"
+        )
+
+
+def grip_between(parts: Sequence[LoadPart], tendon: Tendon | None, constants: WireConstants) -> Grip:
+    """Return the object between two like fingers, with the tables of both fingers' endpoints."""
+    between: ElasticObject | None = next((part.obstacle for part in parts if part.obstacle is not None), None)
+    if between is None:
+        raise CallerError("a second finger needs a part 'contact' between it and the first")
+    if tendon is None:
+        raise CallerError("a second finger needs a part 'finger', which it mirrors")
+    displacement = np.linspace(0.0, MAX_CONTRACTION * constants.leg_length_m, TABLE_POINTS)
+    return Grip(
+        between.stiffness_n_per_m,
+        between.clearance_m,
+        float(displacement[1]),
+        np.ascontiguousarray(tendon.free_endpoint_m(displacement)),
+        np.ascontiguousarray(tendon.column("endpoint_compliance_m_per_n", displacement)),
+        np.ascontiguousarray(tendon.column("tendon_force_per_endpoint_force", displacement)),
+    )
+
+
+def convection_metadata(diameter_m: float, ambient_temperature_k: float) -> Metadata:
+    """Return a note for wires so thin that the convection correlation leaves its published range near the air."""
+    note = convection_range_note(diameter_m, ambient_temperature_k)
+    return {"convection_note": note} if note else {}
+
+
+def load_metadata(parts: Sequence[LoadPart], mechanism: Mechanism, two_wires: bool) -> Metadata:
+    """Return the metadata of a recording that describe a wire's load."""
+    stiffness = mechanism.load.stiffness_n_per_m
+    if not parts:
+        return {"spring_stiffness_n_per_m": stiffness}
+    plain = all(part.is_straight for part in parts)
+    named: Metadata = {"load": ", ".join(part.part for part in parts)}
+    for part in parts:
+        named |= part.facts()
+    if two_wires:
+        named["wires"] = 2
+    return {**named, "spring_stiffness_n_per_m": stiffness} if plain else named

@@ -1,27 +1,40 @@
-"""The schema of simulated rigs' files, and settings of wire and bench."""
+"""Simulated rigs from their files: the schema, the numbers of wire and bench that a file changes, and the device."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from musclewire.errors import CallerError
-from musclewire.parameters.parameter_groups import Bench, Parameter, ParameterGroup, Wire, key_hint
-from musclewire.parameters.validation import validated
+from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Parameter, ParameterGroup, Wire, checked, key_hint
+from musclewire.parameters.seeds import require_seed
+from musclewire.parameters.validation import first_problem
 from musclewire.parameters.wire_file import is_wire_file
 from musclewire.rigs.air import Surroundings
-from musclewire.rigs.kinds import DeviceConfiguration
+from musclewire.rigs.kinds import DeviceConfiguration, DeviceKind
 from musclewire.rigs.load_kinds import Part, Parts
-from musclewire.rigs.mounted_wire import LimitsTable
-from musclewire.rigs.pulse_width import PulseWidth
+from musclewire.rigs.mounted_wire import LimitsTable, WireKeys
+from musclewire.rigs.pulse_width import PulseWidth, sampling_problem
 from musclewire.rigs.simulated_faults import SimulatedFault
-from musclewire.rigs.wire_keys import WireKeys
 from musclewire.signals.units import parse_quantity
 
-__all__ = ["RigConfiguration", "changed_group", "with_settings"]
+if TYPE_CHECKING:
+    from musclewire.rigs.simulated import SimulatedDevice, Spool
+
+__all__ = [
+    "SIMULATED",
+    "RigConfiguration",
+    "changed_group",
+    "device_of",
+    "open_simulated",
+    "parameters_of",
+    "with_numbers",
+    "with_settings",
+]
 
 Group = TypeVar("Group", bound=ParameterGroup)
 
@@ -35,27 +48,6 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
     ----------
     kind
         "simulated".
-    wire_length
-        Overall length between the terminals [m]; this and the other keys of wire and circuit are by default those of
-        wire and bench.
-    legs
-        Parts of the wire that share the force.
-    shunt
-        R of Eq. 1 [ohm].
-    sense_voltage
-        Drive voltage [V] that hardly heats the wire and still gives a reading.
-    maximum_voltage
-        Highest drive voltage [V] that is ever allowed.
-    drive_amplitude
-        Amplitude of the slow sine [V].
-    pretension
-        Force of the cold wire [N].
-    ambient_temperature
-        Temperature of the air [K].
-    sample_period
-        Time between samples [s].
-    settings
-        Other numbers of wire and bench by name, in SI or as text with a unit.
     wire
         Name of a wire (``musclewire simulate --list``), or a wire file next to the rig file.
     bench
@@ -130,13 +122,21 @@ def with_settings(wire: Wire, bench: Bench, settings: Mapping[str, float | str],
 
     Raises CallerError for a name that neither has, suggesting the nearest.
     """
+    return with_numbers(wire, bench, settings, settings.__getitem__, where)
+
+
+def with_numbers(
+    wire: Wire, bench: Bench, names: Iterable[str], number: Callable[[str], float | str], where: str
+) -> tuple[Wire, Bench]:
+    """Return wire and bench with these numbers set by the user; ``number`` gives each by its name."""
     known = {**dict(bench.items()), **dict(wire.items())}
     changed: dict[str, Parameter] = {}
-    for key, given in settings.items():
-        if key not in known:
-            raise CallerError(f"{where}: unknown setting '{key}'{key_hint(key, known)}")
-        value = parse_quantity(given, known[key].unit) if isinstance(given, str) else float(given)
-        changed[key] = known[key].model_copy(
+    for name in names:
+        if name not in known:
+            raise CallerError(f"{where}: unknown setting '{name}'{key_hint(name, known)}")
+        given = number(name)
+        value = parse_quantity(given, known[name].unit) if isinstance(given, str) else float(given)
+        changed[name] = known[name].model_copy(
             update={"value": value, "kind": "assumed", "source": where, "note": "set by the user"}
         )
     return changed_group(wire, changed, where), changed_group(bench, changed, where)
@@ -144,5 +144,115 @@ def with_settings(wire: Wire, bench: Bench, settings: Mapping[str, float | str],
 
 def changed_group(group: Group, changed: Mapping[str, Parameter], where: str) -> Group:
     """Return a group with those of the changed parameters that it has, checked like a file."""
-    own = {key: item.model_dump() for key, item in changed.items() if key in type(group).model_fields}
-    return validated(type(group), {**group.model_dump(), **own}, where) if own else group
+    own: dict[str, Parameter] = {}
+    for name, item in changed.items():
+        if name not in type(group).model_fields:
+            continue
+        try:
+            own[name] = Parameter(**dict(item))
+            checked(name, own[name], type(group).model_fields[name])
+        except ValidationError as error:
+            raise CallerError(f"{where}: {name}.{first_problem(error, Parameter)}") from None
+        except ValueError as problem:
+            raise CallerError(f"{where}: {problem}") from None
+    return group.model_copy(update=own)
+
+
+def open_simulated(
+    configuration: RigConfiguration,
+    where: str,
+    wire: str | None,
+    bench: str | None,
+    seed: int | None,
+    real_time: bool,
+    settings: Mapping[str, float | str],
+) -> SimulatedDevice:
+    """Return the open simulated rig of a rig file, changed as ``open_rig`` says."""
+    drawn_from = require_seed(configuration.seed if seed is None else seed, f"{where}: seed")
+    parameters = parameters_of(configuration, where, wire, bench, settings)
+    return device_of(configuration, where, parameters, seed=drawn_from, real_time=real_time, settings=settings)
+
+
+def parameters_of(
+    configuration: RigConfiguration,
+    where: str,
+    wire: str | None,
+    bench: str | None,
+    settings: Mapping[str, float | str],
+) -> tuple[Alloy, Wire, Bench]:
+    """Return alloy, wire and bench of a rig file with all settings. Raises CallerError for wrong ones."""
+    name = wire or configuration.wire
+    named = load_wire(name)
+    around = load_bench(bench or configuration.bench)
+    if bench is None and "bench" not in configuration.model_fields_set:
+        around = changed_group(around, bench_known_with(name), f"wire file {name}")
+    names = dict.fromkeys([*configuration.numbers_set(), *settings])
+
+    def given(name: str) -> float | str:
+        return settings[name] if name in settings else configuration.number(name)
+
+    chosen, around = with_numbers(named, around, names, given, where)
+    return load_alloy(chosen.alloy), chosen, around
+
+
+def device_of(
+    configuration: RigConfiguration,
+    where: str,
+    parameters: tuple[Alloy, Wire, Bench],
+    *,
+    seed: int,
+    real_time: bool,
+    settings: Mapping[str, float | str],
+) -> SimulatedDevice:
+    """Return the simulated device of a rig file with the numbers of an alloy, a wire and a bench.
+
+    ``settings`` are those that the numbers already have; they are only checked. Raises CallerError for one that the
+    rig's load leaves without effect.
+    """
+    from musclewire.rigs.simulated import Spool
+
+    alloy, chosen, around = parameters
+    given = {*configuration.numbers_set(), *settings}
+    if configuration.load and "spring_stiffness_n_per_m" in given:
+        raise CallerError(
+            f"{where}: the setting 'spring_stiffness_n_per_m' belongs to the bench's spring, and [[load]] replaces it: "
+            "give a part 'spring' with a stiffness"
+        )
+    device = device_with(
+        configuration.pwm,
+        Spool(chosen, alloy, around, configuration.new_wire),
+        parts=configuration.load,
+        surroundings=configuration.surroundings,
+        seed=seed,
+        real_time=real_time,
+        limits=configuration.limits.changed(),
+        faults=configuration.fault,
+    )
+    if "pretension_n" in given and not device.has_stage:
+        raise CallerError(
+            f"{where}: the setting 'pretension_n' needs a stage, and this rig has none: the part 'weight' is the "
+            "pretension"
+        )
+    return device
+
+
+def device_with(pwm: PulseWidth | None, spool: Spool, **how: Any) -> SimulatedDevice:
+    """Return the simulated device, with a steady drive or heated by pulses. Raises CallerError for useless readings."""
+    # The simulator is loaded when a rig is opened: to check a file, or to open hardware, nobody waits for it.
+    from musclewire.rigs.simulated import SimulatedDevice
+    from musclewire.rigs.simulated_pwm import PulsedDevice
+
+    if pwm is None:
+        return SimulatedDevice(spool, **how)
+    problem = sampling_problem(pwm, spool.bench.sense_voltage_v.value)
+    if problem is not None and problem.useless:
+        raise CallerError(f"[pwm] {problem.text}")
+    return PulsedDevice(pwm, spool, **how)
+
+
+def opened(configuration: RigConfiguration) -> SimulatedDevice:
+    """Return the simulated device of a rig file without changes."""
+    return open_simulated(configuration, "rig", None, None, None, False, {})
+
+
+SIMULATED = DeviceKind(RigConfiguration, opened)

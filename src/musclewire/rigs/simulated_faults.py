@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from musclewire.rigs.quantities import measured_in
+from musclewire.signals.units import measured_in
 
 __all__ = ["OLD_KINDS", "CircuitState", "SimulatedFault", "SimulatedFaults"]
 

@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 from musclewire.errors import CallerError
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.pulse_width import APERTURE_S, PulseWidth, duty_of, left_over, pulse_width_problems
-from musclewire.rigs.simulated import SimulatedDevice, SimulatedInside
-from musclewire.rigs.simulated_building import Spool
+from musclewire.rigs.simulated import SimulatedDevice, SimulatedInside, Spool
 from musclewire.signals.exchange import RawSample
 from musclewire.wire.wires import SampleMeans
 

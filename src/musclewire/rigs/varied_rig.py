@@ -16,11 +16,10 @@ from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.load_kinds import Parts
 from musclewire.rigs.load_part import LoadPart
 from musclewire.rigs.mechanism import Mechanism, Tendon, mechanism_of
+from musclewire.rigs.mounted_wire import SETTINGS
 from musclewire.rigs.protocol import Metadata
-from musclewire.rigs.simulated_building import require_allowed_pull
-from musclewire.rigs.simulated_configuration import RigConfiguration, changed_group
-from musclewire.rigs.simulated_opening import device_of, parameters_of
-from musclewire.rigs.wire_keys import SETTINGS
+from musclewire.rigs.simulated import require_allowed_pull
+from musclewire.rigs.simulated_configuration import RigConfiguration, changed_group, device_of, parameters_of
 from musclewire.wire.building import SHAPE, constants_of, measured_grains
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.distribution import Distribution

@@ -20,8 +20,18 @@ from musclewire.signals.columns import COLUMNS
 
 if TYPE_CHECKING:
     import pint
+    from pydantic import BeforeValidator
 
-__all__ = ["Conversion", "to_si", "conversion_to_si", "is_unit", "measures", "parse_quantity", "quantity_with_suffix"]
+__all__ = [
+    "Conversion",
+    "conversion_to_si",
+    "is_unit",
+    "measured_in",
+    "measures",
+    "parse_quantity",
+    "quantity_with_suffix",
+    "to_si",
+]
 
 
 @dataclass(frozen=True)
@@ -285,3 +295,28 @@ def _registry() -> pint.UnitRegistry[Any]:
 
     registry: pint.UnitRegistry[Any] = pint.UnitRegistry()
     return registry
+
+
+# Units with a zero of their own, which differences of temperatures cannot have.
+ABSOLUTE = ("degC", "degF", "°C", "°F", "celsius", "fahrenheit")
+
+
+def measured_in(unit: str, *, difference: bool = False) -> BeforeValidator:
+    """Return a validator that takes a number in SI or text with a unit.
+
+    For a ``difference`` of temperatures, degrees Celsius and Fahrenheit are refused, because their zero is arbitrary.
+    """
+    from pydantic import BeforeValidator  # here, so that recordings are read without it
+
+    def in_si(given: Any) -> Any:
+        if not isinstance(given, str):
+            return given
+        if difference and given.rstrip().endswith(ABSOLUTE):
+            raise ValueError(f"'{given}': a difference of temperatures is needed, like '3 K'")
+        try:
+            return parse_quantity(given, unit)
+        except CallerError as error:
+            raise ValueError(str(error)) from None
+
+    in_si.unit = unit  # type: ignore[attr-defined]  # for messages on limits (parameters/validation.py)
+    return BeforeValidator(in_si)

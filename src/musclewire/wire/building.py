@@ -11,7 +11,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.errors import CallerError
-from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
+from musclewire.parameters.parameter_groups import Alloy, Bench, Numbers, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
 from musclewire.wire.constants import CONVECTION_POINTS, WireConstants
@@ -73,7 +73,7 @@ def constants_from(
     no effect. Raises CallerError if the numbers cannot describe a wire (no length, no grains).
     """
     grains = measured_grains(alloy)
-    return constants_of(alloy.values(), wire.values(), rig.values(), load=load, new_wire=new_wire, distribution=grains)
+    return constants_of(alloy.values(), wire.values(), rig, load=load, new_wire=new_wire, distribution=grains)
 
 
 def measured_grains(alloy: Alloy) -> Distribution | None:
@@ -88,7 +88,7 @@ def measured_grains(alloy: Alloy) -> Distribution | None:
 def constants_of(
     material: Mapping[str, float],
     spool: Mapping[str, float],
-    bench: Mapping[str, float],
+    bench: Numbers,
     *,
     load: ConnectorLoad | None = None,
     new_wire: bool = False,
@@ -100,7 +100,8 @@ def constants_of(
     Parameters
     ----------
     material, spool, bench
-        Numbers of alloy, wire and bench by name, in SI: the ``values()`` of their parameter groups.
+        Numbers of alloy, wire and bench by name, in SI: the ``values()`` of their parameter groups; of the bench
+        also the group itself.
     load
         What the wire pulls; the bench's spring if None.
     new_wire
@@ -154,7 +155,7 @@ def constants_of(
     return with_pretension(constants, bench["pretension_n"])
 
 
-def require_a_wire(material: Mapping[str, float], spool: Mapping[str, float], bench: Mapping[str, float]) -> None:
+def require_a_wire(material: Mapping[str, float], spool: Mapping[str, float], bench: Numbers) -> None:
     """Raise CallerError for numbers that cannot describe a wire."""
     for name, value in (
         *((key, bench[key]) for key in ("wire_length_m", "legs", "guide_presliding_m")),
@@ -201,7 +202,7 @@ def alloy_on_spool(material: Mapping[str, float], spool: Mapping[str, float], *,
     return same
 
 
-def body(material: Mapping[str, float], spool: Mapping[str, float], bench: Mapping[str, float]) -> dict[str, float]:
+def body(material: Mapping[str, float], spool: Mapping[str, float], bench: Numbers) -> dict[str, float]:
     """Return the dimensions, heat capacity and latent heat of a wire."""
     length, legs, diameter = bench["wire_length_m"], bench["legs"], spool["diameter_m"]
     area = 0.25 * math.pi * diameter**2

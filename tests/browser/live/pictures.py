@@ -9,14 +9,14 @@ from __future__ import annotations
 import io
 import json
 import os
-from pathlib import Path
 from typing import Any
 
 from PIL import Image
+from tests.places import DOCS
 
 __all__ = ["FOLDER", "LANDMARKS", "Pictures"]
 
-FOLDER = Path(__file__).parents[3] / "docs" / "images" / "live_page"
+FOLDER = DOCS / "images" / "live_page"
 LANDMARKS = FOLDER / "landmarks.json"
 SETTLES_S = 10  # a busy machine draws the page's parts one after the other
 COLOURS = 96  # a page of text and lines needs no more, and each picture stays near 100 kB

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.browser.live.opened import missing, opened, switch_on, wait_for_phase
+from tests.browser.chromium import missing
+from tests.browser.live.opened import opened, switch_on, wait_for_phase
 from tests.browser.live.served import Served, serving, until
 
 import musclewire as mw

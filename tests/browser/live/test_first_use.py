@@ -15,6 +15,7 @@ from PIL import Image
 from tests.browser.live.opened import opened, wait_for_phase
 from tests.browser.live.pictures import FOLDER, Pictures
 from tests.browser.live.served import Served, serving, until
+from tests.places import DOCS
 
 MAX_S, MAX_CLICKS = 90.0, 6
 GRAIN_PCT = 0.011  # a step of the slider
@@ -22,7 +23,7 @@ GRAIN_PCT = 0.011  # a step of the slider
 SEEN_BEFORE = {"Switch on and check the wiring": "1_wire_it_up", "Warm the wire for 1 s": "2_safe_limits"}
 # How near the wire must come to where the slider was moved, as the mean over half a second of the true strain.
 MAX_ERROR_PCT, MEAN_ROWS, KEYS = 0.15, 10, 60
-TUTORIAL = Path(__file__).parents[3] / "docs" / "tutorials" / "the_live_page.md"
+TUTORIAL = DOCS / "tutorials" / "the_live_page.md"
 BUTTON = '[data-part="steps"] button.primary:not([disabled])'
 MAX_PICTURE_BYTES = 200_000
 

@@ -9,8 +9,9 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+from tests.browser.chromium import started
 from tests.browser.live.cable import cable_to
-from tests.browser.live.opened import follow_slider, opened, started, switch_on
+from tests.browser.live.opened import follow_slider, opened, switch_on
 from tests.browser.live.served import Served, until
 
 # The bar, 1 s, is that of benchmarks/live_page.py --stop.

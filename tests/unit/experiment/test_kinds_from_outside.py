@@ -9,6 +9,7 @@ import types
 from pathlib import Path
 
 import pytest
+from tests.slow_estimators import drifting
 from typer.testing import CliRunner
 
 import musclewire as mw
@@ -18,7 +19,6 @@ from musclewire.errors import CallerError
 from musclewire.experiment.metrics import ControlRun
 from musclewire.sensing import ESTIMATORS
 from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate, Reason
-from slow_estimators import drifting
 
 
 class OnOff:

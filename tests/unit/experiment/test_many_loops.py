@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.slow_estimators import drifting
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
@@ -37,7 +38,6 @@ from musclewire.sensing.estimator import EstimatorSetup
 from musclewire.sensing.polynomial_estimator import PolynomialEstimator
 from musclewire.signals.compiled_tick import CompiledTick, declared_tick
 from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate
-from slow_estimators import drifting
 
 pytestmark = pytest.mark.slow
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fake_rig import FakeRig, straight_model
+from tests.slow_estimators import DriftingState, MeanPower, drifting
 
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError, RigError
@@ -19,7 +20,6 @@ from musclewire.rigs.protocol import Rig
 from musclewire.sensing import PolynomialEstimator
 from musclewire.sensing.slow_corrections import InLine, InThread, SlowCorrections, SlowStatus
 from musclewire.signals.exchange import Command, RawSample, WireSample
-from slow_estimators import DriftingState, MeanPower, drifting
 
 SHORT = staircase(hold_s=0.3)
 SAMPLE = WireSample(0.0, 1.0, 0.9, 0.1)

@@ -16,8 +16,7 @@ from musclewire.identify.resistance_alone.what_helps import within
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.parameters.spreads import load_spreads, priors_around
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.simulated import SimulatedDevice
-from musclewire.rigs.simulated_building import Spool
+from musclewire.rigs.simulated import SimulatedDevice, Spool
 from musclewire.sensing.model import load_model
 from musclewire.signals import Recording
 

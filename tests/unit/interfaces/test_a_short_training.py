@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import importlib.util
-from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
+from tests.places import EXAMPLES
 
-EXAMPLE = Path(__file__).parents[3] / "examples" / "train_by_evolution.py"
+EXAMPLE = EXAMPLES / "train_by_evolution.py"
 
 
 def example() -> ModuleType:

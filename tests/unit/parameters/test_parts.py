@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
+from tests.places import CHECKOUT
 
 from musclewire.errors import CallerError
 from musclewire.extras.board.parts import load_parts, parts_names
@@ -74,7 +74,7 @@ def test_the_low_passes_of_the_board_leave_a_ten_thousandth_of_the_pulses() -> N
 
 
 def test_the_board_is_wired_as_its_firmware_reads_it() -> None:
-    file = Path(__file__).resolve().parents[3] / "firmware/boards/arduino-uno/board.toml"
+    file = CHECKOUT / "firmware/boards/arduino-uno/board.toml"
     board, values = tomllib.loads(file.read_text("utf-8")), load_parts("board").values()
     assert board["shunt_resistance_ohm"] == float(values["RS"].split()[0])
     assert values["U2"] == "INA180A1"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.places import EXAMPLES
 
 from musclewire.errors import NumericsError
 from musclewire.extras.studies.segmented import Conditions
@@ -20,7 +20,7 @@ from musclewire.rigs.abilities import required_true_state
 from musclewire.rigs.configuration import open_rig
 from musclewire.signals.exchange import Drive
 
-RIG_FILE = Path(__file__).resolve().parents[3] / "examples" / "plants" / "liang_rogers.toml"
+RIG_FILE = EXAMPLES / "plants" / "liang_rogers.toml"
 
 
 @pytest.fixture(name="plants", scope="module")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.places import CHECKOUT
 
 import musclewire as mw
 from musclewire.errors import CallerError
@@ -17,7 +18,6 @@ from musclewire.rigs.kinds import DEVICES, DeviceConfiguration
 from musclewire.rigs.outside import imported
 from musclewire.signals.recording import Recording
 
-ROOT = Path(__file__).resolve().parents[3]
 NAMES = ("my_plant", "my_failing_plant", "my_other_plant")
 PLANT = """
 import pathlib
@@ -292,11 +292,11 @@ def test_only_opening_a_rig_and_many_loops_may_import() -> None:
     The process of a bench opens the rig that ``musclewire serve`` was given on the command line, and no other.
     """
     found = set()
-    for path in (ROOT / "src" / "musclewire").rglob("*.py"):
+    for path in (CHECKOUT / "src" / "musclewire").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             named = isinstance(node, ast.keyword) and node.arg == "may_import"
             allowed = named and isinstance(node.value, ast.Constant) and node.value.value is True
             called = isinstance(node, ast.Call) and getattr(node.func, "id", "") == "imported_kind"
             if allowed or called:
-                found.add(path.relative_to(ROOT / "src" / "musclewire").as_posix())
+                found.add(path.relative_to(CHECKOUT / "src" / "musclewire").as_posix())
     assert found == {"rigs/configuration.py", "experiment/many_loops.py", "live/bench/opening.py"}

@@ -14,7 +14,7 @@ from musclewire.experiment.run_warnings import run_warnings
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.rigs.abilities import true_state_of
 from musclewire.rigs.pulse_width import PulseWidth, duty_of, pulse_width_problems, unsettled_error
-from musclewire.rigs.simulated_building import Spool
+from musclewire.rigs.simulated import Spool
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.rigs.simulated_pwm import PulsedDevice
 from musclewire.signals.exchange import Drive, RawSample

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
+from tests.places import CHECKOUT
 
 from musclewire.extras.board.serial.configuration import SerialConfiguration
 from musclewire.rigs.configuration import rig_configuration
 
-FOLDER = Path(__file__).parents[3] / "firmware" / "boards" / "arduino-uno"
+FOLDER = CHECKOUT / "firmware" / "boards" / "arduino-uno"
 CLOCK_HZ = 16e6
 
 

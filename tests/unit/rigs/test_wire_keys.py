@@ -8,9 +8,8 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.rigs.configuration import open_rig, read_rig_file
-from musclewire.rigs.mounted_wire import MountedWire
+from musclewire.rigs.mounted_wire import SETTINGS, MountedWire
 from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.wire_keys import SETTINGS
 
 BY_KEYS = """
 wire_length = "120 mm"

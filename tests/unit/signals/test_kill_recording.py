@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from tests.places import BENCHMARKS
 
-BENCHMARK = Path(__file__).parents[3] / "benchmarks" / "kill_recording.py"
+BENCHMARK = BENCHMARKS / "kill_recording.py"
 
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform != "linux", reason="kills and limits as on Linux")]

@@ -15,8 +15,7 @@ from musclewire.extras.studies.study import Workers, sweep
 from musclewire.identify import fit
 from musclewire.identify.loop_gaps import loop_gaps
 from musclewire.rigs.configuration import simulated_configuration
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.simulated_opening import parameters_of
+from musclewire.rigs.simulated_configuration import RigConfiguration, parameters_of
 from musclewire.rigs.varied_rig import VariedRig, keys_of
 
 HERE = Workers(processes=1)

@@ -5,5 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from tests.places import BENCHMARKS
+
 sys.path.insert(0, str(Path(__file__).parent))
-sys.path.insert(0, str(Path(__file__).parents[3] / "benchmarks"))
+sys.path.insert(0, str(BENCHMARKS))

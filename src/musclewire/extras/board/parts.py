@@ -14,8 +14,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters.toml_file import read_toml
-from musclewire.parameters.validation import validated
+from musclewire.parameters.validation import read_toml, validated
 
 __all__ = ["CircuitPart", "CircuitPin", "PartsList", "load_parts", "parts_names"]
 

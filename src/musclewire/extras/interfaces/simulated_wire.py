@@ -9,7 +9,7 @@ from pathlib import Path
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.rigs.configuration import RigConfiguration, simulated_configuration
-from musclewire.rigs.simulated_opening import open_simulated
+from musclewire.rigs.simulated_configuration import open_simulated
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.stepping import Stepping
 from musclewire.wire.wires import OneWire

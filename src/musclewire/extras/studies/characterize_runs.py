@@ -18,11 +18,11 @@ from musclewire.extras.studies.run_kind import KindOptions, Outcome, Quantity, R
 from musclewire.identify import fit
 from musclewire.identify.loop_gaps import force_is_level, gap_in
 from musclewire.identify.recordings import required_quantity, resistance_reading
-from musclewire.rigs.quantities import measured_in
 from musclewire.rigs.varied_rig import VariedWire
 from musclewire.sensing.gaps import hysteresis_gap
 from musclewire.sensing.segments import find_segments
 from musclewire.signals.recording import Recording
+from musclewire.signals.units import measured_in
 
 __all__ = ["CHARACTERIZE", "CharacterizeOptions", "swing"]
 

@@ -20,9 +20,9 @@ from musclewire.identify import fit
 from musclewire.identify.recordings import required_quantity
 from musclewire.rigs.compiled_loop.running import uncompiled
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.quantities import measured_in
 from musclewire.sensing import SensingModel, load_model
 from musclewire.sensing.estimator import DEFAULT_ESTIMATOR
+from musclewire.signals.units import measured_in
 
 __all__ = ["CONTROL", "ControlOptions"]
 

@@ -15,9 +15,9 @@ from musclewire.experiment.drive import drive_wire
 from musclewire.extras.studies.ideal_runs import IdealRun, Readings, by_readings, ideal_runs
 from musclewire.extras.studies.run_kind import KindOptions, Outcome, Quantity, Run, RunKind, Runs, each
 from musclewire.identify.recordings import required_quantity, resistance_reading
-from musclewire.rigs.quantities import measured_in
 from musclewire.rigs.varied_rig import VariedWire
 from musclewire.signals.recording import Recording
+from musclewire.signals.units import measured_in
 
 __all__ = ["SIMULATE", "SimulateOptions"]
 

@@ -17,7 +17,7 @@ from musclewire.extras.studies.folder import StudyFolder, unfinished
 from musclewire.extras.studies.local_workers import evaluate_here, evaluate_locally
 from musclewire.extras.studies.plan import Plan, plan_of
 from musclewire.extras.studies.study_file import study_file
-from musclewire.parameters.toml_file import read_toml
+from musclewire.parameters.validation import read_toml
 
 if TYPE_CHECKING:
     import xarray as xr

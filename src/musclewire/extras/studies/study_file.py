@@ -9,8 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError
 from musclewire.extras.studies.varied_parameters import ParameterTable
-from musclewire.parameters.toml_file import read_toml
-from musclewire.parameters.validation import validated
+from musclewire.parameters.validation import read_toml, validated
 
 __all__ = ["Sampling", "StudyFile", "read_study_file", "study_file"]
 

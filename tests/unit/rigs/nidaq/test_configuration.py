@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import tomllib
 from itertools import takewhile
-from pathlib import Path
 from textwrap import dedent
 from typing import Any
 
 import pytest
+from tests.places import DOCS
 
 from musclewire.errors import CallerError
 from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
@@ -98,7 +98,7 @@ def test_an_input_without_gain_is_refused() -> None:
 
 
 def test_the_rig_file_of_the_page_is_right() -> None:
-    page = (Path(__file__).parents[4] / "docs" / "how-to" / "drive_an_ni_card.md").read_text("utf-8")
+    page = (DOCS / "how-to" / "drive_an_ni_card.md").read_text("utf-8")
     lines = page[page.index('    kind = "nidaq"') :].split("\n")
     block = "\n".join(line for line in takewhile(lambda line: not line or line.startswith("    "), lines))
     configuration = validated(NiDaqConfiguration, tomllib.loads(dedent(block)), "the page's rig file")

@@ -26,7 +26,7 @@ from musclewire.errors import CallerError
 from musclewire.extras.board.nidaq.channels import Layout, Scale, layout_of
 from musclewire.rigs.kinds import DeviceConfiguration
 from musclewire.rigs.mounted_wire import LivePeriod, MountedWire
-from musclewire.rigs.quantities import measured_in
+from musclewire.signals.units import measured_in
 
 __all__ = ["DisplacementInput", "ForceInput", "Inputs", "NiDaqConfiguration", "Output", "Terminal", "VoltageInput"]
 

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from musclewire.rigs.kinds import DeviceConfiguration
 from musclewire.rigs.mounted_wire import LivePeriod, MountedWire
-from musclewire.rigs.quantities import measured_in
+from musclewire.signals.units import measured_in
 
 __all__ = ["SerialConfiguration"]
 

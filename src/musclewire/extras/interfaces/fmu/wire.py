@@ -10,8 +10,7 @@ from musclewire.extras.interfaces.fmu.finger_header import finger_header
 from musclewire.extras.interfaces.fmu.variables import Variables
 from musclewire.extras.interfaces.fmu.wire_header import wire_header, wire_tables
 from musclewire.extras.interfaces.fmu.wire_variables import wire_variables
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.simulated_opening import open_simulated
+from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.wires import OneWire
 

@@ -49,7 +49,7 @@ def perform(session: Session, order: Order) -> None:
     command, refused = order.command, ""
     try:
         if isinstance(command, messages.SwitchOn):
-            switch_on(session)
+            switch_on(session, order.stops_before)
         else:
             carry_out(session, order, RECIPES[type(command)])
     except (RigError, NumericsError, RecordingNotWrittenError) as problem:
@@ -71,8 +71,7 @@ def make_room(session: Session, order: Order) -> None:
 
 def carry_out(session: Session, order: Order, recipe: Recipe) -> None:
     """Do what a command asks for; afterwards the bench is ready again, if the rig still is."""
-    if session.shown.state.phase != "ready":
-        raise CallerError("the rig is not switched on: switch on first")
+    require_ready(session)
     doing = {
         "experiment": order.command.do,
         "title": recipe.title,
@@ -89,11 +88,19 @@ def carry_out(session: Session, order: Order, recipe: Recipe) -> None:
             session.shown.say("info" if session.end_asked() else "warning", f"the run ended before its time: {ended}")
 
 
+def require_ready(session: Session) -> None:
+    """Raise CallerError if the rig is not switched on, or is not any more."""
+    if session.shown.state.phase != "ready":
+        raise CallerError("the rig is not switched on: switch on first")
+
+
 @contextmanager
 def busy(session: Session, order: Order, doing: dict[str, Any], *, heats: bool) -> Iterator[None]:
-    """Mark the session as busy inside; a stop meanwhile stays what it is."""
-    session.ending, session.on_first_row = "", lambda: order.answer(True)
-    session.shown.change(phase="busy", doing=doing)
+    """Mark the session as busy inside; a stop before or meanwhile stays what it is."""
+    with session.deciding:
+        require_ready(session)
+        session.ending, session.on_first_row = "", lambda: order.answer(True)
+        session.shown.change(phase="busy", doing=doing)
     session.heating, failing = heats, False
     try:
         yield
@@ -103,9 +110,10 @@ def busy(session: Session, order: Order, doing: dict[str, Any], *, heats: bool) 
     finally:
         session.heating, session.on_first_row = False, None
         session.note_recordings()
-        if session.shown.state.phase == "busy" and not failing:
-            make_room(session, order)
-            session.shown.change(phase="ready", doing=None)
+        with session.deciding:
+            if session.shown.state.phase == "busy" and not failing:
+                make_room(session, order)
+                session.shown.change(phase="ready", doing=None)
 
 
 def failed(session: Session, problem: MusclewireError) -> None:
@@ -116,6 +124,7 @@ def failed(session: Session, problem: MusclewireError) -> None:
         return
     if rig is not None:
         rig.close()
-    if not session.stopped.by:
-        session.shown.say("error", str(problem))
-        session.shown.change(phase="failed", why=str(problem), doing=None)
+    with session.deciding:
+        if not session.stopped.by:
+            session.shown.say("error", str(problem))
+            session.shown.change(phase="failed", why=str(problem), doing=None)

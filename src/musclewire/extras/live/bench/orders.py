@@ -9,6 +9,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
+from math import isnan
 from typing import IO, Any
 
 from musclewire.errors import CallerError
@@ -26,10 +27,11 @@ SERVER_ENDED = "the end of the server"
 
 
 class Order:
-    """A command with the number by which it is answered."""
+    """A command with the number by which it is answered, and how many stops there had been when it was read."""
 
-    def __init__(self, number: int, command: Command, outbox: Outbox) -> None:
+    def __init__(self, number: int, command: Command, outbox: Outbox, stops_before: int = 0) -> None:
         """Wait to be answered."""
+        self.stops_before = stops_before
         # is_over: whether the next command may come, which is before the answer and the phase that say so.
         self.command, self.is_over = command, False
         self._number, self._outbox, self._answered = number, outbox, False
@@ -86,8 +88,8 @@ class Orders:
         session = self._session
         if "stop" in message:
             session.stop(str(message["stop"]))
-            took_ms = 1e3 * session.stopped.took_s if session.rig is not None else None
-            self._outbox.send({"stopped": message["stop"], "took_ms": took_ms})
+            took_s = session.stopped.took_s  # NaN if there was nothing to switch off
+            self._outbox.send({"stopped": message["stop"], "took_ms": None if isnan(took_s) else 1e3 * took_s})
         elif "release" in message:
             self._end(str(message["release"]))
         elif "command" in message:
@@ -96,10 +98,11 @@ class Orders:
     def _command(self, number: int, data: object) -> None:
         """Answer what needs no loop, refuse what has to wait for another run's end, queue the rest.
 
-        Switching on after a stop is queued in any case: what was stopped ends by itself.
+        Switching on after a stop is queued in any case: what was stopped ends by itself. A stop that comes while it
+        waits makes it out of date.
         """
         try:
-            order = Order(number, read_command(data), self._outbox)
+            order = Order(number, read_command(data), self._outbox, self._session.stops)
         except CallerError as problem:
             self._outbox.send({"answer": number, "accepted": False, "message": str(problem)})
             return

@@ -44,7 +44,9 @@ def main() -> int:
     show_wiring(session)
     finish_journals(session)
     session.note_recordings()
-    shown.change(phase="off")
+    with session.deciding:
+        if not session.stopped.by:  # orders are read already
+            shown.change(phase="off")
     shown.say("warning", *refused)
     run_session(session, orders)
     return 0

@@ -2,15 +2,19 @@
 
 The main thread runs the loop; orders come from another thread. A stop is carried out by the thread that brings it and
 waits for no sample; everything else is done between two samples, or refused while something else is being done.
+
+Stops are numbered: an order to switch on that was read before the last stop is out of date, however long it has waited.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from math import nan
 from pathlib import Path
+from threading import RLock
 
 from musclewire.controllers.steered_reference import SteeredReference
 from musclewire.errors import CallerError
@@ -83,6 +87,11 @@ class Session:
     pacer: Pacer | None = None
     work: Work = field(default_factory=Work)
     stopped: Stopped = field(default_factory=Stopped)
+    # How many stops there have been, whoever asked.
+    stops: int = 0
+    # Held while the phase becomes "starting", "ready" or "busy" and while a stop makes it "stopped": neither may come
+    # between the other's look and what it shows. Re-entrant: a signal's stop interrupts the main thread anywhere.
+    deciding: AbstractContextManager[bool] = field(default_factory=RLock)
     # Why the present run is to end after its sample; "" while it may go on.
     ending: str = ""
     # The command that waits for the loop or is being carried out; "" for none.
@@ -96,17 +105,22 @@ class Session:
     _since_s: float = 0.0
     _now_s: float = 0.0
     protection_seen: tuple[int, int] = (-1, -1)
+    _counting: AbstractContextManager[bool] = field(default_factory=RLock)
 
     def stop(self, by: str) -> None:
-        """Switch the drive off now, whichever thread asks, and for good: ``switch_on`` opens the rig again."""
+        """Switch the drive off now, whichever thread asks, and for good: a later ``switch_on`` opens the rig again."""
         received_s = time.perf_counter()
+        with self._counting:
+            self.stops += 1
         rig, by = self.rig, self.stopped.by or by  # the first who stopped stays the reason
-        self.stopped = Stopped(by)
+        done = self.stopped = Stopped(by)
         if rig is not None:
-            rig.close()
-            self.stopped = Stopped(by, time.perf_counter() - received_s, rig.off_confirmed)
-        why = f"stopped by {by}: the drive is off; switch on again when it is safe"
-        self.shown.change(phase="stopped", why=why, doing=None)
+            rig.close()  # before the lock: the drive waits for nobody who sends a state to the server
+            done = Stopped(by, time.perf_counter() - received_s, rig.off_confirmed)
+        with self.deciding:
+            self.stopped = done
+            why = f"stopped by {by}: the drive is off; switch on again when it is safe"
+            self.shown.change(phase="stopped", why=why, doing=None)
 
     def steer(self, target: float) -> None:
         """Move the target of the present loop. Raises CallerError if none is steered, or outside the model's range."""

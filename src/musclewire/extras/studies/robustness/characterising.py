@@ -120,7 +120,19 @@ def characterise(wire: PopulationWire, folder: Path) -> None:
 def slow_loop(wire: PopulationWire) -> Recording:
     """Return the slow loop at an amplitude beyond which the stroke hardly grows, as its user would find it.
 
-    Raises RecordingError if no amplitude that the rig allows gives a loop that can be fitted.
+    Parameters
+    ----------
+    wire
+        A wire of the population, on its rig.
+
+    Returns
+    -------
+    The recording of the slow loop.
+
+    Raises
+    ------
+    RecordingError
+        If no amplitude that the rig allows gives a loop that can be fitted.
     """
     best: Recording | None = None
     best_stroke, problem = 0.0, ""

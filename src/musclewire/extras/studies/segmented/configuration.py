@@ -14,10 +14,9 @@ from musclewire.extras.studies.segmented.structure import Ageing, NormalMixture,
 from musclewire.extras.studies.segmented.wire import DEFAULT_STEP_S
 from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
 from musclewire.rigs.kinds import DeviceConfiguration, DeviceKind
-from musclewire.rigs.mounted_wire import AirKelvins, LimitsTable
-from musclewire.rigs.quantities import measured_in
-from musclewire.rigs.simulated_configuration import changed_group, with_settings
-from musclewire.rigs.wire_keys import WireKeys
+from musclewire.rigs.mounted_wire import AirKelvins, LimitsTable, SiName, WireKeys, numbers_given
+from musclewire.rigs.simulated_configuration import changed_group, with_numbers
+from musclewire.signals.units import measured_in
 from musclewire.wire.distribution import ONE_CLASS, BarrierClass
 
 __all__ = ["SEGMENTED", "ConditionsTable", "InstrumentsTable", "SegmentedConfiguration"]
@@ -188,28 +187,22 @@ class InstrumentsTable(Table):
         Standard deviation of a sample's time as a fraction of the period.
     """
 
-    voltage_noise: NoiseVolts | None = None
+    voltage_noise: Annotated[NoiseVolts | None, SiName("voltage_noise_v")] = None
     bits: Annotated[int, Field(ge=1, le=32)] | None = None
-    wire_range: Volts | None = None
-    shunt_range: Volts | None = None
+    wire_range: Annotated[Volts | None, SiName("wire_range_v")] = None
+    shunt_range: Annotated[Volts | None, SiName("shunt_range_v")] = None
     bipolar: bool | None = None
     readings: Annotated[int, Field(ge=1)] | None = None
     wire_gain: Positive | None = None
     shunt_gain: Positive | None = None
-    lead_resistance: Ohms | None = None
-    contact_jump: Ohms | None = None
-    contact_interval: Seconds | None = None
+    lead_resistance: Annotated[Ohms | None, SiName("lead_resistance_ohm")] = None
+    contact_jump: Annotated[Ohms | None, SiName("contact_jump_ohm")] = None
+    contact_interval: Annotated[Seconds | None, SiName("contact_interval_s")] = None
     clock_jitter: Annotated[float, Field(ge=0.0, le=0.2)] | None = None
 
     def over(self, settings: InstrumentSettings) -> InstrumentSettings:
         """Return instruments with what the table sets."""
-        units = {"noise": "v", "range": "v", "resistance": "ohm", "jump": "ohm", "interval": "s"}
-        given = {key: value for key, value in self.model_dump().items() if value is not None}
-        named = {
-            f"{key}_{units[key.rpartition('_')[2]]}" if key.rpartition("_")[2] in units else key: value
-            for key, value in given.items()
-        }
-        return settings._replace(**named)
+        return settings._replace(**numbers_given(self))
 
 
 class SegmentedConfiguration(WireKeys, DeviceConfiguration):
@@ -219,27 +212,6 @@ class SegmentedConfiguration(WireKeys, DeviceConfiguration):
     ----------
     kind
         "segmented".
-    wire_length
-        Overall length between the terminals [m]; this and the other keys of wire and circuit are by default those of
-        wire and bench.
-    legs
-        Parts of the wire that share the force.
-    shunt
-        R of Eq. 1 [ohm].
-    sense_voltage
-        Drive voltage [V] that hardly heats the wire and still gives a reading.
-    maximum_voltage
-        Highest drive voltage [V] that is ever allowed.
-    drive_amplitude
-        Amplitude of the slow sine [V].
-    pretension
-        Force of the cold wire [N].
-    ambient_temperature
-        Temperature of the air [K] at which the instruments are zeroed.
-    sample_period
-        Time between samples [s].
-    settings
-        Other numbers of wire and bench by name, in SI or as text with a unit.
     wire
         Name of a wire, or a wire file next to the rig file.
     bench
@@ -322,7 +294,7 @@ def opened(configuration: SegmentedConfiguration) -> SegmentedDevice:
     around = load_bench(of.bench)
     if "bench" not in of.model_fields_set:
         around = changed_group(around, bench_known_with(of.wire), f"wire file {of.wire}")
-    wire, bench = with_settings(load_wire(of.wire), around, of.all_settings(), "rig file")
+    wire, bench = with_numbers(load_wire(of.wire), around, of.numbers_set(), of.number, "rig file")
     structure = of.structure()
     return SegmentedDevice(
         SegmentedSpool(wire, load_alloy(wire.alloy), bench, structure, of.time_step),

@@ -15,7 +15,7 @@ from musclewire.parameters.seeds import require_seed
 from musclewire.parameters.validity import validity_of
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts
 from musclewire.rigs.protocol import Metadata
-from musclewire.rigs.simulated_building import convection_metadata
+from musclewire.rigs.simulated import convection_metadata
 from musclewire.rigs.wire_limits import WireCircuit, limits_of
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.rigs.simulated import read_sample
-from musclewire.rigs.simulated_building import MIN_SPREAD_STEPS
+from musclewire.rigs.simulated import MIN_SPREAD_STEPS, read_sample
 
 __all__ = ["InstrumentSettings", "RunningInstruments"]
 

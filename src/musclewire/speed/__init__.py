@@ -1,1 +1,0 @@
-"""How fast it is, compared with what one would use instead: ``musclewire bench``."""

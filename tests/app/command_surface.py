@@ -1,0 +1,309 @@
+"""What people type and programs read, taken from the live command line and from ``import musclewire``.
+
+    python -m tests.app.command_surface      prints the listing as tests/app/command_surface.toml has it
+    python -m tests.app.command_surface -w   writes it there; read the difference before it is committed
+
+It goes through the console script that ``pyproject.toml`` names, ``musclewire schema`` and the public names only, so
+that files may move within the package. What no program can list it asks about: a former name of an option and the
+suffix of a file are tried, those of the listing and those that a message names. A new former name is therefore added by
+hand, to ``former_options`` of the listing, before it is written again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import sys
+import tempfile
+import tomllib
+from collections.abc import Iterable, Iterator
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import typer
+from typer.testing import CliRunner
+
+import musclewire as mw
+
+ROOT = Path(__file__).resolve().parents[2]
+LISTING = Path(__file__).with_name("command_surface.toml")
+REFERENCE = ROOT / "docs/reference/command_line.md"
+HEAD = """\
+# What people type and programs read: one table for each command, and the names that files and programs use.
+# tests/app/test_command_surface.py compares it with the live command line; tests/app/command_surface.py writes it.
+# An option: its names, what it takes, "= default" or "required". A former name still works for the option beside it.
+# Exit codes: those that the reference names for this command, besides the table of all. A key of --json: "rows[].name"
+# is the key name of each object of the list rows, "parameters.*.value" that of each object of parameters.
+"""
+# What the Tab key lists for an argument or an option, in a folder without files.
+COMPLETED = {
+    "rigs": "rig",
+    "wires": "--wire",
+    "materials": "--material",
+    "fingers": "--finger",
+    "estimators": "--estimator",
+    "controllers": "--controller",
+    "rule_bases": "--rules",
+    "schemas": "name",
+}
+REGISTRIES = {
+    "rig_kinds": "DEVICES",
+    "registered_estimators": "ESTIMATORS",
+    "registered_controllers": "CONTROLLERS",
+    "load_parts": "LOAD_PARTS",
+    "run_kinds": "RUN_KINDS",
+}
+OUTPUT = "output-"
+# Below these keys is a document of any kind, of which the schema has the one that was printed when it was written.
+ANY_DOCUMENT = {"schema": "schema."}
+Listing = dict[str, Any]
+
+
+def listing(known: Listing) -> Listing:
+    """Return what there is now; ``known`` is the listing whose former names and suffixes are tried."""
+    former = known["names"]["former_options"]
+    names = {
+        "public": list(mw.__all__),
+        "errors": [f"{one.__name__} {one.exit_code}" for one in errors()],
+        **{name: list(getattr(mw, registry).own_names()) for name, registry in REGISTRIES.items()},
+        **completed_names(),
+        "recordings_read": readable(known["names"]["recordings_read"]),
+        "recordings_written": writable(known["names"]["recordings_written"]),
+        "former_options": former,
+    }
+    return {
+        "names": names,
+        "exit_codes": documented_exit_codes(),
+        "command": {name: command_table(name, command, former) for name, command in commands().items()},
+    }
+
+
+@cache
+def program() -> typer.Typer:
+    """Return the command line that the installed console script starts."""
+    scripts = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["scripts"]
+    found: typer.Typer = import_module(scripts["musclewire"].partition(":")[0]).app
+    return found
+
+
+@cache
+def commands() -> dict[str, Any]:
+    """Return every command that runs something by its full name, as 'design finger'; before all, the program itself."""
+    root = typer.main.get_command(program())
+    return {"musclewire": root, **dict(leaves(root))}
+
+
+def leaves(group: Any, before: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the commands below a group with their full names."""
+    for name, command in group.commands.items():
+        if hasattr(command, "commands"):
+            yield from leaves(command, f"{before}{name} ")
+        else:
+            yield before + name, command
+
+
+@cache
+def answer(*arguments: str) -> Any:
+    """Return the document that a command prints with ``--json``."""
+    printed = CliRunner().invoke(program(), [*arguments, "--json"], prog_name="musclewire")
+    assert printed.exit_code == 0, printed.output
+    return json.loads(printed.stdout)
+
+
+def command_table(name: str, command: Any, former: Iterable[str]) -> Listing:
+    """Return the table of one command."""
+    options = [one for one in command.params if one.param_type_name == "option"]
+    return {
+        "arguments": [argument_line(one) for one in command.params if one.param_type_name == "argument"],
+        "options": [option_line(one) for one in options if "--help" not in one.opts],
+        "former": [] if name == "musclewire" else accepted(command, former),
+        "exit_codes": exit_codes(name),
+        "json": json_keys(name),
+    }
+
+
+def argument_line(argument: Any) -> str:
+    """Return one line about an argument."""
+    return f"{argument.metavar or argument.name.upper()} {value_text(argument)}{default_text(argument)}"
+
+
+def option_line(option: Any) -> str:
+    """Return one line about an option."""
+    return f"{' '.join([*option.opts, *option.secondary_opts])} {value_text(option)}{default_text(option)}"
+
+
+def value_text(one: Any) -> str:
+    """Return what an argument or an option takes: 'switch', 'quantity', or a Python type with its limits."""
+    if getattr(one, "is_flag", False):
+        return "switch"
+    kind = one.type_descriptor.annotation
+    name = str(kind) if hasattr(kind, "__args__") else kind.__name__
+    text = "quantity" if one.metavar == "QUANTITY" else name.replace("pathlib.", "")
+    limits = [f"{word} {limit}" for word, limit in (("from", one.min), ("to", one.max)) if limit is not None]
+    return " ".join([text, *limits])
+
+
+def default_text(one: Any) -> str:
+    """Return how an argument or an option says that it has to be given, or what it is if it is not given."""
+    if one.required:
+        return ", required"
+    return "" if one.default in (None, False, (), []) else f" = {one.default}"
+
+
+def accepted(command: Any, former: Iterable[str]) -> list[str]:
+    """Return the former names that a command takes, of those that are no name of its options now."""
+    now = {name for one in command.params for name in one.opts}
+    return [line for name in former if name not in now and (line := taken_as(command, name))]
+
+
+def taken_as(command: Any, name: str) -> str:
+    """Return a name with the option that it leads to, "" if the command does not know it; of a switch only the name."""
+    try:
+        command.make_context("musclewire", [name])
+    except Exception as problem:  # typer has had two classes of usage errors, which have no name in common
+        if "No such option" in str(problem):
+            return ""
+        leads_to = re.search(r"Option '(--[\w-]+)'.* requires an argument", str(problem))
+        return f"{name} for {leads_to[1]}" if leads_to else name
+    return name
+
+
+def json_keys(name: str) -> list[str]:
+    """Return the keys of what a command prints with ``--json``, those of objects in it with what leads to them."""
+    if name == "musclewire":
+        return sorted(answer("--version"))
+    if OUTPUT + name.replace(" ", "-") not in answer("schema")["names"]:
+        return []
+    schema = answer("schema", OUTPUT + name.replace(" ", "-"))["schema"]
+    return [key for key in keys_of_schema(schema) if not key.startswith(ANY_DOCUMENT.get(name, "\0"))]
+
+
+def keys_of_schema(schema: Listing, before: str = "") -> Iterator[str]:
+    """Yield the keys of a schema; objects by name that all have the same keys have them once, under "*"."""
+    named = schema.get("properties", {})
+    below = {tuple(one.get("properties", ())) for one in named.values()}
+    alike = len(named) > 2 and len(below) == 1 and below != {()}
+    for number, (name, one) in enumerate(named.items()):
+        yield before + name
+        if not alike:
+            yield from keys_of_schema(one, f"{before}{name}.")
+        elif number == len(named) - 1:
+            yield from keys_of_schema(one, f"{before}*.")
+    if "items" in schema:
+        yield from keys_of_schema(schema["items"], f"{before.removesuffix('.')}[].")
+
+
+def exit_codes(name: str) -> list[int]:
+    """Return the exit codes that the reference names in the section of a command; the others are those of all."""
+    section = re.search(rf"^## `musclewire {name}`\n(.*?)(?=^## |\Z)", REFERENCE.read_text("utf-8"), re.M | re.S)
+    text = " ".join(section[1].split()) if section else ""
+    sentences = re.findall(r"[Ee]xit code [^.|]*|[Ee]nds with [^.|]*", text)
+    said = (code for one in sentences for code in re.findall(r"(?:code|code is|with|;) (130|143|[0-3])\b", one))
+    return sorted({int(code) for code in said})
+
+
+def documented_exit_codes() -> dict[str, str]:
+    """Return the exit codes of the reference, each with the beginning of what it means."""
+    rows = re.findall(r"^\| (\d+) \| ([^:;|]+)", REFERENCE.read_text("utf-8"), re.M)
+    return {code: meaning.strip() for code, meaning in rows}
+
+
+def errors() -> list[Any]:
+    """Return the errors of the package's own, each after the one it is a kind of."""
+    found: list[Any] = [mw.MusclewireError]
+    for one in found:
+        found += [kind for kind in one.__subclasses__() if kind not in found and kind.__module__ == one.__module__]
+    return found
+
+
+def completed_names() -> dict[str, list[str]]:
+    """Return what the Tab key lists, by kind; a kind that no command takes any more is left out."""
+    before = Path.cwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        try:
+            return {kind: found for kind, name in COMPLETED.items() if (found := completed(name))}
+        finally:
+            os.chdir(before)
+
+
+def completed(name: str) -> list[str]:
+    """Return what the Tab key lists for the first argument or option of a name that lists anything."""
+    for command in commands().values():
+        for one in command.params:
+            if one.name == name or name in one.opts:
+                context = command.make_context("musclewire", [], resilient_parsing=True)
+                found = [item.value for item in one.shell_complete(context, "")]
+                if found:
+                    return [value for value in found if not value.startswith(OUTPUT)]
+    return []
+
+
+def suffixes(message: str) -> list[str]:
+    """Return the suffixes that a message names."""
+    return re.findall(r"(?<![\w/])\.[a-z]\w*", message)
+
+
+def readable(known: Iterable[str]) -> list[str]:
+    """Return the suffixes of recordings that are read, of those that are known and those that a message names."""
+    refused = refusal(lambda path: mw.read_recording(path), "recording.unknown")
+    tried = dict.fromkeys([*known, *suffixes(refused.partition("export it as")[2])])
+    return [one for one in tried if "no such file" in refusal(lambda path: mw.read_recording(path), f"absent{one}")]
+
+
+def writable(known: Iterable[str]) -> list[str]:
+    """Return the suffixes of recordings that are written, of those that are known and those that a message names."""
+    columns = {"time_s": [0.0, 0.05], "drive_voltage_v": [0.3, 0.3]}
+    recording = mw.Recording(columns, {})  # type: ignore[arg-type]
+    refused = refusal(recording.save, "recording.unknown")
+    tried = dict.fromkeys([*known, *suffixes(refused.partition("end the name in")[2])])
+    return [one for one in tried if refusal(recording.save, f"written{one}") == ""]
+
+
+def refusal(act: Any, name: str) -> str:
+    """Return how an act on a file of a name in an empty folder is refused, "" if it is done."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            act(Path(folder) / name)
+        except mw.MusclewireError as error:
+            return str(error).replace(folder, "")
+    return ""
+
+
+def text_of(found: Listing) -> str:
+    """Return the listing as a TOML file."""
+    lines = [HEAD, "[names]"]
+    lines += [list_text(name, values) for name, values in found["names"].items()]
+    lines += ["", "[exit_codes]", *(f"{code} = {json.dumps(text)}" for code, text in found["exit_codes"].items())]
+    for name, table in found["command"].items():
+        lines += ["", f'[command."{name}"]' if " " in name else f"[command.{name}]"]
+        lines += [list_text(key, values) for key, values in table.items()]
+    return "\n".join(lines) + "\n"
+
+
+def list_text(name: str, values: list[Any]) -> str:
+    """Return a list of the file: one value in each line unless they are few."""
+    written = [json.dumps(value, ensure_ascii=False) for value in values]
+    line = f"{name} = [{', '.join(written)}]"
+    if len(line) <= 100 and name not in ("options", "json"):
+        return line
+    return f"{name} = [\n" + "".join(f"  {value},\n" for value in written) + "]" if written else line
+
+
+def main() -> None:
+    """Print the listing, or write it."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("-w", "--write", action="store_true", help=f"write {LISTING.name}")
+    text = text_of(listing(tomllib.loads(LISTING.read_text("utf-8"))))
+    if parser.parse_args().write:
+        LISTING.write_text(text, "utf-8")
+    else:
+        sys.stdout.write(text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+"""Ratios of turns, by a clock of the test's own."""
+
+from __future__ import annotations
+
+import pytest
+from benchmarks.speed.cases import cases
+from benchmarks.speed.machine import measured_machine
+from hypothesis import given
+from hypothesis import strategies as st
+
+from musclewire.app.bench_measure import Side, comparison, paired_us
+from musclewire.app.bench_rows import bench, cases_with_fixed_work
+from musclewire.errors import CallerError
+
+
+class Clock:
+    """A clock that stands still unless work is done."""
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+        self.done: list[str] = []
+
+    def __call__(self) -> float:
+        return self.now_s
+
+    def work(self, name: str, seconds: float, units: float = 1.0) -> Side:
+        def run(_: object) -> None:
+            self.done.append(name)
+            self.now_s += seconds
+
+        return Side(run, units)
+
+
+def test_both_run_in_turns_and_change_who_is_first() -> None:
+    clock = Clock()
+    paired_us(clock.work("ours", 1.0), clock.work("theirs", 1.0), 3, clock)
+    assert "".join(name[0] for name in clock.done) == "ot" + "ot" + "to" + "ot"
+
+
+@given(st.floats(1e-6, 1e3), st.floats(1e-6, 1e3), st.integers(1, 1000), st.integers(1, 9))
+def test_the_ratio_is_that_of_the_times_of_a_unit(ours_s: float, theirs_s: float, units: int, turns: int) -> None:
+    clock = Clock()
+    pairs = paired_us(clock.work("ours", ours_s, units), clock.work("theirs", theirs_s), turns, clock)
+    row = comparison("step", "a step", "another", pairs)
+    assert row.turns == turns
+    assert row.ours_us == pytest.approx(1e6 * ours_s / units, rel=1e-3)
+    assert row.ratio == pytest.approx(theirs_s * units / ours_s, rel=1e-3)
+    assert row.ratio_low <= row.ratio <= row.ratio_high
+
+
+def test_one_turn_that_was_disturbed_does_not_move_the_ratio() -> None:
+    row = comparison("step", "a step", "another", [(1.0, 4.0), (9.0, 4.0), (1.0, 4.0), (1.0, 90.0), (1.0, 4.0)])
+    assert (row.ours_us, row.theirs_us, row.ratio) == (1.0, 4.0, 4.0)
+
+
+def test_what_is_prepared_is_not_timed() -> None:
+    clock = Clock()
+
+    def prepare() -> str:
+        clock.now_s += 100.0
+        return "prepared"
+
+    def run(what: str) -> None:
+        assert what == "prepared"
+        clock.now_s += 1.0
+
+    assert Side(run, 1.0, prepare).time_us(clock) == pytest.approx(1e6)
+
+
+def test_names_begin_as_the_interface_says_and_say_what_the_work_is() -> None:
+    found = [*cases(), *cases_with_fixed_work()]
+    assert len({case.name for case in found}) == len(found)
+    begins = {case.name.partition("[")[0] for case in found}
+    assert {"step", "slow_loop", "closed_loop_period", "exchange", "fuzzy_pid_tick", "first_step"} <= begins
+    assert all(case.work and case.theirs for case in found)
+
+
+def test_a_name_that_no_comparison_has_is_answered_with_the_nearest() -> None:
+    with pytest.raises(CallerError, match="did you mean 'exchange'"):
+        bench("exchnge")
+
+
+def test_the_peaks_of_the_machine_are_in_their_order() -> None:
+    machine = measured_machine()
+    assert machine.vector_flops_per_s > machine.chained_flops_per_s > 0.0
+    assert machine.bandwidth_bytes_per_s > 0.0
+    assert machine.cores >= 1
+
+
+def test_what_is_repeated_in_a_turn_counts_once() -> None:
+    clock = Clock()
+    once, often = clock.work("once", 2.0, 4.0), clock.work("often", 2.0, 4.0)
+    assert Side(often.run, 4.0, repeats=10).time_us(clock) == pytest.approx(once.time_us(clock))
+    assert clock.done.count("often") == 10

@@ -1,0 +1,37 @@
+"""The command line, run in the process of a test."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import pytest
+
+__all__ = ["Answer", "musclewire"]
+
+
+class Answer(NamedTuple):
+    """What a command ended with and what it printed."""
+
+    code: int
+    out: str
+    err: str
+
+    @property
+    def json(self) -> Any:
+        """The document that it printed."""
+        return json.loads(self.out)
+
+
+@pytest.fixture
+def musclewire(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
+    """Run the command line in this process: exit code, stdout, stderr."""
+    from musclewire.app.main import run  # not before a test asks for it: most need no command line
+
+    def call(*arguments: object) -> Answer:
+        code = run([str(argument) for argument in arguments])
+        captured = capsys.readouterr()
+        return Answer(code, captured.out, captured.err)
+
+    return call

@@ -1,0 +1,12 @@
+"""The wire of several segments in the contract suite."""
+
+from __future__ import annotations
+
+from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_test
+
+from musclewire.extras.studies.segmented.configuration import SegmentedConfiguration
+from musclewire.rigs.configuration import open_rig
+
+__all__ = ["SUBJECTS"]
+
+SUBJECTS = (RigSubject("segmented", without_a_test(lambda: open_rig(SegmentedConfiguration())), PAPERS_WIRE_OHM),)
